@@ -15,12 +15,20 @@ OutcomeStatus status_of(const Outcome& outcome) {
         }
         case Status::bad_checksum: return {StatusCode::bad_checksum};
         case Status::unexpected_reply: return {StatusCode::unexpected_reply};
+        case Status::ambiguous: return {StatusCode::ambiguous, true};
         case Status::link_lost:
         case Status::cancelled: return {StatusCode::link_lost};
         case Status::timeout:
         case Status::line_busy: break;
     }
     return {StatusCode::timeout};
+}
+
+bool attempts_left(StatusCode status, std::uint16_t attempts, std::uint16_t& failures) {
+    constexpr int kAmbiguousOnes = 2;
+    if (status == StatusCode::link_lost) return true;
+    ++failures;
+    return failures < attempts + (status == StatusCode::ambiguous ? kAmbiguousOnes : 0);
 }
 
 }  // namespace takt::bus

@@ -1,9 +1,17 @@
 // Receiving: removes echoes, assigns frames to transactions, and ends those whose deadline has passed.
 #include <algorithm>
 
+#include "takt/base/assert.hpp"
 #include "takt/bus/transaction_engine.hpp"
 
 namespace takt::bus {
+namespace {
+
+constexpr std::size_t kShortestFrame = 5;  // an exception over RTU
+constexpr std::size_t kExceptionPdu = 2;
+constexpr int kSuspicionFactor = 2;
+
+}  // namespace
 
 using wire::FrameFault;
 using wire::Framing;
@@ -26,7 +34,7 @@ void TransactionCore::on_tick(Instant t) {
     if (!link_up_) return;
     notice_silence(t);
     notice_deadlines(t);
-    if (late_) late_->expire(t);
+    outstanding_.expire(t);
 }
 
 Duration TransactionCore::length_of(std::size_t characters) const {
@@ -57,7 +65,11 @@ void TransactionCore::notice_deadlines(Instant t) {
     const bool busy = t >= busy_limit() && t < silence_end();
     for (auto& slot : slots_) {
         if (slot.state == State::waiting && busy) finish(t, slot, Status::line_busy);
-        if (slot.state != State::sent || t < slot.deadline) continue;
+        if (!slot.in_flight() || t < slot.deadline) continue;
+        if (slot.state == State::confirming) {
+            conclude(t, slot);
+            continue;
+        }
         // A frame that stays incomplete has a wrong length; it would swallow the next responses.
         if (config_.framing == Framing::tcp && bytes_since_gap_ > 0) must_reconnect_ = true;
         if (slot.broadcast)
@@ -82,6 +94,7 @@ void TransactionCore::read(Instant t, Bytes bytes) {
     while (!bytes.empty() && !must_reconnect_) {
         const auto step = framer_.push(t, bytes);
         bytes = bytes.subspan(step.consumed);
+        more_follows_ = bytes.size() >= kShortestFrame;
         bytes_since_gap_ += step.consumed;
         if (!anything_sent()) counters_.unsolicited_bytes += step.consumed;
         if (step.consumed == 0 && !step.complete && step.fault == FrameFault::none) return;
@@ -115,7 +128,10 @@ void TransactionCore::on_fault(Instant t, const wire::FramerStep& step) {
     for (auto& slot : slots_) {
         if (slot.state != State::sent || slot.broadcast) continue;
         slot.garbled = true;
-        if (step.whole && !may_be_echo(t, slot, bytes_since_gap_)) finish(t, slot, Status::bad_checksum);
+        if (!step.whole || may_be_echo(t, slot, bytes_since_gap_)) continue;
+        // It may have been something else. That is not waited for, but remembered.
+        if (!step.came) expect_response(t, slot, t);
+        finish(t, slot, Status::bad_checksum);
     }
 }
 
@@ -130,7 +146,7 @@ bool TransactionCore::may_be_echo(Instant t, const Slot& slot, std::size_t bytes
 TransactionCore::Slot* TransactionCore::addressee(const wire::Frame& frame) {
     const bool tcp = config_.framing == Framing::tcp;
     for (auto& slot : slots_) {
-        if (slot.state != State::sent || slot.broadcast || slot.unit != frame.unit) continue;
+        if (!slot.in_flight() || slot.broadcast || slot.unit != frame.unit) continue;
         if (tcp && slot.wire_id != frame.transaction) continue;
         if (((frame.pdu[0] ^ slot.request.function) & 0x7FU) == 0) return &slot;
     }
@@ -146,7 +162,7 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
             take_response(t, *slot, frame);
         return;
     }
-    const bool late = settle_late(t, frame);
+    const bool late = settle_late(t, frame.unit, frame_shape(frame.pdu), frame.transaction) != Lateness::none;
     if (!late && config_.framing != Framing::tcp) note_other_unit(frame);
     pass_over(late);
 }
@@ -158,52 +174,117 @@ void TransactionCore::note_other_unit(const wire::Frame& frame) {
             slot.other_unit = frame.unit;
 }
 
-// A frame that answers no request in flight.
-bool TransactionCore::settle_late(Instant t, const wire::Frame& frame) {
-    const bool awaited = late_ && late_->settle(frame.unit, frame.pdu);
-    return measure_late(t, frame) || awaited;
+// A frame that answers no request in flight, or one that another followed.
+Lateness TransactionCore::settle_late(Instant end, UnitId unit, const AnswerShape& shape,
+                                      std::uint16_t wire_id) {
+    const std::size_t length = shape.pdu_length == 0 ? kExceptionPdu : shape.pdu_length;
+    const Instant begin = end - length_of(wire::frame_length(config_.framing, length));
+    const Lateness lateness =
+        outstanding_.settle(unit, shape, numbered() ? std::optional(wire_id) : std::nullopt, begin, end);
+    if (lateness != Lateness::none) note_late(end, unit, lateness);
+    return lateness;
 }
 
-bool TransactionCore::measure_late(Instant t, const wire::Frame& frame) {
-    const bool tcp = config_.framing == Framing::tcp;
-    const Instant begin = t - length_of(wire::frame_length(config_.framing, frame.pdu.size()));
-    const bool known = expired_.settle(frame.unit, frame.pdu,
-                                       tcp ? std::optional(frame.transaction) : std::nullopt, begin, t);
-    if (known) note_late(t, frame.unit);
-    return known;
+void TransactionCore::settle_stray(Slot& slot) {
+    if (slot.stray) settle_late(slot.stray->end, slot.unit, slot.stray->shape, 0);
+    slot.stray.reset();
 }
 
 // The unit may have worked on the earlier request until now.
-void TransactionCore::note_late(Instant t, UnitId unit) {
-    for (auto& slot : slots_)
-        if (slot.state == State::sent && slot.unit == unit) slot.unit_busy_until = t;
+void TransactionCore::note_late(Instant t, UnitId unit, Lateness lateness) {
+    for (auto& slot : slots_) {
+        if (!slot.in_flight() || slot.unit != unit) continue;
+        if (slot.state == State::sent) slot.unit_busy_until = t;
+        if (lateness == Lateness::out_of_order) slot.in_order = false;
+    }
 }
 
 void TransactionCore::pass_over(bool late) {
     ++(late ? counters_.late_answers : counters_.foreign_frames);
 }
 
-// A response is decoded here only.
+// A response is decoded here only; that of a transaction that is concluded once more.
 void TransactionCore::take_response(Instant t, Slot& slot, const wire::Frame& frame) {
     const Bytes pdu = frame.pdu;
     const UnitId unit = slot.unit;
-    const std::uint8_t function = slot.request.function;
+    const bool confirming = slot.state == State::confirming;
     const auto response = wire::decode_response(slot.request, slot.content(), pdu);
+    if (response) settle_stray(slot);
     if (response && response->is_exception()) {
-        if (late_ && late_->ambiguous(unit, function))
-            late_->expect_either(unit, slot.shape(), slot.deadline + slot.late_limit);
+        if (confirming) return finish(t, slot, Status::ambiguous);
+        if (!numbered() && outstanding_.ambiguous(unit, slot.request.function))
+            outstanding_.expect_either(unit, slot.shape(), slot.deadline + slot.late_limit);
+        else if (!numbered() && slot.in_order)
+            outstanding_.answered(t, unit, AnswerShape{slot.request.function, 0});
         echo_.answered();
         finish(t, slot, Status::exception, *response);
     } else if (response) {
-        echo_.answered();
-        if (late_) expired_.note_response(unit, slot.shape(), slot.request_end, slot.wait);
+        if (!confirming) echo_.answered();
+        const bool identified = slot.request.repeated;  // the response repeats the request
+        const bool alone =
+            !more_follows_ && ambiguity(t, unit, slot.shape()) == Ambiguity::none && !unusual(t, slot, pdu);
+        if (confirming || (!numbered() && !identified && !alone)) return confirm(t, slot, pdu);
+        if (!numbered() && slot.in_order)
+            outstanding_.answered(t, unit, identified ? std::nullopt : std::optional(slot.shape()));
         finish(t, slot, Status::ok, *response);
-    } else if (late_ && late_->settle(unit, pdu)) {
-        measure_late(t, frame);
+    } else if (!numbered() && outstanding_.remembers(unit, frame_shape(pdu))) {
+        settle_stray(slot);
+        slot.stray = {frame_shape(pdu), t};
         pass_over(true);
+    } else if (confirming) {
+        pass_over(false);
     } else {
         give_up(t, slot, Status::unexpected_reply);
     }
+}
+
+// Later than the unit usually answers, while a response that looks alike is missing: it may be that one.
+bool TransactionCore::unusual(Instant t, const Slot& slot, Bytes pdu) const {
+    if (numbered() || !outstanding_.remembers(slot.unit, slot.shape())) return false;
+    const Duration frame = length_of(wire::frame_length(config_.framing, pdu.size()));
+    return t - frame - slot.request_end > slot.longest_delay + config_.margin;
+}
+
+// The last frame that looks alike is the response: the ones before answered earlier requests. A frame that is
+// missing follows within the time in which the unit usually answers, or is lost. A unit that does not answer
+// in order may have sent them the other way round.
+void TransactionCore::confirm(Instant t, Slot& slot, Bytes pdu) {
+    if (slot.state == State::confirming) {
+        const Lateness lateness = settle_late(slot.received_at, slot.unit, slot.shape(), 0);
+        const bool in_order = lateness == Lateness::in_order && slot.in_order;
+        if (!in_order && !std::ranges::equal(pdu, outgoing_.span())) slot.unordered = true;
+        pass_over(lateness != Lateness::none);
+    }
+    if (unusual(t, slot, pdu)) slot.unordered = true;
+    slot.state = State::confirming;
+    slot.received_at = t;
+    outgoing_.assign(pdu);
+    slot.deadline = confirmation_end(t, slot);
+    if (slot.deadline <= t && !more_follows_) conclude(t, slot);
+}
+
+// Over a stream the response before is sent on its line first, for a time that is not known here.
+Instant TransactionCore::confirmation_end(Instant t, const Slot& slot) const {
+    const Ambiguity left = ambiguity(t, slot.unit, slot.shape());
+    if (left == Ambiguity::none) return t;
+    const Duration frame = length_of(wire::frame_length(config_.framing, outgoing_.size()));
+    const bool independent = left == Ambiguity::passed && config_.is_serial();
+    const Instant from =
+        independent ? std::max(t, slot.request_end + slot.longest_delay) : t + slot.longest_delay;
+    return from + (slot.request_end - slot.sent_at) + frame + silence_ + config_.margin;
+}
+
+// The response that is missing was lost, or it is that to this request.
+void TransactionCore::conclude(Instant t, Slot& slot) {
+    const bool in_doubt = slot.unordered || ambiguity(t, slot.unit, slot.shape()) > Ambiguity::passed;
+    outstanding_.confirmed(t, slot.unit, slot.shape(), slot.request_end,
+                           std::max(kSuspicionFactor * slot.wait, slot.late_limit));
+    const Instant received_at = slot.received_at;
+    if (in_doubt) return finish(received_at, slot, Status::ambiguous);
+    if (slot.in_order) outstanding_.answered(t, slot.unit, slot.shape());
+    const auto response = wire::decode_response(slot.request, slot.content(), outgoing_.span());
+    TAKT_ASSERT(response);
+    finish(received_at, slot, Status::ok, *response);
 }
 
 }  // namespace takt::bus

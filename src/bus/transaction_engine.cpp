@@ -17,6 +17,10 @@ using wire::Function;
 constexpr Duration kAdapterSilence = 30ms;  // longer than the latency timer of USB adapters (16 ms)
 constexpr Duration kStreamSilence = 50ms;
 constexpr Duration kLeastBusyLimit = 1s;
+constexpr int kConfirmed = 8;  // time-outs
+constexpr Duration kRemembered = 5min;
+constexpr int kLatenessFactor = 2;
+constexpr Duration kLongestExpected = 30s;
 
 // An adapter may deliver two frames together; the silence between them is then lost.
 constexpr bool kFramesFollow = true;
@@ -51,14 +55,14 @@ TransactionCore::TransactionCore(const LineConfig& config, const TransactionStor
       observer_(observer),
       framer_(framer_config(config), storage.receiving, kFramesFollow),
       echo_(config.framing == Framing::tcp ? Echo::absent : config.echo),
-      late_(config.framing == Framing::tcp ? nullptr : storage.late_answers),
+      outstanding_(storage.outstanding),
       slots_(storage.slots),
       longest_pdu_(storage.longest_pdu),
       outgoing_(storage.sending.first(TransactionStorage::sending_size(config.framing, storage.longest_pdu))),
       silence_(silence_before_request(config)),
       frame_silence_(silence_inside_frame(config)) {
     TAKT_ASSERT(!slots_.empty() && storage.pdus.size() >= slots_.size() * longest_pdu_);
-    TAKT_ASSERT(config.framing == Framing::tcp || (late_ && longest_pdu_ == wire::kMaxPdu));
+    TAKT_ASSERT(numbered() || (!storage.outstanding.empty() && longest_pdu_ == wire::kMaxPdu));
     for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].pdu = &storage.pdus[i * longest_pdu_];
     config_.in_flight =
         config.framing == Framing::tcp ? std::clamp<std::size_t>(config.in_flight, 1, slots_.size()) : 1;
@@ -70,8 +74,7 @@ std::size_t TransactionCore::occupied() const {
 }
 
 bool TransactionCore::anything_sent() const {
-    return std::any_of(slots_.begin(), slots_.end(),
-                       [](const Slot& slot) { return slot.state == State::sent; });
+    return std::any_of(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.in_flight(); });
 }
 
 bool TransactionCore::can_submit() const {
@@ -85,8 +88,7 @@ bool TransactionCore::idle() const {
 // The framer is empty on both sides: a response that begins now is late, and is received from its start.
 void TransactionCore::take_over(const TransactionCore& other) {
     TAKT_ASSERT(idle() && other.idle() && config_.framing == other.config_.framing);
-    if (late_ && other.late_) *late_ = *other.late_;
-    expired_ = other.expired_;
+    outstanding_.take_over(other.outstanding_);
     counters_ = other.counters_;
     next_wire_id_ = other.next_wire_id_;
     link_up_ = other.link_up_;
@@ -117,10 +119,14 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
     slot.request = transaction.request.shape();
     slot.wait = transaction.wait;
     slot.late_limit = transaction.late_limit.value_or(transaction.wait);
+    slot.lateness = transaction.lateness;
+    slot.longest_delay = std::min(transaction.longest_delay.value_or(slot.wait), slot.wait);
+    slot.in_order = transaction.in_order;
     slot.broadcast = broadcast;
-    slot.garbled = false;
+    slot.garbled = slot.unordered = false;
     slot.noise = 0;
     slot.other_unit.reset();
+    slot.stray.reset();
     slot.submitted_at = t;
     slot.unit_busy_until = Instant::min();
     return {};
@@ -138,8 +144,12 @@ Instant TransactionCore::busy_limit() const {
 
 Instant TransactionCore::earliest_start(UnitId unit, const AnswerShape& shape) const {
     const Instant quiet = std::min(silence_end(), busy_limit());
-    const Instant after_late_ones = late_ ? late_->earliest(unit, shape) : Instant::min();
+    const Instant after_late_ones = numbered() ? Instant::min() : outstanding_.earliest(unit, shape);
     return std::max({quiet, last_start_ + config_.request_gap, blocked_until_, after_late_ones});
+}
+
+Ambiguity TransactionCore::ambiguity(Instant t, UnitId unit, const AnswerShape& shape) const {
+    return numbered() ? Ambiguity::none : outstanding_.ambiguity(t, unit, shape);
 }
 
 Bytes TransactionCore::transmit(Instant t) {
@@ -156,7 +166,8 @@ Bytes TransactionCore::transmit(Instant t) {
 Bytes TransactionCore::send(Instant t, Slot& slot) {
     const UnitId unit = slot.unit;
     do slot.wire_id = ++next_wire_id_;
-    while (expired_.expects(slot.wire_id));  // after 65536 requests its late response would be taken
+    while (numbered() &&
+           outstanding_.expects(slot.wire_id));  // after 65536 requests its late response would be taken
     outgoing_.assign(wire::encode_frame(config_.framing, unit, slot.wire_id, slot.content()).span());
     const Instant request_end = t + characters_time(config_, outgoing_.size());
     slot.state = State::sent;
@@ -202,7 +213,7 @@ Instant TransactionCore::next_wakeup() const {
     if (echo_.holding()) wakeup = std::min(wakeup, after(last_activity_, frame_silence_));
     const bool may_start = config_.framing == Framing::tcp || !anything_sent();
     for (const auto& slot : slots_) {
-        if (slot.state == State::sent) wakeup = std::min(wakeup, slot.deadline);
+        if (slot.in_flight()) wakeup = std::min(wakeup, slot.deadline);
         if (slot.state == State::waiting && may_start)
             wakeup = std::min(wakeup, earliest_start(slot.unit, slot.shape()));
     }
@@ -217,10 +228,7 @@ void TransactionCore::on_link(Instant t, bool up) {
     must_reconnect_ = false;
     if (up) {
         last_activity_ = activity_since_ = t;
-        if (!config_.is_serial()) {  // a late response ends with its connection
-            if (late_) late_->clear();
-            expired_.clear();
-        }
+        if (numbered()) outstanding_.clear();  // else a gateway may pass on what its serial line still sends
         return;
     }
     for (auto& slot : slots_)
@@ -233,16 +241,23 @@ void TransactionCore::cancel_all(Instant t) {
 }
 
 void TransactionCore::give_up(Instant t, Slot& slot, Status status) {
-    if (slot.state == State::sent && !slot.broadcast) {
-        if (late_) late_->expect(slot.unit, slot.shape(), std::max(t, slot.deadline) + slot.late_limit);
-        expired_.add({.unit = slot.unit,
-                      .shape = slot.shape(),
-                      .wire_id = slot.wire_id,
-                      .end = std::max(slot.request_end, slot.unit_busy_until),
-                      .expired_at = t,
-                      .wait = slot.wait});
-    }
+    if (slot.in_flight() && !slot.broadcast)
+        expect_response(t, slot, std::max(t, slot.deadline) + slot.late_limit);
     finish(t, slot, status);
+}
+
+void TransactionCore::expect_response(Instant t, const Slot& slot, Instant hold_until) {
+    outstanding_.add(
+        {.unit = slot.unit,
+         .wire_id = numbered() ? slot.wire_id : std::uint16_t{0},
+         .shape = slot.shape(),
+         .end = std::max(slot.request_end, slot.unit_busy_until),
+         .expired_at = t,
+         .hold_until = hold_until,
+         .expected_until = t + std::min<Duration>(kLatenessFactor * slot.lateness, kLongestExpected),
+         .confirm_until = t + kConfirmed * slot.wait,
+         .forget_at = std::max(hold_until, t + kRemembered),
+         .wait = slot.wait});
 }
 
 // The response is copied out of the framer's buffer, which the next bytes overwrite.

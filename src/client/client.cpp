@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "takt/bus/outcome_status.hpp"
 #include "takt/discover/expected_wait.hpp"
 
 namespace takt::client {
@@ -33,6 +34,7 @@ Error Client::error_of(const bus::Outcome& outcome) const {
         case bus::Status::unexpected_reply: return fail(Code::unexpected_reply, options_.target).error();
         case bus::Status::link_lost: return fail(Code::connection_lost, options_.target).error();
         case bus::Status::timeout:
+        case bus::Status::ambiguous:
         case bus::Status::line_busy:
         case bus::Status::cancelled:
         case bus::Status::ok:
@@ -100,17 +102,19 @@ void Client::name_late_response(Error& error) {
 }
 
 Result<wire::ResponseView> Client::transact(const wire::PreparedRequest& request, bool repeatable) {
-    const int attempts = repeatable ? options_.attempts : 1;
+    const auto attempts = static_cast<std::uint16_t>(repeatable ? options_.attempts : 1);
     Error error;
-    for (int attempt = 0; attempt < attempts && !interrupted(); ++attempt) {
-        const bool last = attempt + 1 == attempts;
+    std::uint16_t failures = 0;
+    for (bool again = true; again && !interrupted();) {
+        const bool last = failures + 1 >= attempts;
         TAKT_TRY(const auto outcome, transmit_once(request, last ? options_.timeout : expected_wait()));
         if (outcome.status == bus::Status::ok || outcome.status == bus::Status::exception) {
             learn(outcome);
             return outcome.response;
         }
         error = error_of(outcome);
-        if (outcome.status == bus::Status::link_lost) break;
+        again = repeatable && outcome.status != bus::Status::link_lost &&
+                bus::attempts_left(bus::status_of(outcome).status, attempts, failures);
     }
     if (error.code == Code::timed_out && !interrupted()) name_late_response(error);
     return std::unexpected(error);

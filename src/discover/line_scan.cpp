@@ -181,6 +181,7 @@ void LineScan::on_outcome(Instant t, const bus::Outcome& outcome) {
             return unanswered(t);
         case Status::timeout: visit_.timed_out = true; return unanswered(t);
         case Status::bad_checksum:
+        case Status::ambiguous:
         case Status::unexpected_reply: return repeat(t, true);
         case Status::link_lost:
         case Status::cancelled: return repeat(t, false);

@@ -57,7 +57,8 @@ public:
 
 private:
     [[nodiscard]] static std::uint64_t errors(const bus::TransactionCounters& counters) {
-        return counters.timeouts + counters.checksums + counters.unexpected + counters.link_lost;
+        return counters.timeouts + counters.checksums + counters.unexpected + counters.ambiguous +
+               counters.link_lost;
     }
 
     const ProjectEngine& engine_;

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "takt/bus/expired_requests.hpp"
+#include "takt/bus/outstanding_responses.hpp"
 #include "takt/file/learnt.hpp"
 #include "takt/file/read.hpp"
 #include "takt/plan/guarantee.hpp"

@@ -75,7 +75,7 @@ Items widened(Items items, std::uint32_t more, Items run) {
 }
 
 // Whole variables first: their values count. A device may refuse a part of a value.
-void add_parts(Collection& found, const Request& request, const model::Device& device) {
+void add_parts(Collection& found, const Request& request, const model::Device& device, bool of_values) {
     const Items items = items_of(request);
     std::uint32_t first_end = items.end;
     std::uint32_t last_start = items.start;
@@ -91,6 +91,7 @@ void add_parts(Collection& found, const Request& request, const model::Device& d
     };
     part(first_end);
     part(last_start);
+    if (!of_values) return;
     part(items.end - 1);
     part(items.start + 1);
 }
@@ -130,7 +131,7 @@ ReadAlternatives AlternativeReads::of(const Request& request, const std::vector<
                 found.add(Kind::wider, kWider, read_of(request), wider);
         }
     }
-    add_parts(found, request, *device_);
+    add_parts(found, request, *device_, !parts_only_);
     if (!parts_only_) add_others(found, request, requests);
     return found.all();
 }

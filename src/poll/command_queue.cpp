@@ -144,7 +144,7 @@ bool CommandQueue::retry(Instant t, std::uint64_t order, const OutcomeClass& out
                          std::uint16_t attempts) {
     auto& command = at(order);
     auto& alone = command.alone;
-    if (!attempts_left(outcome_class, attempts, alone.failures)) return false;
+    if (!bus::attempts_left(outcome_class.status(), attempts, alone.failures)) return false;
     if (outcome_class.busy) alone.not_before = after(t, alone.busy.next());
     command.progress.end();
     return true;

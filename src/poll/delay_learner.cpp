@@ -4,7 +4,7 @@
 #include <bit>
 #include <utility>
 
-#include "takt/bus/expired_requests.hpp"
+#include "takt/bus/outstanding_responses.hpp"
 
 namespace takt::poll {
 namespace {

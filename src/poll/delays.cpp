@@ -3,7 +3,6 @@
 
 #include "run.hpp"
 #include "takt/plan/guarantee.hpp"
-#include "takt/wire/frame.hpp"
 
 namespace takt::poll {
 
@@ -13,6 +12,7 @@ void LinePoller::Run::begin_measuring(DeviceRun& device) {
     device.delay_learner =
         DelayLearner(*device.model, plan::answer_wait(project_, line_, *device.model), grows);
     device.wait = device.delay_learner.wait();
+    device.times.lateness = device.delay_learner.lateness();
     device.statistics.delays = device.delay_learner.finding();
 }
 
@@ -21,7 +21,9 @@ void LinePoller::Run::on_late(const bus::LateResponse& late) {
         devices_, [&](const DeviceRun& device) { return device.model->address == late.unit; });
     if (found == devices_.end()) return;
     ++found->statistics.late;
+    found->times.on_late(late);
     report_delay(late.at, *found, found->delay_learner.on_late(late.delay, late.wait));
+    degrade_shifted(*found, late);
 }
 
 // Behind a gateway a response waits for those to the requests in flight before it.
@@ -30,16 +32,15 @@ void LinePoller::Run::measure_delay(DeviceRun& device, const bus::Outcome& outco
     const bool broadcast = config.framing != wire::Framing::tcp && outcome.unit == kBroadcast;
     if (!outcome.sent || broadcast || outcome.status == bus::Status::link_lost) return;
     device.delay_learner.on_attempt();
-    if (!answered || outcome.response.empty() || config.in_flight > 1) return;
-    const auto characters = wire::frame_length(config.framing, outcome.response.pdu().size());
-    const Duration length =
-        config.is_serial() ? wire::transmission_time(config.format, characters) : Duration::zero();
+    if (config.in_flight > 1) return;
+    const Duration delay = bus::response_delay(config, outcome);
+    if (outcome.status == bus::Status::ambiguous) return device.times.on_response(delay, false);
+    if (!answered || outcome.response.empty()) return;
     const Duration silence = line_.is_serial() ? engine_.silence() : Duration::zero();
     const Duration tolerated =
         std::max(device.model->turnaround.value_or(Duration::zero()), silence) + config.margin;
-    report_delay(
-        outcome.ended_at, device,
-        device.delay_learner.on_response(outcome.ended_at - length - outcome.request_end, tolerated));
+    device.times.on_response(delay, !engine_.remembers(outcome.unit));
+    report_delay(outcome.ended_at, device, device.delay_learner.on_response(delay, tolerated));
 }
 
 void LinePoller::Run::report_delay(Instant t, DeviceRun& device, const std::optional<DelayFinding>& found) {

@@ -7,7 +7,7 @@
 
 namespace takt::poll {
 
-EngineBuffers::EngineBuffers(const bus::LineConfig& config, std::size_t longest_pdu)
+EngineBuffers::EngineBuffers(const bus::LineConfig& config, std::size_t longest_pdu, std::size_t devices)
     : slots_(config.framing == wire::Framing::tcp
                  ? std::clamp<std::size_t>(config.in_flight, 1, bus::kMaxInFlight)
                  : 1),
@@ -15,18 +15,17 @@ EngineBuffers::EngineBuffers(const bus::LineConfig& config, std::size_t longest_
       sending_(bus::TransactionStorage::sending_size(config.framing, longest_pdu_)) {
     bytes_.resize(slots_.size() * longest_pdu_ + sending_ +
                   bus::TransactionStorage::receiving_size(config.framing, longest_pdu_));
-    if (config.framing != wire::Framing::tcp) late_answers_ = std::make_unique<bus::LateAnswers>();
+    // Over TCP they only measure delays; on a serial line several of each unit may be outstanding.
+    constexpr std::size_t kFew = 8;
+    constexpr std::size_t kOfDevice = 4;
+    outstanding_.resize(config.framing == wire::Framing::tcp ? kFew : kFew + kOfDevice * devices);
 }
 
 bus::TransactionStorage EngineBuffers::storage() {
     const std::span bytes(bytes_);
     const std::size_t pdus = slots_.size() * longest_pdu_;
-    return {slots_,
-            bytes.first(pdus),
-            bytes.subspan(pdus, sending_),
-            bytes.subspan(pdus + sending_),
-            late_answers_.get(),
-            longest_pdu_};
+    return {slots_,       bytes.first(pdus), bytes.subspan(pdus, sending_), bytes.subspan(pdus + sending_),
+            outstanding_, longest_pdu_};
 }
 
 }  // namespace takt::poll

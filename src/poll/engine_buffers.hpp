@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "takt/bus/transaction_engine.hpp"
@@ -14,7 +13,7 @@ namespace takt::poll {
 class EngineBuffers {
 public:
     /// @param longest_pdu  of all requests and responses
-    EngineBuffers(const bus::LineConfig& config, std::size_t longest_pdu);
+    EngineBuffers(const bus::LineConfig& config, std::size_t longest_pdu, std::size_t devices);
     [[nodiscard]] bus::TransactionStorage storage();
 
 private:
@@ -22,7 +21,7 @@ private:
     std::vector<std::uint8_t> bytes_;  // of the slots, for sending, for receiving
     std::size_t longest_pdu_;
     std::size_t sending_;
-    std::unique_ptr<bus::LateAnswers> late_answers_;
+    std::vector<bus::OutstandingResponse> outstanding_;
 };
 
 }  // namespace takt::poll

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "distinct_read.hpp"
 #include "heap_optional.hpp"
 #include "takt/base/time.hpp"
 #include "takt/base/token_bucket.hpp"
@@ -78,7 +79,8 @@ struct ReadJob {
     std::optional<Instant> retry;         // when a failed polled read came back into the queue
     HeapOptional<Triggering> trigger;     // if it has a read trigger
     bool triggered = false;
-    unsigned refusals = 0;  // in a row, of a read across gaps
+    HeapOptional<DistinctRead> distinct;  // since a response to it could be mistaken for the first time
+    unsigned refusals = 0;                // in a row, of a read across gaps
     bool in_flight = false;
     bool by_trigger = false;  // of the transaction in flight
     Instant last_start = Instant::min();

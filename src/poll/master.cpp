@@ -15,6 +15,7 @@ Master::Master(const model::Project& project, const plan::Plan& plan, const Opti
         LinePoller::Options line{.traffic = options.traffic,
                                  .observer = options.observer,
                                  .learn = options.learn,
+                                 .distinct_reads = options.distinct_reads,
                                  .plan_maker = options.plan_maker};
         if (i < options.line_traffic.size()) line.traffic = options.line_traffic[i];
         if (i < options.line_bus.size()) line.bus = options.line_bus[i];

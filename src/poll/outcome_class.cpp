@@ -20,8 +20,8 @@ WriteResult classify_write(const bus::Outcome& outcome, const OutcomeClass& outc
     const bool busy = outcome_class.busy &&
                       outcome.exception == static_cast<std::uint8_t>(wire::ExceptionCode::server_device_busy);
     if (!outcome.sent || busy) return {CommandResult::refused, true};
-    if (outcome_class.answered && !outcome_class.busy) return {CommandResult::refused};
-    return {CommandResult::unknown, safe_to_repeat && !outcome_class.answered};
+    if (!outcome_class.transient()) return {CommandResult::refused};
+    return {CommandResult::unknown, safe_to_repeat && !outcome_class.busy};
 }
 
 Execution execution(const bus::Outcome& outcome, const WriteResult& result) {
@@ -36,8 +36,7 @@ OutcomeClass unwritten(const OutcomeClass& outcome_class) {
 }
 
 WriteResult classify_unwritten(const OutcomeClass& outcome_class) {
-    return {CommandResult::refused,
-            outcome_class.reason != Reason::ok && (!outcome_class.answered || outcome_class.busy)};
+    return {CommandResult::refused, outcome_class.reason != Reason::ok && outcome_class.transient()};
 }
 
 }  // namespace takt::poll

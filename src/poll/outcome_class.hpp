@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "takt/bus/outcome_status.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/value/command.hpp"
 #include "takt/value/value.hpp"
@@ -14,19 +15,15 @@ struct OutcomeClass {
     value::Reason reason = value::Reason::ok;
     bool answered = false;  // by the device itself, not by a gateway
     bool busy = false;      // exceptions 5 and 6
+
+    [[nodiscard]] StatusCode status() const { return StatusCode{static_cast<std::uint16_t>(reason)}; }
+    /// The same request may get another answer.
+    [[nodiscard]] bool transient() const { return !answered || busy || reason == value::Reason::ambiguous; }
 };
 [[nodiscard]] OutcomeClass classify(const bus::Outcome& outcome);
 /// For a read-modify-write whose write is not sent: switched off if the read succeeded, else the class of the
 /// read.
 [[nodiscard]] OutcomeClass unwritten(const OutcomeClass& outcome_class);
-
-/// A failed write is repeated while its device has attempts left. A lost link is no failure of the device: it
-/// does not use up its attempts.
-/// @param failures  of this write so far; counted
-[[nodiscard]] inline bool attempts_left(const OutcomeClass& outcome_class, std::uint16_t attempts,
-                                        std::uint16_t& failures) {
-    return outcome_class.reason == value::Reason::link_lost || ++failures < attempts;
-}
 
 /// The result of a write.
 struct WriteResult {

@@ -72,12 +72,14 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     auto& read = *request.read;
     read.in_flight = false;
     const bool probe = !devices_[request.device].health.answering();
+    const bool whole = !read.distinct || read.distinct->whole();
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
     if (outcome.sent) request.attempt_time.record(t - outcome.sent_at);
-    if (outcome_class.reason == Reason::ok && !read.by_trigger) periods_.answered(outcome.sent_at, index);
+    if (outcome_class.reason == Reason::ok && whole && !read.by_trigger)
+        periods_.answered(outcome.sent_at, index);
     // The return of the device has released all its reads at once. This one has just been read.
-    if (probe && outcome_class.reason == Reason::ok && read.polled && read.release.next() <= t)
+    if (probe && outcome_class.reason == Reason::ok && whole && read.polled && read.release.next() <= t)
         read.release.serve(t);
     if (outcome_class.reason == Reason::link_lost) {
         if (read.by_trigger) read.triggered = read.trigger->event.admitted = true;
@@ -93,19 +95,24 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
         read.not_before = after(t, read.busy.next());
     else
         read.busy.reset();
+    if (read.distinct && on_part(outcome, outcome_class, request)) return;
     if (outcome_class.reason == Reason::ok) {
         read.refusals = 0;
-        take_values(t, request, outcome.response);
+        take_values(t, request, outcome.request, outcome.response);
         ages_->note_read(request.variables, outcome.sent_at, outcome.ended_at);
+    } else if (outcome_class.reason == Reason::ambiguous) {
+        degrade(t, request.variables, Quality::uncertain, Reason::ambiguous, false);
+        read_again(t, request);
     } else if (!refused_with_gaps(outcome, request, outcome_class.reason)) {
         degrade(t, request.variables, Quality::bad, outcome_class.reason, false);
     }
     statuses_.read_ended(t, index, outcome_class.reason);
 }
 
-void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::ResponseView& response) {
+void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::RequestShape& sent,
+                                  const wire::ResponseView& response) {
     updates_.clear();
-    for (const auto v : request.variables) take_value(request, response, v);
+    for (const auto v : request.variables) take_value(request, sent, response, v);
     store_.apply(t, updates_);
 }
 
@@ -113,29 +120,31 @@ void LinePoller::Run::take_values(Instant t, RequestRun& request, const wire::Re
 void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
                                    RequestRun& request) {
     if (outcome_class.reason == Reason::ok) {
-        take_values(outcome.ended_at, request, outcome.response);
+        take_values(outcome.ended_at, request, request.read->request.shape(), outcome.response);
         ages_->note_updates(updates_, outcome.sent_at, outcome.ended_at);
     } else if (outcome_class.reason != Reason::link_lost) {
-        const auto quality = outcome_class.answered ? Quality::bad : Quality::uncertain;
+        const bool refused = outcome_class.answered && outcome_class.reason != Reason::ambiguous;
+        const auto quality = refused ? Quality::bad : Quality::uncertain;
         degrade(outcome.ended_at, request.variables, quality, outcome_class.reason, false);
     }
 }
 
 // Of 0x17 only variables in the range that it reads.
-void LinePoller::Run::take_value(RequestRun& request, const wire::ResponseView& response, std::size_t v) {
+void LinePoller::Run::take_value(RequestRun& request, const wire::RequestShape& sent,
+                                 const wire::ResponseView& response, std::size_t v) {
     auto& variable = variables_[v];
-    const auto& read = request.read->request;
     const std::uint32_t first = variable.model->start();
-    const std::uint32_t start = read.start().value;
-    const bool inside = first >= start && first + variable.model->items() <= start + read.quantity();
-    if (variable.model->read != read.function() || (!inside && !splits_.has(v))) return;
+    const std::uint32_t start = sent.start.value;
+    const bool inside = first >= start && first + variable.model->items() <= start + sent.quantity;
+    if (variable.model->read != wire::Function{sent.function} || (!inside && !splits_.has(v))) return;
     if (inside)
-        note_value(variable, value_in(response, read.start(), *variable.model));
-    else
-        take_part(request, response, v);
+        note_value(variable, value_in(response, sent.start, *variable.model));
+    else if (sent.quantity >= request.read->request.quantity())
+        take_part(request, sent.start, response, v);
 }
 
-void LinePoller::Run::take_part(RequestRun& request, const wire::ResponseView& response, std::size_t v) {
+void LinePoller::Run::take_part(RequestRun& request, DataAddress start, const wire::ResponseView& response,
+                                std::size_t v) {
     auto& variable = variables_[v];
     const auto& model = *variable.model;
     auto& split = *splits_.find(v);
@@ -143,7 +152,7 @@ void LinePoller::Run::take_part(RequestRun& request, const wire::ResponseView& r
     const auto* part = split.part_of(index);
     if (!part) return;
     const auto first = static_cast<std::uint16_t>(model.start() + part->first);
-    const auto registers = registers_in(response, request.read->request.start(), first, part->count);
+    const auto registers = registers_in(response, start, first, part->count);
     if (!registers) return note_value(variable, std::unexpected(registers.error()));
     split.take(index, round_of(request, variable), registers->span());
     const auto whole = split.whole();
@@ -184,12 +193,17 @@ void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {
         degrade(t, request.variables, Quality::bad, reason, true);
     } else {
         degrade(t, request.variables, Quality::uncertain, reason, false);
-        if (read.by_trigger)
-            read.triggered = read.trigger->event.admitted = true;
-        else
-            read.retry = t;
+        read_again(t, request);
     }
     statuses_.read_ended(t, index, reason);
+}
+
+void LinePoller::Run::read_again(Instant t, RequestRun& request) {
+    auto& read = *request.read;
+    if (read.by_trigger)
+        read.triggered = read.trigger->event.admitted = true;
+    else
+        read.retry = t;
 }
 
 void LinePoller::Run::degrade(Instant t, std::span<const std::size_t> variables, Quality quality,

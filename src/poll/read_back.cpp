@@ -7,9 +7,8 @@
 namespace takt::poll {
 
 bool ReadBack::again(Instant t, const OutcomeClass& outcome_class, std::uint16_t attempts) {
-    const bool transient =
-        outcome_class.reason != value::Reason::link_lost && (!outcome_class.answered || outcome_class.busy);
-    if (!transient || ++failures >= attempts) return false;
+    const bool transient = outcome_class.reason != value::Reason::link_lost && outcome_class.transient();
+    if (!transient || !bus::attempts_left(outcome_class.status(), attempts, failures)) return false;
     if (outcome_class.busy) not_before = after(t, busy.next());
     return true;
 }

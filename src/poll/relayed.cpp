@@ -19,8 +19,7 @@ Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transacti
     for (std::size_t d = 0; d < devices_.size(); ++d)
         if (devices_[d].model->address == transaction.unit) device = d;
     if (device) {
-        relayed.wait = devices_[*device].wait;
-        relayed.late_limit = devices_[*device].model->response_timeout;
+        set_times(devices_[*device], relayed);
     }
     TAKT_CHECK(relay_->put(relayed, device));
     if (device && devices_[*device].enabled && !reachable(devices_[*device]))

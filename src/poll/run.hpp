@@ -75,6 +75,7 @@ public:
     AvailabilityMeter availability_;
     std::unique_ptr<GapLearner> learner_;  // if the line learns
     std::uint64_t plan_revision_ = 0;      // grows with each swap_plan()
+    bool distinct_reads_;                  // Options
     bool held_ = false;                    // nothing is polled any more
     std::unique_ptr<RelaySlot> relay_;     // if the line is shared
 
@@ -200,20 +201,34 @@ private:
     void take_over_write(const Run& old, const LineMatch& match, std::size_t request);
     void choose_held(Instant t);
 
+    // distinct.cpp
+    [[nodiscard]] const plan::ReadAlternative* alternative_to(Instant t, std::size_t request);
+    [[nodiscard]] bus::AnswerShape shape_to_send(Instant t, std::size_t request);
+    [[nodiscard]] wire::PreparedRead read_to_send(Instant t, std::size_t request);
+    /// How long a response of the device is waited for.
+    void set_times(const DeviceRun& device, bus::Transaction& transaction) const;
+    bool on_part(const bus::Outcome& outcome, const OutcomeClass& outcome_class, RequestRun& request);
+    /// The values that may come from late responses, because the device does not answer in order.
+    void degrade_shifted(const DeviceRun& device, const bus::LateResponse& late);
+
     // outcomes.cpp
     OutcomeClass note_outcome(const bus::Outcome& outcome, std::size_t device,
                               bus::TransactionCounters* counters);
     void count_outcome(DeviceRun& device, const bus::Outcome& outcome);
     void note_busy(const bus::Outcome& outcome);
     void on_read(const bus::Outcome& outcome, std::size_t request);
-    void take_values(Instant t, RequestRun& request, const wire::ResponseView& response);
+    void take_values(Instant t, RequestRun& request, const wire::RequestShape& sent,
+                     const wire::ResponseView& response);
     void on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class, RequestRun& request);
-    void take_value(RequestRun& request, const wire::ResponseView& response, std::size_t variable);
-    void take_part(RequestRun& request, const wire::ResponseView& response, std::size_t variable);
+    void take_value(RequestRun& request, const wire::RequestShape& sent, const wire::ResponseView& response,
+                    std::size_t variable);
+    void take_part(RequestRun& request, DataAddress start, const wire::ResponseView& response,
+                   std::size_t variable);
     void note_value(VariableRun& variable, const Result<value::Value>& value);
     [[nodiscard]] std::optional<std::int64_t> round_of(const RequestRun& request,
                                                        const VariableRun& variable) const;
     void fail_read(Instant t, RequestRun& request, value::Reason reason);
+    void read_again(Instant t, RequestRun& request);
     void degrade(Instant t, std::span<const std::size_t> variables, value::Quality quality,
                  value::Reason reason, bool to_default);
     void degrade_device(Instant t, std::size_t device, value::Reason reason, bool to_default);

@@ -77,7 +77,7 @@ void LinePoller::Run::consider_triggered(Instant t, std::size_t request) {
     candidate.by_trigger = true;
     if (!event.bucket && !read.trigger->started) arbiter_.defer(t, candidate);
     const UnitId unit = devices_[requests_[request].device].model->address;
-    consider(t, unit, read.shape(), read.not_before, candidate);
+    consider(t, unit, shape_to_send(t, request), read.not_before, candidate);
 }
 
 void LinePoller::Run::consider_polled(Instant t, std::size_t request) {
@@ -87,7 +87,7 @@ void LinePoller::Run::consider_polled(Instant t, std::size_t request) {
     const Instant due = read.polling_due();
     if (due <= t && requests_[request].plan->period > Duration::zero()) arbiter_.keep_round();
     const UnitId unit = devices_[requests_[request].device].model->address;
-    consider(t, unit, read.shape(), due, arbiter_.polled(t, polled_read(request)));
+    consider(t, unit, shape_to_send(t, request), due, arbiter_.polled(t, polled_read(request)));
 }
 
 void LinePoller::Run::consider_write(Instant t, std::size_t request) {
@@ -156,7 +156,7 @@ void LinePoller::Run::offer_probe(Instant t, const DeviceRun& device, std::size_
                                  .since = since,
                                  .last_start = read.last_start,
                                  .rank = request};
-    consider(t, device.model->address, read.shape(), since, arbiter_.probe(t, probed));
+    consider(t, device.model->address, shape_to_send(t, request), since, arbiter_.probe(t, probed));
 }
 
 void LinePoller::Run::consider_probe(Instant t, std::size_t index) {

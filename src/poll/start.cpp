@@ -60,7 +60,7 @@ void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) 
         else if (read.polled && t >= read.release.next())
             note_start(t, index);
     }
-    submit(t, request.device, transaction_id(JobKind::read, index), purpose, read.request);
+    submit(t, request.device, transaction_id(JobKind::read, index), purpose, read_to_send(t, index));
 }
 
 void LinePoller::Run::note_start(Instant t, std::size_t index) {
@@ -130,11 +130,9 @@ void LinePoller::Run::submit(Instant t, std::size_t index, bus::TransactionId id
     ++device.in_flight;
     if (writes(kind_of(id))) device.writing = true;
     if (bool* const started = unlimited_event(id)) arbiter_.event_started(t, *started);
-    const auto taken = engine_.submit(t, {.id = id,
-                                          .unit = device.model->address,
-                                          .request = request,
-                                          .wait = device.wait,
-                                          .late_limit = device.model->response_timeout});
+    bus::Transaction transaction{.id = id, .unit = device.model->address, .request = request};
+    set_times(device, transaction);
+    const auto taken = engine_.submit(t, transaction);
     TAKT_ASSERT(taken);
 }
 

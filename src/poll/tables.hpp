@@ -8,8 +8,11 @@
 #include <vector>
 
 #include "delay_learner.hpp"
+#include "heap_optional.hpp"
 #include "jobs.hpp"
+#include "takt/bus/unit_times.hpp"
 #include "takt/plan/plan.hpp"
+#include "takt/plan/read_alternatives.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "takt/poll/statistics.hpp"
 #include "takt/value/command.hpp"
@@ -37,6 +40,8 @@ struct DeviceRun {
     DelayLearner delay_learner;
     std::uint32_t least_noise = std::numeric_limits<std::uint32_t>::max();  // bytes before a noisy response
     std::uint32_t most_noise = 0;
+    bus::UnitTimes times;                               // in this run; its lateness also in earlier ones
+    HeapOptional<plan::AlternativeReads> alternatives;  // since a response was missing for the first time
     bool enabled = true;
     std::uint16_t in_flight = 0;  // transactions
     std::uint16_t most_in_flight = 1;

@@ -76,6 +76,7 @@ void LinePoller::Run::take_over_device(Instant t, Run& old, const LineMatch& mat
         device.delay_learner.take_over(was.delay_learner, as_slow);
         device.wait = device.delay_learner.wait();
         device.statistics.delays = device.delay_learner.finding();
+        device.times = was.times;
         device.health = old.devices_[*before].health;
         if (device.enabled == old.devices_[*before].enabled) return;
     }

@@ -186,7 +186,7 @@ bool WriteGroups::repeatable(std::span<const std::size_t> members) const {
 bool WriteGroups::retry(Instant t, std::size_t index, const OutcomeClass& outcome_class,
                         std::uint16_t attempts) {
     auto& group = *groups_[index];
-    if (!attempts_left(outcome_class, attempts, group.failures)) return false;
+    if (!bus::attempts_left(outcome_class.status(), attempts, group.failures)) return false;
     if (outcome_class.busy) group.not_before = after(t, group.busy.next());
     requeue(t, index);
     return true;

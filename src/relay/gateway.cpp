@@ -257,10 +257,11 @@ void Gateway::on_outcome(const bus::Outcome& outcome) {
         case bus::Status::exception: answer_all(outcome.response.pdu()); break;
         case bus::Status::timeout:
         case bus::Status::bad_checksum:
+        case bus::Status::ambiguous:
         case bus::Status::unexpected_reply:
             if (outcome.sent) {
                 note_sent();
-                retry_or_give_up(ExceptionCode::gateway_target_failed_to_respond);
+                retry_or_give_up(bus::status_of(outcome).status);
             } else {  // polling knows that the device does not answer
                 counters_.not_asked += refuse_if([this](const Entry& entry) { return concerns(entry); },
                                                  ExceptionCode::gateway_target_failed_to_respond);
@@ -294,7 +295,8 @@ void Gateway::note_health(const bus::Outcome& outcome, std::uint64_t peer) {
     const bool broadcast = config_.broadcast && outcome.unit == kBroadcast;
     if (!outcome.sent || broadcast) return;
     switch (outcome.status) {
-        case bus::Status::ok: health_.answered(outcome.unit, peer); return;
+        case bus::Status::ok:
+        case bus::Status::ambiguous: health_.answered(outcome.unit, peer); return;
         case bus::Status::exception:
             if (came_from_gateway(outcome)) break;
             health_.answered(outcome.unit, peer);
@@ -328,13 +330,13 @@ void Gateway::cache(const bus::Outcome& outcome) {
 }
 
 // A retry goes to the end of the order, so that an unresponsive device does not hold up other clients.
-void Gateway::retry_or_give_up(ExceptionCode code) {
+void Gateway::retry_or_give_up(StatusCode failure) {
     std::uint64_t again = 0;
     for (auto entry = waiting_.begin(); entry != waiting_.end();) {
         if (!concerns(*entry)) {
             ++entry;
-        } else if (!entry->read || ++entry->failures >= entry->policy.attempts) {
-            entry = refuse(entry, code);
+        } else if (!entry->read || !bus::attempts_left(failure, entry->policy.attempts, entry->failures)) {
+            entry = refuse(entry, ExceptionCode::gateway_target_failed_to_respond);
         } else {
             ++again;
             ++entry;

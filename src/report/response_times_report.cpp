@@ -1,6 +1,6 @@
 #include "takt/report/response_times_report.hpp"
 
-#include "takt/bus/expired_requests.hpp"
+#include "takt/bus/outstanding_responses.hpp"
 #include "takt/report/formatting.hpp"
 
 namespace takt::report {

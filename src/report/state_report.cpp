@@ -131,7 +131,8 @@ QualityCounts count_values(const host::Snapshot& snapshot, std::size_t line, std
 
 /// Failed transactions of a device.
 std::uint64_t failed(const bus::TransactionCounters& counters) {
-    return counters.timeouts + counters.checksums + counters.unexpected + counters.link_lost;
+    return counters.timeouts + counters.checksums + counters.unexpected + counters.ambiguous +
+           counters.link_lost;
 }
 
 /// "failed": devices are polled and none answers; "degraded": something is not as planned. A device or a

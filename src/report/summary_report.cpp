@@ -13,7 +13,8 @@ namespace {
 using Align = report::TextTable::Align;
 
 std::string failures(const bus::TransactionCounters& counters) {
-    return std::to_string(counters.timeouts + counters.checksums + counters.unexpected + counters.link_lost);
+    return std::to_string(counters.timeouts + counters.checksums + counters.unexpected + counters.ambiguous +
+                          counters.link_lost);
 }
 
 std::string exceptions(const bus::TransactionCounters& counters, const Texts& texts) {
@@ -57,7 +58,8 @@ std::string requests_text(const host::Snapshot& snapshot, const Texts& texts, st
         table.add(
             {line.devices[request.device].name, report::request_text(request), std::to_string(counters.sent),
              std::to_string(counters.answered), std::to_string(counters.timeouts),
-             std::to_string(counters.checksums + counters.unexpected + counters.link_lost),
+             std::to_string(counters.checksums + counters.unexpected + counters.ambiguous +
+                            counters.link_lost),
              exceptions(counters, texts), measured_text(counters.time.count() > 0, counters.time.mean()),
              measured_text(counters.time.count() > 0, counters.time.max()), period_text(statistics, texts)});
     }
@@ -119,6 +121,7 @@ file::Json counters_json(const bus::TransactionCounters& counters) {
     object.set("timeouts", counters.timeouts);
     object.set("checksums", counters.checksums);
     object.set("unexpected", counters.unexpected);
+    object.set("ambiguous", counters.ambiguous);
     object.set("link_lost", counters.link_lost);
     object.set("exceptions", counters.exceptions);
     auto codes = file::Json::object();

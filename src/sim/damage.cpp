@@ -16,15 +16,15 @@ auto at(ByteString& bytes, std::size_t index) {
     return bytes.begin() + static_cast<std::ptrdiff_t>(index);
 }
 
-std::uint8_t other_unit(Random& random, const UnitSet& units, const UnitSet& taken, std::uint8_t own) {
+std::uint8_t other_unit(Random& random, const UnitSet& units, std::uint8_t own) {
     const bool of_the_line = random.below(2) == 0;
     for (int tries = 0; tries < 1000; ++tries) {
         const auto unit = static_cast<std::uint8_t>(1 + random.below(255));
-        if (unit != own && !taken[unit] && units[unit] == of_the_line) return unit;
+        if (unit != own && units[unit] == of_the_line) return unit;
     }
     std::uint8_t unit = own;
     do ++unit;
-    while (taken[unit] || units[unit] || unit == 0);
+    while (units[unit] || unit == 0);
     return unit;
 }
 
@@ -109,10 +109,10 @@ bool alters(FaultKind kind, Bytes request_pdu, const OpenFrame& answer) {
     }
 }
 
-void alter(Random& random, FaultKind kind, const UnitSet& units, const UnitSet& taken, OpenFrame& answer) {
+void alter(Random& random, FaultKind kind, const UnitSet& units, OpenFrame& answer) {
     ByteString& pdu = answer.pdu;
     switch (kind) {
-        case FaultKind::wrong_unit: answer.unit = other_unit(random, units, taken, answer.unit); break;
+        case FaultKind::wrong_unit: answer.unit = other_unit(random, units, answer.unit); break;
         case FaultKind::wrong_transaction:
             answer.transaction ^= static_cast<std::uint16_t>(0x4000U << random.below(2));
             break;

@@ -23,7 +23,6 @@ ByteString any_bytes(Random& random, std::size_t count);
 bool alters(FaultKind kind, Bytes request_pdu, const OpenFrame& answer);
 
 /// Changes a valid answer into a wrong one; only if alters().
-/// @param taken  units whose answers are still on their way; never used as the wrong unit
-void alter(Random& random, FaultKind kind, const UnitSet& units, const UnitSet& taken, OpenFrame& answer);
+void alter(Random& random, FaultKind kind, const UnitSet& units, OpenFrame& answer);
 
 }  // namespace takt::sim

@@ -9,8 +9,9 @@ namespace takt::sim {
 namespace {
 
 constexpr int kMostTries = 100;
-constexpr std::ptrdiff_t kTail = 600;                       // longer than any frame
-constexpr Duration kSurely = std::chrono::milliseconds(1);  // covers roundings of computed times
+constexpr std::ptrdiff_t kTail = 600;    // longer than any frame
+constexpr std::size_t kRemembered = 16;  // answers of a device
+constexpr Duration kMostLate = std::chrono::minutes(3);
 
 constexpr std::uint64_t bit(FaultKind kind) {
     return std::uint64_t{1} << static_cast<unsigned>(kind);
@@ -80,8 +81,8 @@ FaultInjector::State FaultInjector::state_of(const model::Device& device, std::s
         state.sum += state.rates.per_million[k];
     }
     state.wait = device.wait(plan_.derive_timeouts);
+    state.response_timeout = device.response_timeout;
     if (serial_ && framing_ == wire::Framing::rtu) state.wait = std::max(state.wait, wire::t3_5(format_));
-    state.late_limit = device.response_timeout;
     return state;
 }
 
@@ -129,8 +130,6 @@ FaultInjector::Exchange FaultInjector::exchange_of(const serve::Context& context
     const Duration normal =
         serial_ ? wire::transmission_time(format_, exchange.normal_length) : Duration::zero();
     exchange.deadline = context.time + state.wait + plan_.timeout_margin + normal;
-    const Duration lateness = state.late_limit - normal - kSurely;
-    exchange.latest = exchange.deadline + (lateness > Duration::zero() ? lateness : -(normal + kSurely));
     return exchange;
 }
 
@@ -167,22 +166,71 @@ serve::Answer FaultInjector::handle(const serve::Context& context, const wire::R
         answer = devices_.handle(context, request);
     }
     if (answer.kind == serve::Answer::Kind::silence) return answer;
-    delay_answer(context.time, exchange, answer);
+    delay_answer(exchange, answer);
+    if (postpone(context.time, exchange, context.unit, answer)) return {};
     answering(exchange);
     return answer;
 }
 
 // On serial lines the delay is drawn here, because a device that works does not receive. On a stream the
 // response is delayed on its way instead.
-void FaultInjector::delay_answer(Instant t, Exchange& exchange, serve::Answer& answer) {
+void FaultInjector::delay_answer(const Exchange& exchange, serve::Answer& answer) {
     const std::size_t device = *exchange.device;
     if (device < plan_.turnarounds.size() && plan_.turnarounds[device])
         answer.delay = quiet_ ? plan_.turnarounds[device]->least : plan_.turnarounds[device]->draw(random_);
-    if (serial_ && exchange.kind == FaultKind::late_response && exchange.deadline < exchange.latest)
-        answer.delay = random_.between(exchange.deadline - t, exchange.latest - t);
-    answer.delay = std::min(answer.delay, exchange.latest - t);
-    // One fault at a time: a late response is always complete.
-    if (t + answer.delay >= exchange.deadline && serial_) exchange.kind.reset();
+}
+
+// Each doubling is as likely as another.
+Duration FaultInjector::lateness(std::size_t device) {
+    const Duration wait = states_[device].wait;
+    if (!plan_.merciless)
+        return random_.between(wait + plan_.timeout_margin, wait + states_[device].response_timeout * 4 / 5);
+    const auto factor = 1.2 * static_cast<double>(1U << random_.below(5)) * (1 + random_.fraction());
+    const auto usual = Duration(static_cast<Duration::rep>(factor * static_cast<double>(wait.count())));
+    if (random_.below(50) != 0) return std::min(usual, 40 * wait);
+    return random_.between(std::min(40 * wait, kMostLate), kMostLate);
+}
+
+Duration FaultInjector::copy_delay() {
+    constexpr std::array<Duration, 4> kMost{std::chrono::milliseconds(10), std::chrono::milliseconds(300),
+                                            std::chrono::seconds(10), kMostLate};
+    return random_.between(Duration::zero(), kMost[plan_.merciless ? random_.below(kMost.size()) : 0]);
+}
+
+ByteString FaultInjector::past_answer(std::size_t device, Bytes sent) {
+    const auto now = open_frame(framing_, sent);
+    std::vector<const ByteString*> fitting;
+    for (const ByteString& past : states_[device].sent) {
+        const auto then = open_frame(framing_, past);
+        if (now && then && past.size() == sent.size() && then->pdu[0] == now->pdu[0] && then->pdu != now->pdu)
+            fitting.push_back(&past);
+    }
+    if (fitting.empty()) return {};
+    return *fitting[random_.below(static_cast<std::uint32_t>(fitting.size()))];
+}
+
+void FaultInjector::note_sent(std::size_t device, Bytes sent) {
+    auto& all = states_[device].sent;
+    all.emplace_back(sent.begin(), sent.end());
+    if (all.size() > kRemembered) all.pop_front();
+}
+
+ByteString FaultInjector::glitch_for(Bytes frame, bool before) {
+    ByteString glitch;
+    (void)harmless(
+        [&] {
+            glitch = any_bytes(random_, 1 + random_.below(3));
+            const auto kind = random_.below(3);
+            if (kind < 2) std::ranges::fill(glitch, kind == 0 ? std::uint8_t{0x00} : std::uint8_t{0xFF});
+            ByteString all = before ? glitch : ByteString(frame.begin(), frame.end());
+            if (before)
+                all.insert(all.end(), frame.begin(), frame.end());
+            else
+                all.insert(all.end(), glitch.begin(), glitch.end());
+            return all;
+        },
+        frame);
+    return glitch;
 }
 
 std::vector<std::uint8_t> FaultInjector::harmless(const std::function<std::vector<std::uint8_t>()>& make,
@@ -215,12 +263,9 @@ bool FaultInjector::spoil_answer(FaultKind kind, const Exchange& exchange, Bytes
     }
     auto answer = open_frame(framing_, sent);
     if (!answer || !alters(kind, exchange.request.span(), *answer)) return false;
-    UnitSet waited_for;
-    for (unsigned unit = 0; unit < 256; ++unit)
-        waited_for[unit] = units_[unit] && late_answer_waits(static_cast<std::uint8_t>(unit));
     const OpenFrame good = *answer;
     for (int tries = 0; tries < kMostTries; ++tries) {
-        alter(random_, kind, units_, waited_for, *answer);
+        alter(random_, kind, units_, *answer);
         instead = close_frame(framing_, *answer);
         if (!could_mislead(instead, true, instead)) return true;
         ++counts_.redrawn;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -49,7 +50,6 @@ protected:
         wire::Pdu request;
         std::size_t normal_length = 0;  ///< characters of a normal answer
         Instant deadline;               ///< the master waits for its last character at least until then
-        Instant latest;                 ///< limit for its first character
         bool dropped = false;           ///< its device has died meanwhile
     };
 
@@ -57,6 +57,8 @@ protected:
     /// The faults drawn when the request was sent. If none were drawn then, draws now.
     virtual std::optional<FaultKind> drawn_for(std::size_t device, Bytes request) = 0;
     virtual void answering(const Exchange& exchange) = 0;
+    /// Takes an answer that will not be sent in its time. @returns whether it did
+    virtual bool postpone(Instant, const Exchange&, UnitId, const serve::Answer&) { return false; }
     virtual void device_died(std::size_t device) = 0;
     virtual void begin(Instant t, FaultKind kind, std::optional<std::size_t> device) = 0;
     virtual void end(Instant t, FaultKind kind) = 0;
@@ -90,9 +92,19 @@ protected:
     /// A valid frame directly behind damaged characters.
     [[nodiscard]] bool lost_for_what_was_before(Bytes frame);
     void remember(Bytes received, bool good);
-    void note_answer(Bytes received);
-    [[nodiscard]] virtual bool late_answer_waits(std::uint8_t unit) const = 0;
 
+    // The drawn times of answers that do not come in their time.
+    [[nodiscard]] Duration lateness(std::size_t device);
+    [[nodiscard]] Duration copy_delay();
+    [[nodiscard]] bool in_order(std::size_t device) const {
+        return device >= plan_.out_of_order.size() || !plan_.out_of_order[device];
+    }
+    /// An earlier answer of that device with the same function and length, and other bytes; empty: none.
+    [[nodiscard]] ByteString past_answer(std::size_t device, Bytes sent);
+    void note_sent(std::size_t device, Bytes sent);
+    /// One to three disturbing characters.
+    [[nodiscard]] ByteString glitch_for(Bytes frame, bool before);
+    void note_answer(Bytes received);
     wire::Framing framing_;
     wire::CharacterFormat format_;
     bool serial_;
@@ -111,9 +123,10 @@ private:
         FaultRates rates;
         std::uint32_t sum = 0;  // per million, of all kinds by exchange
         Duration wait{};
-        Duration late_limit{};
+        Duration response_timeout{};
         bool silent = false;
-        std::uint64_t ailing = 0;  // kinds since its last valid answer
+        std::deque<ByteString> sent;  // its last answers
+        std::uint64_t ailing = 0;     // kinds since its last valid answer
     };
     struct Timer {
         Instant when;
@@ -125,7 +138,7 @@ private:
     [[nodiscard]] State state_of(const model::Device& device, std::size_t index) const;
     [[nodiscard]] Exchange exchange_of(const serve::Context& context, std::size_t device,
                                        Bytes request) const;
-    void delay_answer(Instant t, Exchange& exchange, serve::Answer& answer);
+    void delay_answer(const Exchange& exchange, serve::Answer& answer);
     void add(const Timer& timer);
     void fire(Instant t, const Timer& timer);
     void silence(Instant t, FaultKind kind, std::size_t device);

@@ -13,14 +13,15 @@ constexpr std::size_t index(FaultKind kind) {
 
 std::string_view name(FaultKind kind) {
     static constexpr std::array<std::string_view, kFaultKinds> kNames{
-        "bit_error",         "lost_byte",      "extra_byte",       "repeated_byte",
-        "lost_request",      "lost_response",  "late_response",    "duplicate_response",
-        "fragmented",        "truncated",      "garbage",          "wrong_unit",
-        "wrong_transaction", "wrong_function", "wrong_byte_count", "oversized",
-        "wrong_echo",        "busy",           "wrong_exception",  "ignored_write",
-        "device_dead",       "device_back",    "device_babbles",   "device_reboots",
-        "device_forgets",    "noise",          "clock_jump",       "link_down",
-        "link_up",           "tcp_reset",      "tcp_half_open",    "connect_refused"};
+        "bit_error",        "lost_byte",      "extra_byte",        "repeated_byte",
+        "lost_request",     "lost_response",  "late_response",     "duplicate_response",
+        "past_response",    "glitch",         "fragmented",        "truncated",
+        "garbage",          "wrong_unit",     "wrong_transaction", "wrong_function",
+        "wrong_byte_count", "oversized",      "wrong_echo",        "busy",
+        "wrong_exception",  "ignored_write",  "device_dead",       "device_back",
+        "device_babbles",   "device_reboots", "device_forgets",    "noise",
+        "clock_jump",       "link_down",      "link_up",           "tcp_reset",
+        "tcp_half_open",    "connect_refused"};
     return index(kind) < kFaultKinds ? kNames[index(kind)] : "fault";
 }
 
@@ -46,6 +47,7 @@ bool possible(FaultKind kind, wire::Framing framing, bool serial) {
         case FaultKind::tcp_reset:
         case FaultKind::tcp_half_open:
         case FaultKind::connect_refused: return !serial;
+        case FaultKind::glitch: return framing != wire::Framing::tcp;
         case FaultKind::wrong_transaction: return framing == wire::Framing::tcp;
         default: return true;
     }
@@ -63,7 +65,6 @@ FaultCounts& FaultCounts::operator+=(const FaultCounts& other) {
     exchanges += other.exchanges;
     bytes += other.bytes;
     redrawn += other.redrawn;
-    withheld += other.withheld;
     return *this;
 }
 

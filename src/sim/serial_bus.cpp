@@ -86,6 +86,11 @@ void SerialBus::inject(Instant t, Bytes bytes) {
     intruder.end = character_end(intruder, intruder.length() - 1);
 }
 
+void SerialBus::send_from(Instant t, std::size_t participant, Bytes bytes) {
+    now_ = std::max(now_, t);
+    if (participants_[participant].up) send(participants_[participant], now_, bytes);
+}
+
 bool SerialBus::busy() const {
     return std::ranges::any_of(participants_, [](const Participant& p) { return p.length() > 0; });
 }

@@ -1,6 +1,7 @@
 #include "serial_faults.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "damage.hpp"
 
@@ -27,6 +28,7 @@ SerialFaults::SerialFaults(const model::Line& line, Devices& devices, const Faul
 bool SerialFaults::on_sent(Instant t, std::size_t sender, Bytes sent, std::vector<Piece>& arrives) {
     counts_.bytes += sent.size();
     if (sender == kMaster) return on_request(t, sent, arrives);
+    if (sending_later_) return false;
     return sender == kDevices && on_answer(t, sent, arrives);
 }
 
@@ -71,27 +73,100 @@ bool SerialFaults::on_answer(Instant t, Bytes sent, std::vector<Piece>& arrives)
     const Exchange exchange = *stations_[*device].exchange;
     stations_[*device].exchange.reset();
     if (exchange.dropped) return true;
-    if (t > exchange.latest) {
-        ++counts_.withheld;
-        return true;
+    if (t + length(sent) > exchange.deadline) count(t, FaultKind::late_response, device);
+    note_sent(*device, sent);
+    if (!exchange.kind) return lost_for_what_was_before(sent);
+    ByteString instead;
+    bool changed = false;
+    switch (*exchange.kind) {
+        case FaultKind::duplicate_response: changed = copy(t, *device, sent, instead); break;
+        case FaultKind::past_response: changed = send_past(t, *device, sent, instead); break;
+        case FaultKind::glitch: changed = add_glitch(t, *device, sent, instead); break;
+        default: changed = spoil_answer(*exchange.kind, exchange, sent, instead);
     }
-    const bool late = t + wire::transmission_time(format_, sent.size()) > exchange.deadline;
-    if (late) count(t, FaultKind::late_response, device);
-    if (!exchange.kind || late) return lost_for_what_was_before(sent);
-    std::vector<std::uint8_t> instead;
-    if (*exchange.kind == FaultKind::duplicate_response) {
-        // A frame delivered at its end must not look like silence up to the master's time-out.
-        if (t + wire::transmission_time(format_, 2 * sent.size()) > exchange.deadline)
-            return lost_for_what_was_before(sent);
-        if (lost_for_what_was_before(sent)) return true;
-        instead.assign(sent.begin(), sent.end());
-        instead.insert(instead.end(), sent.begin(), sent.end());
-    } else if (!spoil_answer(*exchange.kind, exchange, sent, instead)) {
-        return lost_for_what_was_before(sent);
-    }
+    if (!changed) return lost_for_what_was_before(sent);
     count(t, *exchange.kind, device);
     arrives.push_back({.bytes = std::move(instead)});
     return true;
+}
+
+// A third of the copies follow directly. The others are counted when they are sent.
+bool SerialFaults::copy(Instant t, std::size_t device, Bytes sent, ByteString& instead) {
+    if (random_.below(3) != 0) {
+        send_later(t + length(sent) + copy_delay(), device, FaultKind::duplicate_response, sent);
+        return false;
+    }
+    instead.assign(sent.begin(), sent.end());
+    instead.insert(instead.end(), sent.begin(), sent.end());
+    return true;
+}
+
+bool SerialFaults::send_past(Instant t, std::size_t device, Bytes sent, ByteString& instead) {
+    instead = past_answer(device, sent);
+    if (instead.empty()) return false;
+    if (random_.below(4) != 0)
+        send_later(t + length(instead) + random_.between(2ms, 300ms), device, std::nullopt, sent);
+    return true;
+}
+
+bool SerialFaults::add_glitch(Instant t, std::size_t device, Bytes sent, ByteString& instead) {
+    const bool before = random_.below(3) != 0;
+    const bool apart = random_.below(2) == 0;
+    const ByteString glitch = glitch_for(sent, before);
+    instead = before ? glitch : ByteString(sent.begin(), sent.end());
+    const Bytes second = before ? sent : Bytes(glitch);
+    if (apart)
+        send_later(t + length(instead) + random_.between(0ms, 8ms), device, std::nullopt, second);
+    else
+        instead.insert(instead.end(), second.begin(), second.end());
+    return true;
+}
+
+// ---- answers at other times
+
+bool SerialFaults::postpone(Instant t, const Exchange& exchange, UnitId unit, const serve::Answer& answer) {
+    const std::size_t device = *exchange.device;
+    const bool late = exchange.kind == FaultKind::late_response;
+    Instant ready = t + answer.delay;
+    if (late) ready = t + lateness(device);
+    if (in_order(device))
+        for (const Later& earlier : later_)
+            if (earlier.device == device && earlier.kind == FaultKind::late_response)
+                ready = std::max(ready, earlier.when + answer.delay + 1ms);
+    if (!late && ready == t + answer.delay) return false;
+    const auto pdu = answer.pdu.span();
+    const ByteString frame = close_frame(framing_, {unit.value, 0, {pdu.begin(), pdu.end()}});
+    send_later(ready, device, FaultKind::late_response, frame);
+    later_.back().waits_for_silence = random_.below(4) != 0;
+    return true;
+}
+
+void SerialFaults::send_later(Instant when, std::size_t device, std::optional<FaultKind> kind, Bytes bytes) {
+    later_.push_back(
+        {when, device, kind, kind.has_value() && random_.below(4) != 0, {bytes.begin(), bytes.end()}});
+    schedule_begin(when, FaultKind::late_response, device);
+}
+
+// In order: its first. Out of order: its earliest.
+void SerialFaults::send_due(Instant t, std::size_t device) {
+    auto due = later_.end();
+    for (auto i = later_.begin(); i != later_.end(); ++i) {
+        if (i->device != device || i->when > t) continue;
+        if (due == later_.end() || (!in_order(device) && i->when < due->when)) due = i;
+    }
+    if (due == later_.end()) return;
+    if (due->waits_for_silence && bus_->busy()) {
+        due->when = t + random_.between(1ms, 20ms);
+        return schedule_begin(due->when, FaultKind::late_response, device);
+    }
+    const Later later = std::move(*due);
+    later_.erase(due);
+    sending_later_ = true;
+    bus_->send_from(t, kDevices, later.bytes);
+    sending_later_ = false;
+    if (!later.kind) return;
+    note_sent(device, later.bytes);
+    count(t, *later.kind, device);
 }
 
 void SerialFaults::on_arrived(Instant t, std::size_t sender, Bytes sent, Bytes received) {
@@ -121,11 +196,7 @@ void SerialFaults::answering(const Exchange& exchange) {
 
 void SerialFaults::device_died(std::size_t device) {
     if (auto& exchange = stations_[device].exchange) exchange->dropped = true;
-}
-
-bool SerialFaults::late_answer_waits(std::uint8_t unit) const {
-    const auto device = device_of(unit);
-    return device && stations_[*device].exchange;
+    std::erase_if(later_, [device](const Later& later) { return later.device == device; });
 }
 
 // ---- by the clock
@@ -134,6 +205,7 @@ void SerialFaults::begin(Instant t, FaultKind kind, std::optional<std::size_t> d
     const bool standing_still = bus_->stalled(kMaster);
     if (standing_still && kind == FaultKind::link_down) return schedule_begin(t + 100ms, kind, device);
     switch (kind) {
+        case FaultKind::late_response: return send_due(t, *device);
         case FaultKind::noise:
             if (bus_->busy()) return schedule_begin(t + random_.between(1ms, 20ms), kind, device);
             bus_->inject(t, harmless([&] { return any_bytes(random_, 1 + random_.below(8)); }, {}));
@@ -173,6 +245,7 @@ void SerialFaults::end(Instant t, FaultKind kind) {
 
 void SerialFaults::end_all(Instant t) {
     babbles_until_ = t;
+    later_.clear();
     if (bus_->stalled(kMaster)) bus_->stall(kMaster, t, false);
 }
 

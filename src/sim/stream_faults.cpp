@@ -11,7 +11,6 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kClient = 0;
 constexpr std::size_t kServer = 1;
-constexpr Duration kLatestDuplicate = 2s;
 
 }  // namespace
 
@@ -41,29 +40,20 @@ bool StreamFaults::on_frame(Instant t, Bytes frame, std::vector<Piece>& arrives)
     answers_.pop_front();
     if (exchange.dropped) return true;
     if (!exchange.device) return false;
-    if (framing_ != wire::Framing::tcp && t > exchange.latest) {
-        ++counts_.withheld;
-        return true;
-    }
-    if (t > exchange.deadline) {
-        count(t, FaultKind::late_response, exchange.device);
-        return lost_for_what_was_before(frame);
-    }
+    if (queue_up(t, exchange, frame, arrives)) return true;
+    note_sent(*exchange.device, frame);
+    if (t > exchange.deadline) count(t, FaultKind::late_response, exchange.device);
     if (!exchange.kind) return lost_for_what_was_before(frame);
     return spoil(t, exchange, frame, arrives);
 }
 
 bool StreamFaults::spoil(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives) {
     switch (*exchange.kind) {
-        case FaultKind::late_response:
-            // The rest of an earlier response has ended the transaction already: one fault at a time.
-            if (framing_ != wire::Framing::tcp && !tail_.empty()) {
-                ++counts_.withheld;
-                return true;
-            }
-            hold_back(t, exchange, frame, arrives);
+        case FaultKind::duplicate_response: double_up(t, frame, arrives); break;
+        case FaultKind::past_response:
+            if (!send_past(t, *exchange.device, frame, arrives)) return lost_for_what_was_before(frame);
             break;
-        case FaultKind::duplicate_response: double_up(frame, arrives); break;
+        case FaultKind::glitch: add_glitch(t, frame, arrives); break;
         case FaultKind::fragmented:
             if (!break_up(t, exchange, frame, arrives)) return false;
             break;
@@ -81,22 +71,55 @@ bool StreamFaults::spoil(Instant t, const Exchange& exchange, Bytes frame, std::
     return true;
 }
 
-void StreamFaults::hold_back(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives) {
-    const Instant latest = std::max(exchange.latest, exchange.deadline);
-    arrives.push_back({.delay = random_.between(exchange.deadline - t, latest - t),
-                       .sent_later = true,
-                       .bytes = {frame.begin(), frame.end()}});
+bool StreamFaults::queue_up(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives) {
+    const std::size_t device = *exchange.device;
+    Instant ready = t;
+    const bool late = exchange.kind == FaultKind::late_response;
+    if (late) ready = t + lateness(device);
+    if (in_order(device)) {
+        Instant& behind = behind_until_[device];
+        if (behind > t) ready = std::max(ready, behind + 1ms);
+        if (ready > t) behind = ready;
+    }
+    if (ready == t) return false;
+    note_sent(device, frame);
+    if (ready > exchange.deadline) count(t, FaultKind::late_response, device, ready);
+    send_later(t, ready - t, frame, arrives);
+    return true;
 }
 
-void StreamFaults::double_up(Bytes frame, std::vector<Piece>& arrives) {
+// What would come after the faults is lost.
+void StreamFaults::send_later(Instant t, Duration delay, Bytes bytes, std::vector<Piece>& arrives) const {
+    if (t + delay >= plan_.quiet_from) return;
+    arrives.push_back({.delay = delay, .sent_later = true, .bytes = {bytes.begin(), bytes.end()}});
+}
+
+void StreamFaults::double_up(Instant t, Bytes frame, std::vector<Piece>& arrives) {
     arrives.push_back({.bytes = {frame.begin(), frame.end()}});
-    Piece again = arrives.back();
-    again.delay = random_.between(0ms, kLatestDuplicate);
-    again.sent_later = true;
-    if (framing_ == wire::Framing::tcp)
-        arrives.push_back(std::move(again));
-    else  // a later one cannot be distinguished from the next response
+    if (random_.below(3) == 0)
         arrives.back().bytes.insert(arrives.back().bytes.end(), frame.begin(), frame.end());
+    else
+        send_later(t, copy_delay(), frame, arrives);
+}
+
+bool StreamFaults::send_past(Instant t, std::size_t device, Bytes frame, std::vector<Piece>& arrives) {
+    ByteString past = past_answer(device, frame);
+    if (past.empty()) return false;
+    arrives.push_back({.bytes = std::move(past)});
+    if (random_.below(4) != 0) send_later(t, random_.between(0ms, 300ms), frame, arrives);
+    return true;
+}
+
+void StreamFaults::add_glitch(Instant t, Bytes frame, std::vector<Piece>& arrives) {
+    const bool before = random_.below(3) != 0;
+    const ByteString glitch = glitch_for(frame, before);
+    const Bytes first = before ? Bytes(glitch) : frame;
+    const Bytes second = before ? frame : Bytes(glitch);
+    arrives.push_back({.bytes = {first.begin(), first.end()}});
+    if (random_.below(2) == 0)
+        arrives.back().bytes.insert(arrives.back().bytes.end(), second.begin(), second.end());
+    else
+        send_later(t, random_.between(0ms, 8ms), second, arrives);
 }
 
 bool StreamFaults::break_up(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives) {
@@ -159,6 +182,7 @@ void StreamFaults::close(Instant t) {
 
 void StreamFaults::begin_anew() {
     answers_.clear();
+    behind_until_.clear();
     tail_.clear();
     swallows_ = false;
 }
@@ -198,6 +222,7 @@ void StreamFaults::end(Instant t, FaultKind kind) {
 }
 
 void StreamFaults::end_all(Instant t) {
+    behind_until_.clear();
     if (stream_->stalled()) stream_->stall(t, false);
     if (swallows_) close(t);
     if (!stream_->up()) schedule_begin(t, FaultKind::connect_refused, {});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <map>
 
 #include "fault_injector.hpp"
 #include "takt/bus/health.hpp"
@@ -32,21 +33,25 @@ protected:
     void end(Instant t, FaultKind kind) override;
     void end_all(Instant t) override;
     void begin_anew() override;
-    bool late_answer_waits(std::uint8_t) const override { return false; }
 
 private:
     /// @returns whether the frame arrives otherwise than it is
     bool on_frame(Instant t, Bytes frame, std::vector<Piece>& arrives);
     bool spoil(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives);
-    void hold_back(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives);
-    void double_up(Bytes frame, std::vector<Piece>& arrives);
+    /// The answer of a device that is behind with others. @returns whether it is
+    bool queue_up(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives);
+    void send_later(Instant t, Duration delay, Bytes bytes, std::vector<Piece>& arrives) const;
+    void double_up(Instant t, Bytes frame, std::vector<Piece>& arrives);
+    bool send_past(Instant t, std::size_t device, Bytes frame, std::vector<Piece>& arrives);
+    void add_glitch(Instant t, Bytes frame, std::vector<Piece>& arrives);
     bool break_up(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives);
     void swallow(Instant t, Instant until);
     void close(Instant t);
     void connect(Instant t);
 
     ByteStream* stream_ = nullptr;
-    std::deque<Exchange> answers_;  // whose answers will come, in this order
+    std::deque<Exchange> answers_;                 // whose answers will come, in this order
+    std::map<std::size_t, Instant> behind_until_;  // by device that answers in order
     bool swallows_ = false;
     Instant swallows_until_{};
     bus::Backoff backoff_{std::chrono::milliseconds(250), std::chrono::seconds(5)};

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "shapes.hpp"
 #include "takt/table/executor.hpp"
 #include "words.hpp"
 
@@ -22,6 +23,7 @@ bus::OutcomeStatus Executor::note_outcome(const bus::Outcome& outcome, std::uint
     state.in_flight = false;
     const bool early_probe = std::exchange(state.probed_early, false);
     if (!state.enabled || ended.status == StatusCode::link_lost) return ended;
+    if (ended.answered) note_delay(outcome, state);
     if (ended.answered) {
         if (state.health.answered()) restart_device(outcome.ended_at, index, true);
         if (state.away) restore_statuses(index);
@@ -32,6 +34,32 @@ bus::OutcomeStatus Executor::note_outcome(const bus::Outcome& outcome, std::uint
         if (state.has_reads) drop_triggers(index);
     }
     return ended;
+}
+
+void Executor::note_delay(const bus::Outcome& outcome, DeviceState& state) const {
+    if (engine_.config().framing != wire::Framing::tcp && outcome.unit == kBroadcast) return;
+    const bool certain = outcome.status != bus::Status::ambiguous && !engine_.remembers(outcome.unit);
+    state.times.on_response(bus::response_delay(engine_.config(), outcome), certain);
+}
+
+void Executor::note_late(const bus::LateResponse& late) {
+    for (std::uint32_t d = 0; d < devices_.size(); ++d) {
+        if (UnitId{device(d).unit} != late.unit) continue;
+        devices_[d].times.on_late(late);
+        if (late.out_of_order_since) degrade_shifted(d, late);
+    }
+}
+
+// The values that may come from late responses, because the device does not answer in order.
+void Executor::degrade_shifted(std::uint32_t index, const bus::LateResponse& late) {
+    const auto record = device(index);
+    for (std::uint32_t i = 0; i < record.entry_count; ++i) {
+        const auto e = record.first_entry - line_.first_entry + i;
+        const auto planned = entry(e);
+        if (!is_read(planned) || entries_[e].last_start < *late.out_of_order_since) continue;
+        if (late.shape == read_shape(planned))
+            degrade(planned, Quality::uncertain, StatusCode::ambiguous, false);
+    }
 }
 
 void Executor::on_read(const bus::Outcome& outcome, std::uint32_t index) {
@@ -56,6 +84,8 @@ void Executor::on_read(const bus::Outcome& outcome, std::uint32_t index) {
         state.read_busy.reset();
     if (ended.status == StatusCode::ok)
         take_values(planned, outcome.response);
+    else if (ended.status == StatusCode::ambiguous)
+        read_again(t, state, planned, ended.status);
     else
         degrade(planned, Quality::bad, ended.status, false);
     set_status(index, planned, ended.status);
@@ -68,13 +98,17 @@ void Executor::fail_read(Instant t, std::uint32_t index, const EntryRecord& plan
     if (!state.health.answering()) {
         degrade(planned, Quality::bad, status, true);
     } else {
-        degrade(planned, Quality::uncertain, status, false);
-        if (state.by_trigger)
-            state.read_triggered = true;
-        else
-            state.retry = t;
+        read_again(t, state, planned, status);
     }
     set_status(index, planned, status);
+}
+
+void Executor::read_again(Instant t, EntryState& state, const EntryRecord& planned, StatusCode status) {
+    degrade(planned, Quality::uncertain, status, false);
+    if (state.by_trigger)
+        state.read_triggered = true;
+    else
+        state.retry = t;
 }
 
 void Executor::take_values(const EntryRecord& planned, const wire::ResponseView& response) {
@@ -171,12 +205,11 @@ void Executor::on_written(const bus::Outcome& outcome, std::uint32_t index) {
     const bool refused =
         ended.busy && outcome.exception == static_cast<std::uint8_t>(wire::ExceptionCode::server_device_busy);
     const bool undone = !outcome.sent || refused;
-    const bool unknown = ended.status != StatusCode::ok && !undone && !(ended.answered && !ended.busy);
+    const bool unknown = ended.status != StatusCode::ok && !undone && ended.transient();
     const bool again = ended.status != StatusCode::ok &&
-                       (undone || (unknown && !ended.answered && safe_to_repeat(view_, planned)));
+                       (undone || (unknown && !ended.busy && safe_to_repeat(view_, planned)));
     if (again && reachable(owner) &&
-        (ended.status == StatusCode::link_lost ||
-         ++state.write_failures < view_.device(planned.device).attempts)) {
+        bus::attempts_left(ended.status, view_.device(planned.device).attempts, state.write_failures)) {
         if (ended.busy) state.write_not_before = after(outcome.ended_at, state.write_busy.next());
         ask(index);
         state.asked = true;

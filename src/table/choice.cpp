@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "shapes.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/bus/failure_time.hpp"
 #include "takt/table/executor.hpp"
@@ -16,16 +17,6 @@ constexpr std::size_t kReadRequestLength = 5;  // of the PDU
 /// The engine's id of a transaction, and the arbiter's job.
 constexpr bus::TransactionId id_of(std::uint32_t entry, bool writes) {
     return std::uint64_t{entry} << 1 | (writes ? 1U : 0U);
-}
-
-bus::AnswerShape read_shape(const EntryRecord& entry) {
-    const auto function = wire::Function{entry.read};
-    return {entry.read, wire::response_pdu_length(function, entry.quantity)};
-}
-
-bus::AnswerShape written_shape(const EntryRecord& entry) {
-    const auto function = wire::Function{entry.write};
-    return {entry.write, wire::response_pdu_length(function, entry.quantity)};
 }
 
 }  // namespace
@@ -214,11 +205,10 @@ void Executor::submit(Instant t, const EntryRecord& planned, bus::TransactionId 
                       const wire::PreparedRequest& request) {
     const auto record = view_.device(planned.device);
     devices_[device_of(planned)].in_flight = true;
-    const auto taken = engine_.submit(t, {.id = id,
-                                          .unit = UnitId{record.unit},
-                                          .request = request,
-                                          .wait = Duration(record.wait),
-                                          .late_limit = Duration(record.response_timeout)});
+    bus::Transaction transaction{
+        .id = id, .unit = UnitId{record.unit}, .request = request, .wait = Duration(record.wait)};
+    devices_[device_of(planned)].times.set(transaction, Duration(record.response_timeout));
+    const auto taken = engine_.submit(t, transaction);
     TAKT_ASSERT(taken);
 }
 

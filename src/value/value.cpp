@@ -38,6 +38,7 @@ std::string_view name(Reason reason) {
         case Reason::superseded: return "superseded";
         case Reason::stale: return "stale";
         case Reason::never_connected: return "never_connected";
+        case Reason::ambiguous: return "ambiguous";
     }
     return "unknown";
 }

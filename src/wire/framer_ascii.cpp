@@ -69,7 +69,7 @@ FramerStep Framer::end_ascii(std::size_t consumed) {
     const bool whole = expected_ && raw_.size() == expected_->length;
     const auto drop_response = [&](FrameFault fault) {
         FramerStep step = drop(fault, consumed, State::idle);
-        step.whole = whole;
+        step.whole = step.came = whole;
         return step;
     };
     if (damaged_) return drop_response(FrameFault::bad_character);

@@ -76,7 +76,7 @@ FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
             if (state_ == State::resynchronising && find_response()) return complete_frame(i + 1);
             if (!expected_came_damaged()) continue;
             FramerStep step = drop(FrameFault::checksum, i + 1, State::idle);
-            step.whole = true;
+            step.whole = step.came = true;
             return step;
         }
         if (state_ == State::resynchronising) {
@@ -207,6 +207,7 @@ FramerStep Framer::end_rtu() {
     if (raw_.size() < kLeastFrame) return drop(FrameFault::too_short, 0, State::idle);
     if (crc_ == 0 && !shifted_) return complete_frame(0);
     const std::size_t length = raw_.size();
+    bool came = false;
     bool whole = length == expected_response_length(raw_.span()) ||
                  (config_.side == Side::slave && length == expected_request_length(raw_.span()));
     if (expected_) {
@@ -217,9 +218,12 @@ FramerStep Framer::end_rtu() {
             length >= 2 && (raw_[0] == expected_->unit.value || (raw_[1] & 0x7F) == expected_->function);
         whole = wanted > 0 && ((length == wanted && !shifted_ && like) ||
                                (length > wanted && expected_length(raw_.span().last(wanted)) == wanted));
+        const Bytes last = raw_.span().last(std::min(length, wanted));
+        came = whole && last[0] == expected_->unit.value && (last[1] & 0x7F) == expected_->function;
     }
     FramerStep step = drop(FrameFault::checksum, 0, State::idle);
     step.whole = whole;
+    step.came = came;
     return step;
 }
 

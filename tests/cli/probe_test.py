@@ -51,7 +51,8 @@ def test_a_line_that_loses_answers():
         result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 250, "--json", "--timeout", "2s",
                       deadline=200).json
         assert holding(result)["ranges"] == [list(r) for r in MAP]
-        assert result["transmissions"] <= result["requests"] * 10 / 9 + 1, "each lost answer costs one repetition, no more"
+        assert result["transmissions"] <= result["requests"] * 15 / 10 + 3, \
+            "a lost answer costs one repetition; the next two answers of its shape are in doubt"
 
 
 def test_a_device_that_refuses_by_silence():

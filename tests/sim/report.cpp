@@ -50,7 +50,6 @@ Record record_of(const Result& result) {
     counts["exchanges"] = result.faults.exchanges;
     counts["bytes"] = result.faults.bytes;
     counts["redrawn"] = result.faults.redrawn;
-    counts["withheld"] = result.faults.withheld;
     for (std::size_t i = 0; i < sim::kFaultKinds; ++i) {
         const std::string kind(name(static_cast<sim::FaultKind>(i)));
         counts["fault." + kind] = result.faults.injected[i];

@@ -9,6 +9,9 @@ namespace {
 using namespace std::chrono_literals;
 using sim::FaultKind;
 
+/// Of a million answers of one device in three: one answer in 400, in 40, or in 4 is late.
+constexpr std::array kLate{2'500U, 25'000U, 250'000U};
+
 sim::FaultRates rates(const model::Line& model, const Run& settings, std::size_t line) {
     auto random = sim::Random(settings.seed).fork(0xFA + line);
     auto kind = settings.faults.kind;
@@ -26,13 +29,30 @@ sim::FaultRates rates(const model::Line& model, const Run& settings, std::size_t
         const bool left_out = random.below(3) == 0;
         const auto rate = many ? 1000 + random.below(9000) : 100 + random.below(900);
         const auto mean = random.between(many ? 20s : 100s, many ? 120s : 600s);
-        if (left_out || !possible(fault, model.framing, model.is_serial())) continue;
+        const bool misleads = fault == FaultKind::past_response || fault == FaultKind::duplicate_response;
+        const bool spared = misleads && !settings.merciless;
+        if (left_out || spared || !possible(fault, model.framing, model.is_serial())) continue;
         if (is_timed(fault))
             made.every(fault, mean);
         else
             made.set(fault, fault == FaultKind::connect_refused ? 300'000 : rate);
     }
     return made;
+}
+
+// Drawn by itself, so that all else stays as without it.
+void add_lateness(sim::FaultPlan& plan, const model::Line& model, const Run& settings, std::size_t line) {
+    auto random = sim::Random(settings.seed).fork(0x1A7E + line);
+    const auto kind = settings.faults.kind;
+    for (std::size_t d = 0; d < model.devices.size(); ++d) {
+        plan.out_of_order.push_back(random.below(3) == 0);
+        const bool late = random.below(3) == 0;
+        const auto rate = kLate[random.below(kLate.size())];
+        plan.devices.push_back(plan.rates);
+        const auto without = static_cast<std::size_t>(FaultKind::late_response);
+        if (kind == FaultChoice::Kind::given || plan.rates.per_million[without] == 0) continue;
+        if (late) plan.devices.back().set(FaultKind::late_response, rate);
+    }
 }
 
 }  // namespace
@@ -54,6 +74,8 @@ sim::FaultPlan fault_plan(const model::Project& project, const Run& settings, st
     sim::FaultPlan plan;
     plan.seed = random.next();
     plan.rates = rates(modelled, settings, line);
+    plan.merciless = settings.merciless;
+    if (settings.merciless) add_lateness(plan, modelled, settings, line);
     plan.dead = {1s, 20s};
     const bool several =
         modelled.framing == wire::Framing::tcp &&

@@ -26,7 +26,8 @@ struct Run {
     std::uint64_t seed = 1;
     Duration length = std::chrono::minutes(10);
     FaultChoice faults;
-    bool trace = false;  ///< every frame on stderr
+    bool merciless = false;  ///< lateness without a limit, copies at any time, answers of the past
+    bool trace = false;      ///< every frame on stderr
 };
 
 struct Frame {

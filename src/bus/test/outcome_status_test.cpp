@@ -29,6 +29,7 @@ TEST(OutcomeStatus, OfEveryOutcome) {
         {Status::line_busy, 0, 100, false, false},
         {Status::bad_checksum, 0, 101, false, false},
         {Status::unexpected_reply, 0, 102, false, false},
+        {Status::ambiguous, 0, 110, true, false},
         {Status::link_lost, 0, 103, false, false},
         {Status::cancelled, 0, 103, false, false},
     };
@@ -41,6 +42,22 @@ TEST(OutcomeStatus, OfEveryOutcome) {
         EXPECT_EQ(status.answered, row.answered) << row.number;
         EXPECT_EQ(status.busy, row.busy) << row.number;
     }
+}
+
+TEST(OutcomeStatus, AttemptsAreLeftLongerWhereTheResponseIsInDoubt) {
+    struct Row {
+        StatusCode status;
+        int again;  // times, with three attempts
+    };
+    for (const auto& row : {Row{StatusCode::timeout, 2}, Row{StatusCode::ambiguous, 4}}) {
+        std::uint16_t failures = 0;
+        int again = 0;
+        while (attempts_left(row.status, 3, failures)) ++again;
+        EXPECT_EQ(again, row.again) << number(row.status);
+    }
+    std::uint16_t failures = 2;
+    EXPECT_TRUE(attempts_left(StatusCode::link_lost, 3, failures));
+    EXPECT_EQ(failures, 2U);
 }
 
 }  // namespace

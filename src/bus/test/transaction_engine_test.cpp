@@ -434,9 +434,8 @@ TEST(TransactionCore, WorksInTheLeastStorage) {
         std::vector<std::uint8_t> pdus(wire::kMaxPdu);
         std::vector<std::uint8_t> sending(TransactionStorage::sending_size(framing));
         std::vector<std::uint8_t> receiving(TransactionStorage::receiving_size(framing));
-        LateAnswers late;
-        TransactionCore engine(
-            config, {slots, pdus, sending, receiving, framing == wire::Framing::tcp ? nullptr : &late});
+        std::vector<OutstandingResponse> outstanding(1);
+        TransactionCore engine(config, {slots, pdus, sending, receiving, outstanding});
         EXPECT_EQ(engine.config().in_flight, 1U);
         engine.on_link(at(0ms), true);
         wire::Pdu longest{0x41};  // an unknown function
@@ -464,7 +463,7 @@ TEST(TransactionCore, ShortRequestsNeedLittleStorage) {
     std::vector<std::uint8_t> sending(TransactionStorage::sending_size(wire::Framing::tcp, kLongest));
     std::vector<std::uint8_t> receiving(TransactionStorage::receiving_size(wire::Framing::tcp, kLongest));
     EXPECT_EQ(receiving.size(), 12U);
-    TransactionCore engine(tcp_line(), {slots, pdus, sending, receiving, nullptr, kLongest});
+    TransactionCore engine(tcp_line(), {slots, pdus, sending, receiving, {}, kLongest});
     engine.on_link(at(0ms), true);
     EXPECT_EQ(engine.submit(at(0ms), transaction(1, 17, "06 00 6B 00 03 00")).error().code, Code::too_long);
     ASSERT_TRUE(engine.submit(at(0ms), transaction(1, 17, "03 00 6B 00 01")));

@@ -72,6 +72,8 @@ TEST(ReadAlternatives, InOwenKc1RequestsAreSplitOnly) {
     const auto found = alternatives(
         project({.registers_per_request = 2, .profile = model::Profile::owen_kc1}, row(5, int16(0).read(3))));
     EXPECT_EQ(found, (std::vector<ReadAlternative>{{Kind::part, kHolding, 0, 1}}));
+    EXPECT_TRUE(alternatives(project({.profile = model::Profile::owen_kc1}, {real(0).read(3)})).empty())
+        << "a value is never read in part";
 }
 
 }  // namespace

@@ -116,7 +116,7 @@ TEST(Exchange, ProbesDoNotWrite) {
     bench.run_until(4s);
     const auto probes = pdus(bench);
     ASSERT_FALSE(probes.empty());
-    for (const auto& pdu : probes) EXPECT_EQ(pdu, "03 00 00 00 0C");
+    for (const auto& pdu : probes) EXPECT_TRUE(pdu.starts_with("03 ")) << pdu;
 }
 
 }  // namespace

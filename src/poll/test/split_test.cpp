@@ -115,12 +115,15 @@ TEST(SplitValue, APartThatFailsHoldsTheValueBack) {
     Bench bench(described, plan);
     fill(bench.players[1], 'a');
     bench.run_until(90ms);
-    bench.players[1].silent_about = {5};
+    bench.players[1].silent_to = [](const wire::Request& request) {
+        const auto& read = std::get<wire::ReadRequest>(request);
+        return read.start.value + read.quantity > 5;
+    };
     fill(bench.players[1], 'b');
     bench.run_until(1s);
     EXPECT_EQ(bench.slot("text").value, value::Value(std::string(20, 'a')));
     EXPECT_NE(bench.slot("text").quality, value::Quality::good);
-    bench.players[1].silent_about.clear();
+    bench.players[1].silent_to = {};
     bench.run_until(2s);
     EXPECT_EQ(bench.slot("text").value, value::Value(std::string(20, 'b')));
     EXPECT_EQ(bench.slot("text").quality, value::Quality::good);

@@ -261,6 +261,8 @@ TEST(RelayOnABus, LateWrongAndDeadDevicesNeverLeadToAnothersAnswer) {
             faults.seed = seed;
             faults.rates = FaultRates::all(10'000, 20s);
             faults.rates.set(FaultKind::late_response, 60'000);
+            // Nothing in the frame shows that it is a copy.
+            faults.rates.set(FaultKind::duplicate_response, 0).set(FaultKind::past_response, 0);
             faults.dead = {200ms, 2s};
             faults.unplugged = {100ms, 1s};
             faults.jump = {200ms, 500ms};

@@ -47,7 +47,9 @@ public:
 
 class PolledSide final : public Side {
 public:
-    PolledSide(const model::Project& project, const plan::Plan& plan) : master_(project, plan) {}
+    // Only planned requests are in a table.
+    PolledSide(const model::Project& project, const plan::Plan& plan)
+        : master_(project, plan, {.distinct_reads = false}) {}
     Engine& engine() override { return master_.line(0); }
     void set(Instant t, const Set& set) override {
         EXPECT_TRUE(master_.set(t, *master_.store().find(set.name), set.value)) << set.name;

@@ -202,6 +202,10 @@ Received find_in_stream(const Asked& asked, Span received) {
 
 }  // namespace
 
+Words values_in(const Asked& asked, Span pdu) {
+    return judge_pdu(asked, pdu).values;
+}
+
 std::uint16_t crc(Span bytes) {
     unsigned check = 0xFFFF;
     for (const auto byte : bytes) check = check >> 8U ^ kCrcTable[(check ^ byte) & 0xFFU];
@@ -240,6 +244,60 @@ std::size_t complete_frames(Span stream) {
     std::size_t length = 0;
     while (const auto frame = unframe_tcp(stream.subspan(length))) length += frame->length;
     return length;
+}
+
+namespace {
+
+/// Characters of the RTU response that begins there; 0: none does. More than there are: incomplete.
+std::size_t rtu_response_length(Span bytes) {
+    if (bytes.size() < 2) return 3;
+    const unsigned function = bytes[1];
+    if ((function & 0x80U) != 0) return (function & 0x7FU) == 0 ? 0 : 5;
+    if (function >= 1 && function <= 4) return bytes.size() < 3 ? 3 : 5U + bytes[2];
+    switch (function) {
+        case 5:
+        case 6:
+        case 15:
+        case 16: return 8;
+        case 22: return 10;
+        case 23: return bytes.size() < 3 ? 3 : 5U + bytes[2];
+        default: return 0;
+    }
+}
+
+std::size_t ascii_response_length(Span bytes) {
+    if (bytes.front() != ':') return 0;
+    for (std::size_t i = 1; i < bytes.size(); ++i) {
+        if (bytes[i] == ':') return 0;
+        if (bytes[i] == '\n') return i + 1;
+    }
+    return bytes.size() + 1;
+}
+
+}  // namespace
+
+std::vector<FoundFrame> find_frames(Framing framing, Span bytes, std::size_t& parsed) {
+    std::vector<FoundFrame> found;
+    std::optional<std::size_t> incomplete;
+    std::size_t at = 0;
+    while (at < bytes.size()) {
+        const auto rest = bytes.subspan(at);
+        const bool rtu = framing == Framing::rtu;
+        const std::size_t length = rtu ? rtu_response_length(rest) : ascii_response_length(rest);
+        if (length > rest.size() && !incomplete) incomplete = at;
+        const auto body = length == 0 || length > rest.size() ? std::nullopt
+                          : rtu                               ? unframe_rtu(rest.first(length))
+                                                              : unframe_ascii(rest.first(length));
+        if (!body || body->size() < 2) {
+            ++at;
+            continue;
+        }
+        at += length;
+        incomplete.reset();  // what began before it was no frame
+        found.push_back({at, body->front(), ByteVector(body->begin() + 1, body->end())});
+    }
+    parsed = incomplete.value_or(bytes.size());
+    return found;
 }
 
 // Usually the answer is everything received. Otherwise other bytes precede or follow it.

@@ -52,9 +52,24 @@ struct Received {
     Words values;               ///< of a read that was answered well
 };
 
+/// The values in the PDU of a normal answer.
+[[nodiscard]] Words values_in(const Asked& asked, std::span<const std::uint8_t> pdu);
+
 /// Finds the answer anywhere in the received bytes.
 [[nodiscard]] Received find_answer(wire::Framing framing, const Asked& asked,
                                    std::span<const std::uint8_t> received);
+
+/// A frame with a valid checksum, and its PDU.
+struct FoundFrame {
+    std::size_t end = 0;  ///< offset behind it
+    std::uint8_t unit = 0;
+    ByteVector pdu;
+};
+
+/// All responses in the bytes of an RTU or ASCII line, whatever is between them.
+/// @param parsed  bytes from there on may be the beginning of a frame
+[[nodiscard]] std::vector<FoundFrame> find_frames(wire::Framing framing, std::span<const std::uint8_t> bytes,
+                                                  std::size_t& parsed);
 
 /// Bytes of the complete frames at the beginning of a Modbus TCP stream.
 [[nodiscard]] std::size_t complete_frames(std::span<const std::uint8_t> stream);

@@ -12,7 +12,9 @@
 
 #include "arithmetic.hpp"
 #include "case.hpp"
+#include "ledger.hpp"
 #include "takt/bus/transaction.hpp"
+#include "takt/plan/read_alternatives.hpp"
 #include "takt/sim/device_observer.hpp"
 #include "takt/sim/faults.hpp"
 #include "takt/value/command.hpp"
@@ -87,12 +89,13 @@ private:
         unsigned possible = 0;  // with the answers that the master need not have found
         unsigned probes = 0;    // that failed since it counts as not answering
         Instant probe_not_before = Instant::min();
-        Instant last_read = Instant::min();    // its start
-        Instant clean_from = Instant::min();   // nothing that was asked of it before can hold anything back
-        std::uint64_t sent = 0;                // transactions
-        std::uint64_t ended = 0;               // of them, by the engine
-        bool has_reads = false;                // else it is not probed
-        std::optional<Instant> answered_late;  // the last time that its answer came after the deadline
+        Instant last_read = Instant::min();   // its start
+        Instant clean_from = Instant::min();  // nothing that was asked of it before can hold anything back
+        Instant doubtful_until = Instant::min();  // a late answer to what was asked before may come
+        std::uint64_t sent = 0;                   // transactions
+        std::uint64_t ended = 0;                  // of them, by the engine
+        bool has_reads = false;                   // else it is not probed
+        std::optional<Instant> answered_late;     // the last time that its answer came after the deadline
         [[nodiscard]] bool dead() const { return failures >= model->attempts; }
         [[nodiscard]] bool may_be_dead() const { return possible >= model->attempts; }
         void answers() { failures = possible = probes = 0; }
@@ -192,6 +195,7 @@ private:
     void settle_answered();
     void note_trouble(DeviceState& device, Instant until);
     void note_late_answers(Instant t);
+    void note_further_answers();
     [[nodiscard]] bool answers_too_late(Instant t, const DeviceState& device) const;
     /// Line time that the guarantees do not include.
     struct Excess {
@@ -266,6 +270,13 @@ private:
     void note_admitted(const Transaction& transaction);
     [[nodiscard]] bool queues_for_bucket(VariableNumber v, Instant t) const;
     void note_carried(const Transaction& transaction);
+    [[nodiscard]] Duration hold_of(const DeviceState& device) const;
+    [[nodiscard]] bool repeats_ambiguous(const Transaction& transaction) const;
+    /// An earlier answer of the device may still come: its requests may be held, replaced and repeated.
+    [[nodiscard]] bool in_doubt(std::size_t device, Instant t) const {
+        return one_at_a_time() && t < devices_[device].doubtful_until;
+    }
+    [[nodiscard]] plan::ReadAlternatives alternatives_to(const plan::Request& request) const;
     [[nodiscard]] bool writes_range_of(const Asked& asked, const plan::Request& request) const;
     void check_group(const Transaction& transaction, const RequestState& group);
     void check_bits_taken(const Transaction& transaction, const RequestState& group);
@@ -274,6 +285,7 @@ private:
     void check_kept_bits(const Transaction& transaction, std::uint16_t changed);
     void check_executed(VariableNumber v, const Executed& executed);
     void check_expired(Instant t);
+    [[nodiscard]] bool falsely_confirmed(Instant t);
     void drop_order(VariableNumber v, value::CommandId id, bool forbidden);
     [[nodiscard]] bool group_waits(const RequestState& group) const;
     [[nodiscard]] bool verified(std::span<const VariableNumber> members) const;
@@ -290,6 +302,7 @@ private:
     [[nodiscard]] std::optional<Duration> bound(VariableNumber v, Instant t) const;
     [[nodiscard]] Duration beyond(const Transaction& transaction, Duration occupied) const;
     [[nodiscard]] Transaction* source_of(VariableNumber v, const value::Slot& slot);
+    [[nodiscard]] bool shows_false_history(Instant t, VariableNumber v, const value::Slot& slot);
     [[nodiscard]] bool takes(const Transaction& transaction, VariableNumber v) const;
     void note_found(Transaction& transaction);
     [[nodiscard]] std::optional<Words> items_in(const Transaction& transaction, VariableNumber v,
@@ -311,6 +324,7 @@ private:
     std::set<value::CommandId> done_;  // ids that had their outcome; bounded by the run's commands
     std::map<std::string_view, std::uint64_t> recoveries_;
 
+    AnswerLedger ledger_;
     Adapter adapter_;
     ByteVector echo_;  // of the last request, whose echo is still expected
     bool up_ = false;

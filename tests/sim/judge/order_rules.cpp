@@ -22,7 +22,21 @@ bool reads_range_of(const Asked& asked, const plan::Request& request) {
     return asked.function == (function == 0x17 ? 0x03 : function);
 }
 
+/// A read that is sent instead of a planned one because its response has another length. Its range was
+/// derived by the planner: a wider one that the project may read, a part, or another planned read.
+bool replaces(const Asked& asked, const plan::ReadAlternatives& alternatives) {
+    return std::ranges::any_of(alternatives, [&](const plan::ReadAlternative& alternative) {
+        return asked.function == static_cast<std::uint8_t>(alternative.read) &&
+               asked.read_start == alternative.start && asked.read_count == alternative.quantity;
+    });
+}
+
 }  // namespace
+
+plan::ReadAlternatives LineJudge::alternatives_to(const plan::Request& request) const {
+    const plan::AlternativeReads reads(case_.project, line_, line_.devices[request.device]);
+    return reads.of(request, plans_.back().requests);
+}
 
 std::optional<Instant> LineJudge::release_before(const RequestState& request, Instant t) const {
     const Duration period = request.plan->period.value_or(Duration::zero());
@@ -90,14 +104,24 @@ std::optional<std::string> LineJudge::doubt(Transaction& transaction, const Clai
 
 std::optional<std::string> LineJudge::doubt_read(Transaction& transaction) {
     const DeviceState& device = devices_[transaction.device];
-    if (!transaction.request || !reads_range_of(transaction.asked, *requests_[*transaction.request].plan))
-        return "the range of the claimed request";
+    if (!transaction.request) return "the range of the claimed request";
+    const plan::Request& planned = *requests_[*transaction.request].plan;
+    if (!reads_range_of(transaction.asked, planned)) {
+        const bool may_replace = planned.read && in_doubt(transaction.device, transaction.start);
+        if (!may_replace || !replaces(transaction.asked, alternatives_to(planned)))
+            return "the range of the claimed request";
+        ++recoveries_["read_replaced"];
+        const unsigned end = unsigned{transaction.asked.read_start} + transaction.asked.read_count;
+        transaction.partial = transaction.asked.read_start > planned.start ||
+                              end < unsigned{planned.start} + planned.quantity ||
+                              transaction.asked.function != static_cast<std::uint8_t>(*planned.read);
+    }
     if (transaction.is_its_read()) devices_[transaction.device].last_read = transaction.start;
     if (transaction.purpose == Purpose::probe) {
         if (device.may_be_dead()) return std::nullopt;
         return "no probe, the device answers";
     }
-    if (device.dead())
+    if (device.dead() && !in_doubt(transaction.device, transaction.start))
         complain("dead_costs_probes", transaction.start,
                  "only probes, " + device.model->name + " does not answer", describe(transaction));
     return transaction.purpose == Purpose::trigger ? doubt_triggered(transaction) : doubt_polled(transaction);
@@ -105,7 +129,8 @@ std::optional<std::string> LineJudge::doubt_read(Transaction& transaction) {
 
 std::optional<std::string> LineJudge::doubt_triggered(Transaction& transaction) {
     RequestState& request = requests_[*transaction.request];
-    if (!request.edge || *request.edge > transaction.chosen)
+    const bool again = in_doubt(transaction.device, transaction.chosen);  // its response was ambiguous
+    if (!again && (!request.edge || *request.edge > transaction.chosen))
         return "a trigger that rose since it was last served";
     transaction.expected = case_.project.locals[*request.plan->read_trigger].admission.has_value();
     request.forget_edges();
@@ -116,7 +141,10 @@ std::optional<std::string> LineJudge::doubt_polled(Transaction& transaction) {
     RequestState& request = requests_[*transaction.request];
     const Instant t = transaction.chosen;
     if (transaction.purpose == Purpose::repetition) {
-        if (!request.retry) return "an attempt that failed before its repetition";
+        // A response may be ambiguous while an earlier one is owed: the read is repeated.
+        const bool ambiguous = in_doubt(transaction.device, t);
+        if (!request.retry && !ambiguous) return "an attempt that failed before its repetition";
+        if (!request.retry) request.failed_at = t;
         transaction.repeated = true;
         transaction.due_since = request.failed_at;
         request.retry = false;
@@ -135,6 +163,7 @@ std::optional<std::string> LineJudge::doubt_polled(Transaction& transaction) {
 bool LineJudge::sendable(std::size_t index, Instant since, Instant t) const {
     const DeviceState& device = devices_[index];
     if (since >= t || !device.enabled || device.may_be_dead() || device.clean_from >= since) return false;
+    if (in_doubt(index, t)) return false;
     return std::ranges::none_of(
         transactions_, [&](const Transaction& other) { return !other.over && other.device == index; });
 }

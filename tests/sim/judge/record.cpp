@@ -31,6 +31,7 @@ LineJudge::LineJudge(const Case& judged, std::size_t line, Complaints& complaint
       index_(line),
       complaints_(complaints),
       arithmetic_(judged.project, line_),
+      ledger_(line_.framing),
       adapter_(adapter) {
     for (std::size_t d = 0; d < line_.devices.size(); ++d) {
         const model::Device& device = line_.devices[d];
@@ -141,6 +142,7 @@ std::optional<std::size_t> LineJudge::device_of(std::uint8_t unit) const {
 
 void LineJudge::on_link(Instant t, bool up) {
     if (up == up_) return;
+    if (!serial()) ledger_.on_connection();
     settle_answered();
     up_ = up;
     received_.clear();
@@ -187,6 +189,7 @@ void LineJudge::on_sent(Instant t, std::span<const std::uint8_t> bytes, const st
         for (auto& earlier : transactions_)
             if (!earlier.over)
                 settle(earlier, earlier.received.answer == Answer::none ? t : earlier.heard_at);
+    ledger_.on_sent(t, *asked);
     Transaction transaction{.asked = std::move(*asked), .device = *device, .start = t, .end = busy_until_};
     transaction.deadline = t + arithmetic_.longest(*devices_[*device].model, transaction.asked);
     transaction.broadcast = arithmetic_.is_broadcast(transaction.asked);
@@ -242,10 +245,12 @@ void LineJudge::on_relayed(Instant t, std::span<const std::uint8_t> bytes) {
     heard_since_ = false;
     if (adapter_.echoes) echo_.assign(bytes.begin(), bytes.end());
     if (one_at_a_time()) received_.clear();
+    if (asked) ledger_.on_sent(t, *asked);
     if (const auto device = asked ? device_of(asked->unit) : std::nullopt) {
         // An exception that may belong to an earlier request of the device, too, holds the device back.
         const auto& model = *devices_[*device].model;
-        note_trouble(devices_[*device], t + arithmetic_.longest(model, *asked) + 2 * model.response_timeout);
+        note_trouble(devices_[*device],
+                     t + arithmetic_.longest(model, *asked) + 2 * hold_of(devices_[*device]));
     }
     ++recoveries_["relayed"];
 }
@@ -256,10 +261,8 @@ void LineJudge::on_relayed_end(const bus::Outcome& outcome) {
     relayed_end_ = outcome.ended_at;
     const auto device = device_of(outcome.unit.value);
     if (!device || outcome.status == bus::Status::ok || outcome.status == bus::Status::exception) return;
-    note_excess({.t = outcome.ended_at,
-                 .length = {},
-                 .device = device,
-                 .hold = 2 * devices_[*device].model->response_timeout});
+    note_excess(
+        {.t = outcome.ended_at, .length = {}, .device = device, .hold = 2 * hold_of(devices_[*device])});
 }
 
 void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
@@ -274,11 +277,13 @@ void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     constexpr std::size_t kMost = 4096;
     if (received_.size() + bytes.size() > kMost) received_.clear();
     received_.insert(received_.end(), bytes.begin(), bytes.end());
+    ledger_.on_heard(t, bytes);
     for (Transaction& transaction : transactions_) {
         if (transaction.over || transaction.broadcast) continue;
         transaction.heard_something = true;
         Received received = find_answer(line_.framing, transaction.asked, received_);
-        received.among_others = received.among_others || paused_ || t > transaction.deadline;
+        received.among_others = received.among_others || paused_ || t > transaction.deadline ||
+                                ledger_.doubtful(transaction.asked);
         if (received.answer != Answer::none &&
             (adapter_.in_parts || transaction.received.answer != Answer::good)) {
             transaction.received = std::move(received);
@@ -292,11 +297,24 @@ void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
             transaction.received.answer == Answer::exception)
             settle(transaction, t);
     }
+    if (one_at_a_time()) note_further_answers();
     if (!one_at_a_time()) {
         note_late_answers(t);
         const auto done = static_cast<std::ptrdiff_t>(complete_frames(received_));
         received_.erase(received_.begin(), received_.begin() + done);
     }
+}
+
+// The master may take the last frame that could be the answer instead of the first.
+void LineJudge::note_further_answers() {
+    if (transactions_.empty() || !transactions_.back().asked.reads) return;
+    Transaction& last = transactions_.back();
+    const auto came = ledger_.candidates(last.asked);
+    if (came.size() < 2 || came.size() - 1 == last.further.size()) return;
+    last.further.clear();
+    for (auto frame = came.begin() + 1; frame != came.end(); ++frame)
+        last.further.push_back(values_in(last.asked, *frame));
+    last.received.among_others = true;
 }
 
 // A server that answers sequentially gets more requests at a time than its time-outs allow.

@@ -62,9 +62,11 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
         note_excess({.t = t, .length = occupied, .device = {}, .bounded = transaction.client});
     else if (const auto more = beyond(transaction, occupied); more > Duration::zero())
         note_excess({t, more, {}});
+    else if (in_doubt(transaction.device, transaction.start))  // a further frame is waited for
+        note_excess({.t = t, .length = transaction.failure, .device = transaction.device});
     DeviceState& device = devices_[transaction.device];
     if (failed || transaction.received.answer == Answer::exception)
-        note_trouble(device, std::max(t, transaction.deadline) + device.model->response_timeout);
+        note_trouble(device, std::max(t, transaction.deadline) + hold_of(device));
     if (transaction.purpose == Purpose::trial) return;  // no evidence about the device
     if (transaction.cut)
         ++device.possible;  // switched off and on again meanwhile, it is held against the device
@@ -85,10 +87,12 @@ void LineJudge::settle_request(Transaction& transaction, Instant t) {
     const bool failed = !transaction.answered() || transaction.unsure();
     const bool refused = transaction.received.answer == Answer::exception;
     if (transaction.purpose == Purpose::trigger) request.trigger_failed = failed || refused;
-    if (failed && transaction.purpose == Purpose::trigger)
+    const bool learns = devices_[transaction.device].model->gaps == model::Gaps::learn;
+    if ((failed || transaction.partial || (refused && learns)) && transaction.purpose == Purpose::trigger)
         request.edge = request.edge.value_or(transaction.start);
     else if (transaction.polls() || transaction.purpose == Purpose::probe)
-        request.retry = failed || (refused && devices_[transaction.device].model->gaps == model::Gaps::learn);
+        request.retry = failed || transaction.partial ||
+                        (refused && devices_[transaction.device].model->gaps == model::Gaps::learn);
     // The master may recognise at once that received bytes are no answer. A waiting repetition is not
     // shortened by a triggered read in between.
     if (transaction.purpose != Purpose::trigger || !request.retry) {
@@ -162,7 +166,16 @@ void LineJudge::came_back(std::size_t index) {
 }
 
 void LineJudge::note_trouble(DeviceState& device, Instant until) {
+    constexpr Duration kRemembered = std::chrono::minutes(5);
     device.clean_from = std::max(device.clean_from, until);
+    device.doubtful_until = std::max(device.doubtful_until, until + kRemembered);
+}
+
+// At most eight time-outs after a late response, docs/guarantees.md, "Late responses".
+Duration LineJudge::hold_of(const DeviceState& device) const {
+    constexpr int kLongest = 8;
+    const Duration least = device.model->response_timeout;
+    return ledger_.lateness(device.model->address.value) > Duration::zero() ? kLongest * least : least;
 }
 
 LineJudge::Excess LineJudge::excess_of_failure(const Transaction& transaction, Instant t,
@@ -170,7 +183,7 @@ LineJudge::Excess LineJudge::excess_of_failure(const Transaction& transaction, I
     return {.t = t,
             .length = std::max(occupied, transaction.failure),
             .device = transaction.device,
-            .hold = transaction.failure + devices_[transaction.device].model->response_timeout,
+            .hold = transaction.failure + hold_of(devices_[transaction.device]),
             .unproved = transaction.event() && !transaction.expected};
 }
 

@@ -33,6 +33,7 @@ struct Transaction {
     Instant chosen;                          ///< before `start` where the line was busy
     std::optional<Instant> due_since;        ///< of what is polled: since when it waits
     bool repeated = false;                   ///< the attempt before failed
+    bool partial = false;                    ///< a part of the planned read, or another one instead
     std::optional<std::size_t> request;      ///< of the plan
     std::vector<value::CommandId> commands;  ///< that it carries out
     bool expected = false;                   ///< admitted by a rate limit, so the guarantees include it
@@ -46,6 +47,7 @@ struct Transaction {
     bool cut = false;  ///< the link went away, or its device was switched meanwhile
     bool heard_something = false;
     Received received;
+    std::vector<Words> further;  ///< the values of frames behind the first one that could be its answer
     Instant heard_at;
 
     bool served = false;  ///< the device has given the values

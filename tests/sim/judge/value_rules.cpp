@@ -174,7 +174,8 @@ void LineJudge::note_found(Transaction& transaction) {
     request.failures = 0;
     if (transaction.purpose != Purpose::trigger)
         request.retry = false;
-    else if (request.edge == transaction.start)  // its own; the polling goes on as it stood
+    else if (request.edge == transaction.start &&
+             !transaction.partial)  // its own; the polling goes on as it stood
         request.edge = std::exchange(request.next_edge, std::nullopt);
 }
 
@@ -201,6 +202,30 @@ Transaction* LineJudge::source_of(VariableNumber v, const value::Slot& slot) {
     if (auto* const found = find(new_response)) return found;
     if (auto* const found = find(good)) return found;
     return find(any);
+}
+
+// The value is wrong, and the bytes show a history in which it is true. See ledger.hpp.
+bool LineJudge::shows_false_history(Instant t, VariableNumber v, const value::Slot& slot) {
+    if (transactions_.empty() || !one_at_a_time()) return false;
+    Transaction& last = transactions_.back();
+    for (const ByteVector& pdu : ledger_.candidates(last.asked)) {
+        const Words values = values_in(last.asked, pdu);
+        const auto items = items_in(last, v, values);
+        if (!items || !takes(last, v) || !holds(*variables_[v].model, *items, slot.value, false)) continue;
+        const auto exempt = ledger_.exemption(t, last.start, last.asked, pdu);
+        if (!exempt) continue;
+        ++recoveries_[*exempt];
+        ledger_.note_exempt(last.asked);
+        last.served = true;
+        last.served_at = last.end;
+        last.values = values;
+        note_found(last);
+        variables_[v].good = true;
+        variables_[v].sampled_at = last.served_at;
+        variables_[v].read_items = items;
+        return true;
+    }
+    return false;
 }
 
 // Whether the request is also sent for that variable.
@@ -244,15 +269,18 @@ void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slo
     };
     if (std::ranges::none_of(requests_, whole)) return;  // read in parts
     Transaction* source = source_of(v, slot);
+    if (!source && shows_false_history(t, v, slot)) return;
     if (!source) {
         const bool any = !transactions_.empty();
         const auto items = any ? items_of(transactions_.back(), v) : std::nullopt;
-        complain("value_own", t,
-                 name_of(v) +
-                     (items ? " = " + text(value_of(model, *items)) + ", as the device has answered the "
-                            : ": nothing, the device has not given it in answer to the ") +
-                     (any ? describe(transactions_.back()) : "requests so far"),
-                 text(slot.value));
+        complain(
+            "value_own", t,
+            name_of(v) +
+                (items ? " = " + text(value_of(model, *items)) + ", as the device has answered the "
+                       : ": nothing, the device has not given it in answer to the ") +
+                (any ? describe(transactions_.back()) : "requests so far"),
+            text(slot.value) +
+                (any ? ledger_.describe(t, transactions_.back().start, transactions_.back().asked) : ""));
         return;
     }
     if (source->received.answer != Answer::good || source->received.among_others) note_found(*source);
@@ -360,13 +388,15 @@ void LineJudge::finish(Instant t, const value::Store& store, std::uint32_t first
         if (!variable.model->read || !variable.model->used || !devices_[variable.device].enabled ||
             answers_too_late(t, devices_[variable.device]) || std::ranges::none_of(requests_, polls))
             continue;
-        if (slot.quality != value::Quality::good)
+        // A late answer may still hold it back.
+        if (slot.quality != value::Quality::good && devices_[variable.device].clean_from <= t)
             complain("recovers", t, name_of(v) + " is good again, all faults are over",
                      std::string(name(slot.quality)) + ", reason " +
                          std::to_string(static_cast<int>(slot.reason)));
     }
     for (const auto& [id, command] : commands_) {
         const auto group = variables_[command.variable].change_group;
+        if (devices_[variables_[command.variable].device].clean_from > t) continue;
         if (group ? group_waits(requests_[*group]) : queues_for_bucket(command.variable, t)) continue;
         complain("outcome_once", t, "an outcome of command " + std::to_string(id), "none");
     }

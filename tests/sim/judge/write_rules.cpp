@@ -102,7 +102,20 @@ void LineJudge::take_group_commands(Transaction& transaction, bool were_modifyin
     }
 }
 
+// A write that may be repeated, after a response that may have been that to an earlier one.
+bool LineJudge::repeats_ambiguous(const Transaction& transaction) const {
+    if (!in_doubt(transaction.device, transaction.start)) return false;
+    const auto safe = [&](VariableNumber v) { return variables_[v].model->safe_to_repeat; };
+    const auto command_safe = [&](value::CommandId id) {
+        const auto found = commands_.find(id);
+        return found != commands_.end() && safe(found->second.variable);
+    };
+    if (!transaction.request) return std::ranges::all_of(transaction.commands, command_safe);
+    return std::ranges::all_of(requests_[*transaction.request].members, safe);
+}
+
 void LineJudge::complain_of_write(const Transaction& transaction, bool open) {
+    if (repeats_ambiguous(transaction)) return;
     if (open)
         complain("unsafe_not_repeated", transaction.start,
                  "no repetition: it is not known whether it was done", describe(transaction));
@@ -171,7 +184,10 @@ void LineJudge::take_before(Transaction& transaction, const Claim& claim) {
     };
     if (!transaction.request) {
         const auto found = commands_.find(*claim.sending.command);
-        if (found == commands_.end() || !found->second.waits || !modifies_alone(found->second) ||
+        // An ambiguous response to the read is followed by another read.
+        const bool again = in_doubt(transaction.device, transaction.start) && found != commands_.end() &&
+                           found->second.modifying;
+        if (found == commands_.end() || !(found->second.waits || again) || !modifies_alone(found->second) ||
             !reads(variables_[found->second.variable].model->start()))
             return wrong();
         found->second.waits = false;
@@ -181,7 +197,8 @@ void LineJudge::take_before(Transaction& transaction, const Claim& claim) {
     }
     auto& group = requests_[*transaction.request];
     if (!group.plan->read_modify_write || !reads(group.plan->start) ||
-        !(asked_since(*transaction.request) || group.repeat))
+        !(asked_since(*transaction.request) || group.repeat ||
+          (group.modifying && in_doubt(transaction.device, transaction.start))))
         return wrong();
     transaction.expected = group.plan->admission.has_value() && !group.repeat;
     for (auto& [id, command] : commands_) {
@@ -205,6 +222,7 @@ void LineJudge::take_read_back(Transaction& transaction, const Claim& claim) {
         since = &found->second.read_back_since;
         transaction.commands.push_back(found->first);
     }
+    if (in_doubt(transaction.device, transaction.start) && since && !*since) return;  // it was ambiguous
     if (!since || !*since)
         return complain("request_was_due", transaction.start,
                         "a write that was confirmed and is to be compared", describe(transaction));
@@ -280,8 +298,10 @@ void LineJudge::check_kept_bits(const Transaction& transaction, std::uint16_t ch
                  describe(transaction));
         return;
     }
-    const unsigned differ = before->received.values[0] ^ asked.values.at(0);
-    if ((differ & ~unsigned{changed}) != 0)
+    const auto kept = [&](const Words& read) {
+        return ((read.at(0) ^ unsigned{asked.values.at(0)}) & ~unsigned{changed}) == 0;
+    };
+    if (!kept(before->received.values) && std::ranges::none_of(before->further, kept))
         complain("write_done_exact", transaction.start,
                  "the other bits as read: " + text(std::span(before->received.values)),
                  text(std::span(asked.values)));

@@ -14,6 +14,7 @@ enum class StatusCode : std::uint16_t {
     link_lost = 103,
     switched_off = 104,
     not_answering = 105,
+    ambiguous = 110,  ///< the response may be that to an earlier request
 };
 
 constexpr std::uint16_t number(StatusCode status) {

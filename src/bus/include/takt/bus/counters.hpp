@@ -33,6 +33,7 @@ struct TransactionCounters {
     std::uint64_t timeouts = 0;
     std::uint64_t checksums = 0;
     std::uint64_t unexpected = 0;
+    std::uint64_t ambiguous = 0;  ///< responses that may have been those to earlier requests
     std::uint64_t link_lost = 0;
     std::uint64_t noisy_answers = 0;                     ///< responses with noise before them
     std::uint64_t noise_bytes = 0;                       ///< and the bytes of this noise

@@ -60,6 +60,12 @@ struct Transaction {
     /// How long after the deadline a late response may still arrive (docs/guarantees.md, "Late responses");
     /// default: `wait`.
     std::optional<Duration> late_limit;
+    /// How late late responses of the unit usually are. Zero: not known.
+    Duration lateness{};
+    /// The longest time from a request to the first byte of its response that was seen, at most `wait`;
+    /// default: `wait`.
+    std::optional<Duration> longest_delay;
+    bool in_order = true;  ///< the unit answers requests in their order, as far as is known
 };
 
 enum class Status : std::uint8_t {
@@ -68,9 +74,10 @@ enum class Status : std::uint8_t {
     timeout,           ///< no response by the deadline
     bad_checksum,      ///< bytes were received, but no frame with a good checksum
     unexpected_reply,  ///< a good frame of the right unit and function that cannot answer this request
-    link_lost,         ///< the port or connection was closed
-    line_busy,         ///< never sent: for more than a second the line was never silent
-    cancelled,         ///< cancel_all()
+    ambiguous,  ///< serial line: the response may be that to an earlier request. Its unit is in step again
+    link_lost,  ///< the port or connection was closed
+    line_busy,  ///< never sent: for more than a second the line was never silent
+    cancelled,  ///< cancel_all()
 };
 std::string_view name(Status status);
 

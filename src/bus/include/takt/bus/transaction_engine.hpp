@@ -12,8 +12,7 @@
 #include "takt/base/result.hpp"
 #include "takt/bus/counters.hpp"
 #include "takt/bus/echo_filter.hpp"
-#include "takt/bus/expired_requests.hpp"
-#include "takt/bus/late_answers.hpp"
+#include "takt/bus/outstanding_responses.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/wire/framer.hpp"
 #include "takt/wire/traffic.hpp"
@@ -23,14 +22,24 @@ namespace takt::bus {
 /// One transaction inside an engine, occupied from submit() until its outcome is taken.
 class TransactionSlot {
     friend class TransactionCore;
-    enum class State : std::uint8_t { empty, waiting, sent, ended };
+    /// confirming: a response was received that may be an earlier one; a further frame is waited for.
+    enum class State : std::uint8_t { empty, waiting, sent, confirming, ended };
 
     State state = State::empty;
     Status status = Status::ok;
     UnitId unit;
     bool sent_once = false;
     bool broadcast = false;
-    bool garbled = false;              // bytes with a wrong checksum were received
+    bool garbled = false;  // bytes with a wrong checksum were received
+    bool in_order = true;
+    /// A frame that cannot answer the request and looks like an outstanding response: a late one, if the own
+    /// one comes too; else perhaps the own one, damaged.
+    struct StrayFrame {
+        AnswerShape shape;
+        Instant end;
+    };
+    std::optional<StrayFrame> stray;
+    bool unordered = false;            // State::confirming: the last frame need not be the response
     std::uint32_t noise = 0;           // bytes of noise before the response
     std::optional<UnitId> other_unit;  // whose frame was received meanwhile
     std::uint16_t wire_id = 0;         // transaction id of the MBAP header
@@ -41,15 +50,19 @@ class TransactionSlot {
     wire::ResponseView response;  // points to pdu
     Duration wait{};
     Duration late_limit{};
+    Duration lateness{};
+    Duration longest_delay{};
     Instant submitted_at;
     Instant sent_at;
     Instant request_end;
     Instant deadline;
+    Instant received_at;  // State::confirming: the last byte of the last response
     Instant ended_at;
     Instant unit_busy_until = Instant::min();  // a late response of its unit was received then
     std::uint64_t order = 0;                   // of the outcomes
 
-    [[nodiscard]] bool open() const { return state == State::waiting || state == State::sent; }
+    [[nodiscard]] bool open() const { return state != State::empty && state != State::ended; }
+    [[nodiscard]] bool in_flight() const { return state == State::sent || state == State::confirming; }
     [[nodiscard]] Bytes content() const { return {pdu, pdu_size}; }
     [[nodiscard]] AnswerShape shape() const { return answer_shape(request); }
     void fill(Bytes bytes) {
@@ -63,9 +76,9 @@ struct TransactionStorage {
     std::span<TransactionSlot> slots;  ///< 1..kMaxInFlight: transactions at a time
     /// For each slot longest_pdu bytes: its request, and then its response.
     std::span<std::uint8_t> pdus;
-    std::span<std::uint8_t> sending;      ///< sending_size() bytes: the frame that is sent
-    std::span<std::uint8_t> receiving;    ///< receiving_size() bytes: the frame that is received
-    LateAnswers* late_answers = nullptr;  ///< not needed for Framing::tcp, whose frames are numbered
+    std::span<std::uint8_t> sending;             ///< sending_size() bytes: the frame that is sent
+    std::span<std::uint8_t> receiving;           ///< receiving_size() bytes: the frame that is received
+    std::span<OutstandingResponse> outstanding;  ///< a few; on a serial line better a few for each unit
     /// The longest request or response PDU; only Framing::tcp allows less than wire::kMaxPdu.
     std::size_t longest_pdu = wire::kMaxPdu;
 
@@ -84,7 +97,8 @@ struct TransactionStorage {
 ///
 /// Sending. A request is sent when three conditions hold. The line has been silent for max(t3.5, frame_gap)
 /// (RTU on a serial line; else frame_gap) since the last character of any station. The previous request
-/// started at least request_gap ago. No late response can be mistaken for its response (LateAnswers).
+/// started at least request_gap ago. No response that is waited for can be mistaken for its response
+/// (OutstandingResponses).
 ///
 /// Receiving. There is one deadline (Transaction::wait); received bytes do not move it. A frame of another
 /// unit, function or transaction id is counted and ignored; if it answers an earlier request, it is a late
@@ -98,6 +112,14 @@ struct TransactionStorage {
 /// its length, it ends at the pause after them (LineConfig::frame_silence). All others end it at the
 /// deadline. A late response is expected after every failure, unless the response was received with a wrong
 /// checksum.
+///
+/// In step. If a response is received that could be a late one, the engine waits for a further frame that
+/// looks alike: as long as the unit usually takes to answer (Transaction::longest_delay). A later frame
+/// replaces the one before, which was late. A frame that is followed by others in the same bytes is confirmed
+/// too. The transaction is ok if all outstanding responses that look
+/// alike were received, or if those that are missing should have come before (Ambiguity::passed). Else it
+/// ends as ambiguous; so it does if two frames came and the unit does not answer in order. Afterwards the
+/// unit counts as in step.
 ///
 /// A serial broadcast (unit 0) has no response: it is ok after the broadcast turnaround. Over Framing::tcp
 /// unit 0 is the server itself.
@@ -141,8 +163,15 @@ public:
     [[nodiscard]] std::optional<Outcome> take_outcome();
 
     /// The next response that was received after its transaction had ended. The engine remembers as many
-    /// requests as ExpiredRequests does; owners that do not take late responses lose the oldest.
-    [[nodiscard]] std::optional<LateResponse> take_late() { return expired_.take(); }
+    /// requests as TransactionStorage::outstanding holds; owners that do not take late responses lose the
+    /// oldest.
+    [[nodiscard]] std::optional<LateResponse> take_late() { return outstanding_.take_late(); }
+
+    /// Whether the response to a request could be mistaken for another one. Framing::tcp: none.
+    [[nodiscard]] Ambiguity ambiguity(Instant t, UnitId unit, const AnswerShape& shape) const;
+    /// Whether a response of the unit is missing: what it seems to answer now need not be to the last
+    /// request.
+    [[nodiscard]] bool remembers(UnitId unit) const { return outstanding_.remembers(unit); }
 
     /// No transaction waits or is in flight, and no outcome is left.
     [[nodiscard]] bool idle() const;
@@ -166,6 +195,7 @@ private:
     void notice_silence(Instant t);
     void notice_deadlines(Instant t);
     void note_activity(Instant t, std::size_t bytes);
+    [[nodiscard]] bool numbered() const { return config_.framing == wire::Framing::tcp; }
     [[nodiscard]] bool all_came(const Slot& slot) const;
     void read(Instant t, Bytes bytes);
     void handle(Instant t, const wire::FramerStep& step);
@@ -175,12 +205,17 @@ private:
     void find_response(Instant t);
     Slot* addressee(const wire::Frame& frame);
     void take_response(Instant t, Slot& slot, const wire::Frame& frame);
+    [[nodiscard]] bool unusual(Instant t, const Slot& slot, Bytes pdu) const;
+    void confirm(Instant t, Slot& slot, Bytes pdu);
+    [[nodiscard]] Instant confirmation_end(Instant t, const Slot& slot) const;
+    void conclude(Instant t, Slot& slot);
     void note_other_unit(const wire::Frame& frame);
-    bool settle_late(Instant t, const wire::Frame& frame);
-    bool measure_late(Instant t, const wire::Frame& frame);
-    void note_late(Instant t, UnitId unit);
+    Lateness settle_late(Instant end, UnitId unit, const AnswerShape& shape, std::uint16_t wire_id);
+    void settle_stray(Slot& slot);
+    void note_late(Instant t, UnitId unit, Lateness lateness);
     void pass_over(bool late);
     void give_up(Instant t, Slot& slot, Status status);
+    void expect_response(Instant t, const Slot& slot, Instant hold_until);
     void finish(Instant t, Slot& slot, Status status, const wire::ResponseView& response = {});
     Bytes send(Instant t, Slot& slot);
     [[nodiscard]] static Outcome outcome_of(const Slot& slot);
@@ -195,12 +230,12 @@ private:
     wire::TrafficObserver* observer_;
     wire::Framer framer_;
     EchoFilter echo_;
-    LateAnswers* late_;
-    ExpiredRequests expired_;
+    OutstandingResponses outstanding_;
     LineCounters counters_;
     std::span<Slot> slots_;
     std::size_t longest_pdu_;
-    BoundedVector<std::uint8_t> outgoing_;
+    BoundedVector<std::uint8_t> outgoing_;  // State::confirming: the PDU of the last response
+    bool more_follows_ = false;  // bytes were received together with the frame that is handled, and after it
     std::uint64_t last_order_ = 0;
     std::uint16_t next_wire_id_ = 0;
     bool link_up_ = false;
@@ -218,11 +253,12 @@ private:
 /// Memory for N transactions of any framing.
 template <std::size_t N>
 struct TransactionStorageOf {
+    static constexpr std::size_t kOutstanding = 16;
     std::array<TransactionSlot, N> slots{};
     std::array<std::uint8_t, N * wire::kMaxPdu> pdus{};
     std::array<std::uint8_t, wire::kMaxAsciiFrame> sending{};
     std::array<std::uint8_t, wire::Framer::kMaxStorage> receiving{};
-    LateAnswers late_answers;
+    std::array<OutstandingResponse, kOutstanding> outstanding{};
 };
 
 /// An engine with its own memory for N transactions.
@@ -234,7 +270,7 @@ public:
     explicit TransactionEngineOf(const LineConfig& config, wire::TrafficObserver* observer = nullptr)
         : TransactionCore(
               config,
-              {Storage::slots, Storage::pdus, Storage::sending, Storage::receiving, &(Storage::late_answers)},
+              {Storage::slots, Storage::pdus, Storage::sending, Storage::receiving, Storage::outstanding},
               observer) {}
 };
 

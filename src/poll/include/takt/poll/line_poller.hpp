@@ -85,6 +85,9 @@ public:
         /// Whether gaps are learnt on devices with gaps: learn. The given plan is then replaced by one that
         /// follows the results. Otherwise exactly the given plan runs.
         bool learn = true;
+        /// Whether other reads are sent instead of planned ones while a late response could be mistaken for
+        /// theirs (docs/decisions/0032-in-step.md). Otherwise only planned ones, as by table::Executor.
+        bool distinct_reads = true;
         PlanMaker* plan_maker = nullptr;  ///< nullptr: plans are made at once; must outlive the poller
     };
     static constexpr std::size_t kMaxCommands = 256;

@@ -45,6 +45,7 @@ public:
         std::vector<Restored> restored;
         Instant restored_at;              ///< when that is
         bool learn = true;                ///< LinePoller::Options
+        bool distinct_reads = true;       ///< likewise
         PlanMaker* plan_maker = nullptr;  ///< likewise
     };
 

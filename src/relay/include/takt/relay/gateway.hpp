@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "takt/base/engine.hpp"
+#include "takt/bus/outcome_status.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/relay/answer_cache.hpp"
 #include "takt/relay/peer_health.hpp"
@@ -27,8 +28,9 @@ struct Requester {
 
 /// How requests of a server are handled on the line.
 struct RequestPolicy {
-    Duration cache{};            ///< greatest age of a cached answer; zero: no caching
-    std::uint16_t attempts = 1;  ///< transmissions of an unanswered read, at least 1; writes have one
+    Duration cache{};  ///< greatest age of a cached answer; zero: no caching
+    std::uint16_t attempts =
+        1;  ///< transmissions of an unanswered read, at least 1 (bus::attempts_left); writes have one
     Duration max_wait = std::chrono::seconds(5);                 ///< limit of the wait in the queue
     Duration response_timeout = std::chrono::milliseconds(100);  ///< bus::Transaction::wait
 };
@@ -190,7 +192,7 @@ private:
     [[nodiscard]] bool make_room(std::uint64_t for_peer);
     [[nodiscard]] bool concerns(const Entry& entry) const;
     [[nodiscard]] Entries::iterator find(std::uint32_t server, serve::Token token);
-    void retry_or_give_up(wire::ExceptionCode code);
+    void retry_or_give_up(StatusCode failure);
     void answer_all(Bytes pdu);
     Entries::iterator answer(Entries::iterator entry, Bytes pdu, Fate fate);
     Entries::iterator refuse(Entries::iterator entry, wire::ExceptionCode code);

@@ -25,9 +25,11 @@ enum class FaultKind : std::uint8_t {
     // Frames.
     lost_request,        ///< the device receives nothing
     lost_response,       ///< the device executed the request; its answer is lost
-    late_response,       ///< after the master's deadline, within the late limit
-    duplicate_response,  ///< twice; serial and RTU or ASCII over TCP: right behind; Modbus TCP: any time
-                         ///< later
+    late_response,       ///< mostly 1.2 to 40 time-outs after its request, one in 50 up to minutes after it
+    duplicate_response,  ///< twice: right behind, or up to minutes later
+    past_response,       ///< before the answer, or instead of it, an earlier answer of the same shape again
+    glitch,              ///< one to three characters 00, FF or random before or after an answer, up to 8 ms
+                         ///< away from it
     fragmented,          ///< byte streams: in pieces with pauses, some up to the deadline and beyond
     truncated,           ///< its end is missing; over Modbus TCP its header promises more
     garbage,             ///< random bytes, as many as the frame or up to 300
@@ -81,9 +83,6 @@ struct FaultCounts {
     /// Damage that was drawn again because it formed another valid frame, alone or with earlier characters.
     /// No master can detect such damage.
     std::uint64_t redrawn = 0;
-    /// Answers dropped by their device, because it could only have sent them after the late limit (busy
-    /// line).
-    std::uint64_t withheld = 0;
 
     [[nodiscard]] std::uint64_t of(FaultKind kind) const { return injected[static_cast<std::size_t>(kind)]; }
     [[nodiscard]] std::uint64_t recovered_from(FaultKind kind) const {
@@ -131,8 +130,14 @@ struct FaultPlan {
     FaultRates rates;                 ///< of the line, and of every device that has none of its own
     std::vector<FaultRates> devices;  ///< by the index of the device; kinds of is_of_line() do not count here
     /// Turnaround by index of the device; missing: its Behaviour::turnaround. A draw beyond the device's
-    /// deadline counts as late_response; it never exceeds the late limit.
+    /// deadline counts as late_response.
     std::vector<std::optional<Turnaround>> turnarounds;
+    /// By index of the device; missing: false. False: answers in the order of its requests, so that those
+    /// behind a late one are late too (one task). True: answers other requests meanwhile (a gateway, several
+    /// tasks).
+    std::vector<bool> out_of_order;
+    /// False: a late response comes within a response time-out after its deadline, a copy within 10 ms.
+    bool merciless = true;
     DurationRange dead{std::chrono::seconds(1), std::chrono::seconds(60)};  ///< how long
     DurationRange reboot{std::chrono::milliseconds(200), std::chrono::seconds(5)};
     DurationRange babble{std::chrono::milliseconds(5), std::chrono::milliseconds(1500)};

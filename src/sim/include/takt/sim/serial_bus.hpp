@@ -44,6 +44,8 @@ public:
     /// A sender outside the participants. All connected participants receive it. Observers see the sender
     /// number after the last participant.
     void inject(Instant t, Bytes bytes);
+    /// A participant sends these bytes too, behind those that it is sending. It does not receive them.
+    void send_from(Instant t, std::size_t participant, Bytes bytes);
     /// Whether any participant sends; whether the outside sender does; whether a participant is suspended.
     [[nodiscard]] bool busy() const;
     [[nodiscard]] bool intrudes() const { return participants_.back().length() > 0; }

@@ -13,6 +13,7 @@
 #include "takt/bus/outcome_status.hpp"
 #include "takt/bus/release.hpp"
 #include "takt/bus/transaction_engine.hpp"
+#include "takt/bus/unit_times.hpp"
 #include "takt/table/view.hpp"
 
 namespace takt::table {
@@ -66,6 +67,7 @@ struct EntryState {
 /// The state of one device.
 struct DeviceState {
     bus::Health health{1};
+    bus::UnitTimes times;
     bool enabled = true;
     bool in_flight = false;
     bool has_reads = false;
@@ -88,7 +90,9 @@ void initialise(const View& view, const Memory& memory);
 
 /// Chooses requests with the arbiter of poll::LinePoller (bus::Arbiter), and sends them through
 /// bus::TransactionEngine, with the same time-outs, retries and back-offs. So the same frames are sent in the
-/// same order. Triggers and writes go in the order of arrival.
+/// same order. Triggers and writes go in the order of arrival. There is one difference: while a late response
+/// could be mistaken for that to a read, the poller may send another read. The executor waits, and repeats
+/// the read if its response is in doubt (LinePoller::Options::distinct_reads).
 ///
 /// Not supported: 0x16, 0x17, read-modify-write, rate limits of single entries, and more than one transaction
 /// at a time.
@@ -187,6 +191,10 @@ private:
     bus::OutcomeStatus note_outcome(const bus::Outcome& outcome, std::uint32_t device);
     void on_read(const bus::Outcome& outcome, std::uint32_t index);
     void on_written(const bus::Outcome& outcome, std::uint32_t index);
+    void note_delay(const bus::Outcome& outcome, DeviceState& state) const;
+    void note_late(const bus::LateResponse& late);
+    void degrade_shifted(std::uint32_t device, const bus::LateResponse& late);
+    void read_again(Instant t, EntryState& state, const EntryRecord& entry, StatusCode status);
     void fail_read(Instant t, std::uint32_t index, const EntryRecord& entry, StatusCode status);
     void take_values(const EntryRecord& entry, const wire::ResponseView& response);
     void degrade(const EntryRecord& entry, Quality quality, StatusCode status, bool to_default);

@@ -47,6 +47,7 @@ enum class Reason : std::uint16_t {
     superseded = 107,       ///< of a command: another value was set before it was sent
     stale = 108,            ///< the value is older than its proved age, or than max_age
     never_connected = 109,  ///< the port was never open, the connection never made; status code 103
+    ambiguous = number(StatusCode::ambiguous),  ///< the response may be that to an earlier request
 };
 
 constexpr Reason exception_reason(std::uint8_t code) {

@@ -70,6 +70,8 @@ struct FramerStep {
     /// The dropped bytes have the length of a frame. After expect_response(): of the expected one, or they
     /// end with a frame that begins like it.
     bool whole = false;
+    /// `whole`, and they begin like the expected frame: it came damaged. Else it may still come.
+    bool came = false;
 };
 
 /// Receives one direction of one line or connection. The result does not depend on how the bytes are cut into

@@ -1,4 +1,4 @@
-#include "takt/bus/expired_requests.hpp"
+#include "takt/bus/outstanding_responses.hpp"
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ TEST(AdvisedTimeout, IsAFifthLongerThanTheDelayAndARoundNumber) {
     for (const auto& c : cases) EXPECT_EQ(advised_timeout(c.delay), c.advised) << c.delay.count();
 }
 
-TEST(ExpiredRequests, ALateResponseHasTheDelayOfItsOwnRequestOnASerialLine) {
+TEST(LateResponses, ALateResponseHasTheDelayOfItsOwnRequestOnASerialLine) {
     Rig rig;
     rig.submit(at(0ms), transaction(1, 1, "03 00 6B 00 02", 100ms));
     rig.run_until(at(130ms));
@@ -46,24 +46,26 @@ TEST(ExpiredRequests, ALateResponseHasTheDelayOfItsOwnRequestOnASerialLine) {
     EXPECT_EQ(
         *late,
         (LateResponse{
-            .unit = UnitId{1}, .function = 3, .at = first_byte + length, .delay = 148ms, .wait = 100ms}));
+            .unit = UnitId{1}, .shape = {3, 6}, .at = first_byte + length, .delay = 148ms, .wait = 100ms}));
     EXPECT_FALSE(rig.engine.take_late());
     EXPECT_EQ(rig.engine.counters().late_answers, 1U);
     EXPECT_EQ(rig.engine.counters().foreign_frames, 0U);
 }
 
 // The response to the first request looks like that to the second. The surplus response shows the delay.
-TEST(ExpiredRequests, AResponseAfterTheLateLimitShiftsTheOthersAndIsNamedAtTheFirstSurplus) {
+TEST(LateResponses, AfterTheHoldTimeTheResponseIsAmbiguousAndTheSurplusOneShowsTheDelay) {
     Rig rig;
     rig.submit(at(0ms), transaction(1, 1, "03 00 6B 00 02", 20ms));
     rig.run_until(at(100ms));
     rig.submit(rig.now, transaction(2, 1, "03 00 6B 00 02", 20ms));
     rig.run_until(at(110ms));
-    rig.receive(at(115ms), rtu(1, "03 04 11 11 22 22"));
-    ASSERT_EQ(rig.last().status, Status::ok);
-    EXPECT_FALSE(rig.engine.take_late());
     rig.now = at(115ms);
+    rig.receive(rig.now, rtu(1, "03 04 11 11 22 22"));
+    EXPECT_EQ(rig.outcomes.size(), 1U) << "a further response is waited for";
     rig.run_until(at(200ms));
+    ASSERT_EQ(rig.last().status, Status::ambiguous);
+    EXPECT_EQ(rig.last().ended_at, at(115ms));
+    EXPECT_FALSE(rig.engine.take_late());
     rig.receive(at(220ms), rtu(1, "03 04 11 11 22 22"));
     const auto late = rig.engine.take_late();
     ASSERT_TRUE(late);
@@ -72,7 +74,7 @@ TEST(ExpiredRequests, AResponseAfterTheLateLimitShiftsTheOthersAndIsNamedAtTheFi
     EXPECT_EQ(rig.engine.counters().late_answers, 1U);
 }
 
-TEST(ExpiredRequests, OverTcpAnOwnEarlierTransactionIdIsLateAndAnotherIsForeign) {
+TEST(LateResponses, OverTcpAnOwnEarlierTransactionIdIsLateAndAnotherIsForeign) {
     Rig rig(tcp_line());
     rig.submit(at(0ms), transaction(1, 17, "03 00 6B 00 01", 100ms));
     rig.run_until(at(120ms));
@@ -95,7 +97,7 @@ TEST(ExpiredRequests, OverTcpAnOwnEarlierTransactionIdIsLateAndAnotherIsForeign)
 }
 
 // Its second response is 194 ms late, because it had to answer the first request before.
-TEST(ExpiredRequests, ADeviceThatAnswersOneRequestAfterTheOtherIsAsSlowAsItsFirstResponse) {
+TEST(LateResponses, ADeviceThatAnswersOneRequestAfterTheOtherIsAsSlowAsItsFirstResponse) {
     Rig rig(tcp_line());
     rig.submit(at(0ms), transaction(1, 17, "03 00 6B 00 01", 100ms));
     rig.run_until(at(102ms));
@@ -112,7 +114,7 @@ TEST(ExpiredRequests, ADeviceThatAnswersOneRequestAfterTheOtherIsAsSlowAsItsFirs
     EXPECT_EQ(late->delay, 148ms);
 }
 
-TEST(ExpiredRequests, AreForgottenWithTheirConnection) {
+TEST(LateResponses, AreForgottenWithTheirConnection) {
     Rig rig(tcp_line());
     rig.submit(at(0ms), transaction(1, 17, "03 00 6B 00 01", 10ms));
     rig.run_until(at(20ms));
@@ -123,28 +125,36 @@ TEST(ExpiredRequests, AreForgottenWithTheirConnection) {
     EXPECT_EQ(rig.engine.counters().foreign_frames, 1U);
 }
 
-TEST(ExpiredRequests, AreForgottenAfterSomeTimeAndTheOldestForANewOne) {
-    ExpiredRequests expired;
+TEST(LateResponses, AreForgottenAfterSomeTimeAndTheOldestForANewOne) {
+    std::array<OutstandingResponse, 4> memory;
+    OutstandingResponses outstanding(memory);
     const auto add = [&](std::uint16_t id) {
-        expired.add({.unit = UnitId{1}, .shape = {3, 6}, .wire_id = id, .end = at(0s), .expired_at = at(0s)});
+        outstanding.add({.unit = UnitId{1},
+                         .wire_id = id,
+                         .shape = {static_cast<std::uint8_t>(id == 5 ? 4 : 3), id},
+                         .end = at(0s),
+                         .expired_at = at(0s),
+                         .hold_until = at(0s),
+                         .forget_at = at(10s)});
     };
-    const auto settles = [&](std::uint16_t id, Duration t) {
-        return expired.settle(UnitId{1}, hex("03 04 11 11 22 22"), id, at(t), at(t));
+    const auto settles = [&](std::uint16_t id, Duration t, const char* pdu = "03 04 11 11 22 22") {
+        return outstanding.settle(UnitId{1}, frame_shape(hex(pdu)), id, at(t), at(t)) != Lateness::none;
     };
-    for (std::uint16_t id = 1; id <= ExpiredRequests::kCapacity + 1; ++id) add(id);
-    EXPECT_FALSE(expired.expects(1));
-    EXPECT_TRUE(expired.expects(2));
+    for (std::uint16_t id = 1; id <= 5; ++id) add(id);
+    EXPECT_FALSE(outstanding.expects(1));
+    EXPECT_TRUE(outstanding.expects(2));
     EXPECT_FALSE(settles(1, 1s));
-    EXPECT_TRUE(settles(2, ExpiredRequests::kRemembered));
-    EXPECT_FALSE(settles(3, ExpiredRequests::kRemembered + 1ns));
-    EXPECT_FALSE(expired.settle(UnitId{2}, hex("03 04 11 11 22 22"), 4, at(1s), at(1s))) << "another unit";
-    EXPECT_FALSE(expired.settle(UnitId{1}, hex("04 04 11 11 22 22"), 4, at(1s), at(1s)))
-        << "another function";
-    EXPECT_TRUE(expired.settle(UnitId{1}, hex("83 02"), 4, at(1s), at(1s))) << "an exception is an answer";
+    EXPECT_TRUE(settles(2, 10s - 1ns));
+    EXPECT_FALSE(settles(3, 10s));
+    EXPECT_EQ(outstanding.settle(UnitId{2}, frame_shape(hex("03 04 11 11 22 22")), 4, at(1s), at(1s)),
+              Lateness::none)
+        << "another unit";
+    EXPECT_FALSE(settles(4, 1s, "04 04 11 11 22 22")) << "another function";
+    EXPECT_TRUE(settles(4, 1s, "83 02")) << "an exception is an answer";
 }
 
 // A transaction id that may still be answered is not used again.
-TEST(ExpiredRequests, ATransactionIdThatIsOwedAResponseIsSkipped) {
+TEST(LateResponses, ATransactionIdThatIsOwedAResponseIsSkipped) {
     Rig rig(tcp_line());
     rig.submit(at(0ms), transaction(1, 17, "03 00 6B 00 01", 1ms));
     rig.run_until(at(2ms));

@@ -1,0 +1,184 @@
+#include "takt/bus/outstanding_responses.hpp"
+
+#include <gtest/gtest.h>
+
+#include "rig.hpp"
+
+namespace takt::bus {
+namespace {
+
+using test::at;
+using test::hex;
+using namespace std::chrono_literals;
+
+constexpr UnitId kUnit{1};
+constexpr AnswerShape kRead2{3, 6};
+constexpr AnswerShape kRead4{3, 10};
+constexpr AnswerShape kRead4Inputs{4, 10};
+
+/// Outstanding responses with their memory; all are held until an instant and remembered for ten seconds.
+struct Outstanding {
+    void expect(UnitId unit, const AnswerShape& shape, Instant until) {
+        responses.add({.unit = unit,
+                       .shape = shape,
+                       .expired_at = at(100ms),
+                       .hold_until = until,
+                       .confirm_until = until + 1s,
+                       .forget_at = until + 10s});
+    }
+    [[nodiscard]] Ambiguity at_time(Duration t, const AnswerShape& shape) const {
+        return responses.ambiguity(at(t), kUnit, shape);
+    }
+    bool settle(const char* pdu, Duration t = 1s) {
+        return responses.settle(kUnit, frame_shape(hex(pdu)), std::nullopt, at(t), at(t)) != Lateness::none;
+    }
+    std::array<OutstandingResponse, 32> memory;
+    OutstandingResponses responses{memory};
+};
+
+TEST(OutstandingResponses, HoldUpOnlyResponsesThatLookAlike) {
+    Outstanding late;
+    late.expect(kUnit, kRead2, at(200ms));
+    const auto& responses = late.responses;
+    EXPECT_EQ(responses.earliest(kUnit, kRead2), at(200ms));
+    EXPECT_EQ(responses.earliest(kUnit, kRead4), Instant::min());
+    EXPECT_EQ(responses.earliest(kUnit, kRead4Inputs), Instant::min());
+    EXPECT_EQ(responses.earliest(UnitId{2}, kRead2), Instant::min());
+    EXPECT_EQ(responses.earliest(kUnit, {3, 0}), at(200ms));  // a length that is not known could be any
+    EXPECT_EQ(late.at_time(199ms, kRead2), Ambiguity::held);
+    EXPECT_EQ(late.at_time(200ms, kRead2), Ambiguity::doubted);
+    EXPECT_EQ(late.at_time(100ms, kRead4), Ambiguity::none);
+    late.responses.expire(at(10199ms));
+    EXPECT_EQ(late.at_time(300ms, kRead2), Ambiguity::doubted);
+    late.responses.expire(at(10200ms));
+    EXPECT_EQ(late.at_time(300ms, kRead2), Ambiguity::none);
+}
+
+TEST(OutstandingResponses, AreSettledByFramesThatLookAlike) {
+    struct Case {
+        const char* pdu;
+        std::uint8_t unit;
+        bool settles;
+    };
+    constexpr Case kCases[] = {
+        {"03 04 00 01 00 02", 1, true},  {"83 02", 1, true},  {"03 02 00 01", 1, false},
+        {"04 04 00 01 00 02", 1, false}, {"84 02", 1, false}, {"03 04 00 01 00 02", 2, false},
+    };
+    for (const auto& c : kCases) {
+        Outstanding late;
+        late.expect(kUnit, kRead2, at(200ms));
+        EXPECT_EQ(late.responses.settle(UnitId{c.unit}, frame_shape(hex(c.pdu)), std::nullopt, at(1s),
+                                        at(1s)) != Lateness::none,
+                  c.settles)
+            << c.pdu;
+        EXPECT_EQ(late.at_time(100ms, kRead2) == Ambiguity::none, c.settles) << c.pdu;
+        EXPECT_EQ(late.responses.take_late().has_value(), c.settles) << c.pdu;
+    }
+}
+
+TEST(OutstandingResponses, PassWhenTheirUnitAnswersADistinguishableRequest) {
+    Outstanding late;
+    late.expect(kUnit, kRead2, at(200ms));
+    late.responses.answered(at(120ms), UnitId{2}, kRead4);
+    late.responses.answered(at(120ms), kUnit, kRead2);
+    EXPECT_EQ(late.at_time(150ms, kRead2), Ambiguity::held) << "another unit, or one that looks alike";
+    late.responses.answered(at(120ms), kUnit, kRead4);
+    EXPECT_EQ(late.at_time(150ms, kRead2), Ambiguity::passed);
+    EXPECT_EQ(late.responses.earliest(kUnit, kRead2), Instant::min());
+    ASSERT_TRUE(late.settle("03 04 00 01 00 02"));
+    const auto response = late.responses.take_late();
+    ASSERT_TRUE(response);
+    EXPECT_EQ(response->out_of_order_since, at(100ms));
+}
+
+TEST(OutstandingResponses, AreSuspectedAndPassWhenNothingFollowsAResponseThatLooksAlike) {
+    Outstanding late;
+    late.expect(kUnit, kRead2, at(200ms));
+    late.responses.confirmed(at(310ms), kUnit, kRead2, at(300ms), 50ms);
+    EXPECT_EQ(late.at_time(359ms, kRead2), Ambiguity::held);
+    EXPECT_EQ(late.at_time(360ms, kRead2), Ambiguity::suspected);
+    late.responses.confirmed(at(410ms), kUnit, kRead2, at(400ms), 50ms);
+    EXPECT_EQ(late.at_time(400ms, kRead2), Ambiguity::passed);
+    ASSERT_TRUE(late.settle("03 04 00 01 00 02", 500ms));
+    EXPECT_EQ(late.responses.take_late()->delay, 100ms) << "the response to the last request";
+}
+
+TEST(OutstandingResponses, AnAmbiguousExceptionLeavesEitherResponse) {
+    Outstanding late;
+    late.expect(kUnit, kRead2, at(200ms));
+    EXPECT_TRUE(late.responses.ambiguous(kUnit, 3));
+    EXPECT_FALSE(late.responses.ambiguous(kUnit, 4));
+    late.responses.expect_either(kUnit, kRead4, at(300ms));
+    EXPECT_EQ(late.responses.earliest(kUnit, kRead2), at(300ms));
+    EXPECT_EQ(late.responses.earliest(kUnit, kRead4), at(300ms));
+    EXPECT_EQ(late.responses.earliest(kUnit, {3, 4}), Instant::min());
+    EXPECT_EQ(late.responses.earliest(kUnit, kRead4Inputs), Instant::min());
+    EXPECT_FALSE(late.settle("03 02 00 01"));  // with the address of this unit, but another's
+    EXPECT_TRUE(late.settle("03 08 00 01 00 02 00 03 00 04"));
+    EXPECT_EQ(late.responses.earliest(kUnit, kRead4), Instant::min());
+}
+
+TEST(OutstandingResponses, SeveralAmbiguousExceptionsHoldUpTheWholeFunction) {
+    Outstanding late;
+    late.expect(kUnit, kRead2, at(200ms));
+    late.responses.expect_either(kUnit, kRead4, at(300ms));
+    late.responses.expect_either(kUnit, kRead4, at(350ms));
+    EXPECT_EQ(late.responses.earliest(kUnit, {3, 4}), Instant::min());
+    late.responses.expect_either(kUnit, {3, 8}, at(400ms));
+    EXPECT_EQ(late.responses.earliest(kUnit, {3, 4}), at(400ms));
+    EXPECT_TRUE(late.settle("03 02 00 01"));
+}
+
+// A device that was busy for long works off all requests.
+TEST(OutstandingResponses, OfOneShapeAllAreCounted) {
+    Outstanding late;
+    const std::size_t count = 3 * OutstandingResponses::kAlike;
+    for (std::size_t i = 0; i < count; ++i) late.expect(kUnit, kRead2, at(200ms + i * 10ms));
+    std::size_t taken = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        EXPECT_TRUE(late.settle("03 04 00 01 00 02")) << i;
+        if (late.responses.take_late()) ++taken;
+    }
+    EXPECT_FALSE(late.settle("03 04 00 01 00 02"));
+    EXPECT_EQ(taken, count);
+}
+
+TEST(OutstandingResponses, AnExceptionSettlesNoneOfDifferentLengths) {
+    Outstanding late;
+    late.expect(kUnit, kRead2, at(200ms));
+    late.expect(kUnit, kRead4, at(200ms));
+    EXPECT_TRUE(late.settle("83 02"));
+    EXPECT_EQ(late.at_time(100ms, kRead2), Ambiguity::held);
+    EXPECT_EQ(late.at_time(100ms, kRead4), Ambiguity::held);
+}
+
+TEST(OutstandingResponses, BeyondTheCapacityThoseThatHavePassedAreForgotten) {
+    Outstanding late;
+    late.expect(kUnit, kRead2, at(200ms));
+    late.responses.answered(at(120ms), kUnit, kRead4);
+    for (std::size_t i = 0; i < late.memory.size(); ++i) late.expect(UnitId{2}, {3, 2 + 2 * i}, at(300ms));
+    EXPECT_FALSE(late.responses.remembers(kUnit));
+    EXPECT_EQ(late.responses.earliest(UnitId{2}, {3, 0x1234}), Instant::min());
+}
+
+TEST(OutstandingResponses, BeyondTheCapacityTwoOfOneUnitShareAnEntryThatMatchesAllLengths) {
+    Outstanding late;
+    for (std::size_t i = 0; i <= late.memory.size(); ++i) late.expect(kUnit, {3, 2 + 2 * i}, at(200ms));
+    EXPECT_EQ(late.responses.earliest(kUnit, {3, 0x1234}), at(200ms));
+    EXPECT_EQ(late.responses.earliest(UnitId{2}, kRead2), Instant::min());
+    EXPECT_TRUE(late.settle("03 02 00 01"));
+    EXPECT_TRUE(late.settle("03 02 00 01"));
+    EXPECT_FALSE(late.settle("03 02 00 01"));
+}
+
+TEST(OutstandingResponses, BeyondTheCapacityOfOnePerUnitEverythingWaits) {
+    Outstanding late;
+    for (std::size_t i = 0; i < late.memory.size(); ++i)
+        late.expect(UnitId{static_cast<std::uint8_t>(i + 1)}, kRead2, at(200ms));
+    EXPECT_EQ(late.responses.earliest(UnitId{99}, kRead4), Instant::min());
+    late.expect(UnitId{90}, kRead2, at(300ms));
+    EXPECT_EQ(late.responses.earliest(UnitId{99}, kRead4), at(200ms));
+}
+
+}  // namespace
+}  // namespace takt::bus

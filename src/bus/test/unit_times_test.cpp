@@ -1,0 +1,84 @@
+#include "takt/bus/unit_times.hpp"
+
+#include <gtest/gtest.h>
+
+namespace takt::bus {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(UnitTimes, TheLongestDelayGrowsAtOnceAndFallsSlowly) {
+    UnitTimes times;
+    times.on_response(10ms, true);
+    times.on_response(26ms, true);
+    EXPECT_EQ(times.longest_delay, 26ms);
+    times.on_response(10ms, true);
+    EXPECT_EQ(times.longest_delay, 25ms);
+    for (int i = 0; i < 100; ++i) times.on_response(10ms, true);
+    EXPECT_LT(times.longest_delay, 11ms);
+}
+
+TEST(UnitTimes, ResponsesThatMayBeEarlierOnesShortenNothing) {
+    UnitTimes times;
+    times.on_response(26ms, true);
+    times.on_response(1ms, false);
+    EXPECT_EQ(times.longest_delay, 26ms);
+    times.on_response(30ms, false);
+    EXPECT_EQ(times.longest_delay, 30ms);
+}
+
+TEST(UnitTimes, ALateResponseLengthensTheWaitForOthers) {
+    struct Case {
+        Duration delay;
+        Duration late_limit;
+    };
+    for (const auto& c : {Case{0ms, 100ms}, Case{120ms, 240ms}, Case{10s, 800ms}}) {
+        UnitTimes times;
+        LateResponse late;
+        late.delay = c.delay;
+        times.on_late(late);
+        Transaction transaction;
+        times.set(transaction, 100ms);
+        EXPECT_EQ(transaction.late_limit, c.late_limit);
+        EXPECT_TRUE(transaction.in_order);
+    }
+    UnitTimes times;
+    LateResponse late;
+    late.out_of_order_since = Instant{};
+    times.on_late(late);
+    Transaction transaction;
+    times.set(transaction, 100ms);
+    EXPECT_FALSE(transaction.in_order);
+}
+
+TEST(UnitTimes, TheUsualLatenessIsTheMedianOfTheLastThree) {
+    UnitTimes times;
+    const auto late = [&](Duration delay) {
+        LateResponse response;
+        response.delay = delay;
+        times.on_late(response);
+        return times.usual_lateness();
+    };
+    EXPECT_EQ(late(120ms), 0ms);
+    EXPECT_EQ(late(90s), 0ms) << "perhaps not a late response at all";
+    EXPECT_EQ(late(130ms), 130ms);
+    EXPECT_EQ(late(2s), 2s);
+    EXPECT_EQ(late(2100ms), 2s);
+}
+
+TEST(UnitTimes, TheDelayEndsWithTheFirstByteOfTheResponse) {
+    Outcome outcome;
+    outcome.status = Status::ambiguous;
+    outcome.request.response_length = 6;  // a frame of 9 bytes
+    outcome.request_end = Instant{} + 10ms;
+    outcome.ended_at = Instant{} + 30ms;
+    LineConfig stream;
+    stream.format.baud = 0;
+    EXPECT_EQ(response_delay(stream, outcome), 20ms);
+    LineConfig serial;
+    serial.format = {10'000, 8, wire::Parity::none, 1};
+    EXPECT_EQ(response_delay(serial, outcome), 11ms);
+}
+
+}  // namespace
+}  // namespace takt::bus

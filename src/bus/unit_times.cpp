@@ -1,0 +1,55 @@
+#include "takt/bus/unit_times.hpp"
+
+#include <algorithm>
+
+#include "takt/wire/frame.hpp"
+
+namespace takt::bus {
+namespace {
+
+constexpr int kRecentResponses = 16;  // over which the longest delay decays
+constexpr int kLatenessFactor = 2;
+constexpr int kLongestHold = 8;  // response time-outs
+
+}  // namespace
+
+// The bytes of an ambiguous response are not known any more; it had the expected length.
+Duration response_delay(const LineConfig& config, const Outcome& outcome) {
+    const std::size_t pdu =
+        outcome.response.empty() ? outcome.request.response_length : outcome.response.pdu().size();
+    const std::size_t characters = wire::frame_length(config.framing, pdu);
+    const Duration length =
+        config.is_serial() ? wire::transmission_time(config.format, characters) : Duration::zero();
+    return outcome.ended_at - length - outcome.request_end;
+}
+
+// A unit that has become slower must not stay in doubt. A delay seems short if the response is that to the
+// request before.
+void UnitTimes::on_response(Duration delay, bool certain) {
+    const Duration longest = longest_delay.value_or(delay);
+    const Duration decayed = certain ? longest - (longest - delay) / kRecentResponses : longest;
+    longest_delay = std::max(delay, decayed);
+}
+
+void UnitTimes::on_late(const LateResponse& late) {
+    lateness = std::max(lateness, late.delay);
+    std::ranges::rotate(last_late, last_late.begin() + 1);
+    last_late.back() = late.delay;
+    if (late.out_of_order_since) in_order = false;
+}
+
+Duration UnitTimes::usual_lateness() const {
+    auto sorted = last_late;
+    std::ranges::sort(sorted);
+    return sorted.front() > Duration::zero() ? sorted[1] : Duration::zero();
+}
+
+void UnitTimes::set(Transaction& transaction, Duration response_timeout) const {
+    transaction.late_limit =
+        std::clamp<Duration>(kLatenessFactor * lateness, response_timeout, kLongestHold * response_timeout);
+    transaction.lateness = usual_lateness();
+    transaction.longest_delay = longest_delay;
+    transaction.in_order = in_order;
+}
+
+}  // namespace takt::bus

@@ -1,0 +1,18 @@
+// The shapes of the responses to the requests of an entry.
+#pragma once
+
+#include "takt/bus/transaction.hpp"
+#include "takt/table/view.hpp"
+#include "takt/wire/prepared_request.hpp"
+
+namespace takt::table {
+
+inline bus::AnswerShape read_shape(const EntryRecord& entry) {
+    return {entry.read, wire::response_pdu_length(wire::Function{entry.read}, entry.quantity)};
+}
+
+inline bus::AnswerShape written_shape(const EntryRecord& entry) {
+    return {entry.write, wire::response_pdu_length(wire::Function{entry.write}, entry.quantity)};
+}
+
+}  // namespace takt::table

@@ -1,0 +1,120 @@
+// Which answers a line still owes its master, from the bytes at the master's port alone.
+//
+// A published good value must equal what its register held at some instant not before the request that the
+// value came with. The bytes can also show a master a false history. Then no master could do better, and the
+// value is exempt. A value is exempt only if a frame with its unit, function and length came after that
+// request, holds the shown value, and one of these holds when it is published:
+//
+//   copy        no earlier request of that shape is unanswered, and the same frame was received before. It is
+//   a
+//               copy, or an answer of the past. A true answer would look the same.
+//   passed      the unanswered requests of that shape have passed, see below. So their answers count as lost.
+//   reordered   as many frames of the shape came as were owed, and the last one is published. The unit has
+//               never answered out of order. So the last answer belongs to the last request.
+//   shifted     an answer of the unit was exempt before, and since then each request of the unit had the same
+//               shape and exactly one frame. So each answer may belong to the request before.
+//   expired     the unanswered requests of that shape are older than kForgotten.
+//
+// In all other cases the master knew that an answer of that shape was owed, and a wrong good value is a
+// violation. Each use is counted ("seen.exempt_copy", ...).
+//
+// A shape is unit, function and length of the answer; of a write also the echoed address and value. A request
+// has passed
+// - when its unit has answered two later ones of its shape, and no further frame of the shape followed either
+//   answer for as long as the unit has usually taken to answer (the median of its last answers), before the
+//   next request of the shape;
+// - when its unit has answered a later request of another shape, and has never answered out of order.
+// A unit has answered out of order when a frame comes that it owes only for a request that has passed.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "frames.hpp"
+#include "takt/base/time.hpp"
+
+namespace takt::judge {
+
+class AnswerLedger {
+public:
+    /// Longer than any simulated lateness.
+    static constexpr Duration kForgotten = std::chrono::minutes(5);
+
+    explicit AnswerLedger(wire::Framing framing);
+
+    void on_sent(Instant t, const Asked& asked);
+    void on_heard(Instant t, std::span<const std::uint8_t> bytes);
+    /// A new connection: what was owed on the old one never comes.
+    void on_connection();
+
+    /// Whether an answer to an earlier request than the last one may still come and could be taken for the
+    /// answer to `asked`, as far as the bytes show.
+    [[nodiscard]] bool doubtful(const Asked& asked) const;
+
+    /// The longest time after its request at which an answer of the unit came that was owed.
+    [[nodiscard]] Duration lateness(std::uint8_t unit) const;
+
+    /// Frames since the last request that could be the answer to `asked`.
+    [[nodiscard]] std::vector<ByteVector> candidates(const Asked& asked) const;
+
+    /// The exemption for a wrong value, from a frame that could be the answer to the request of `sent`.
+    [[nodiscard]] std::optional<std::string_view> exemption(Instant t, Instant sent, const Asked& asked,
+                                                            const ByteVector& published) const;
+
+    /// A wrong value from the answer to that request was exempt.
+    void note_exempt(const Asked& asked);
+
+    /// The unanswered requests that the answer to the request of `sent` can be mistaken for; empty: none.
+    [[nodiscard]] std::string describe(Instant t, Instant sent, const Asked& asked) const;
+
+private:
+    struct Owed {
+        Instant t;
+        std::uint8_t unit = 0;
+        std::uint8_t function = 0;
+        std::size_t length = 0;
+        ByteVector echo;                      // of a write: the PDU of its answer
+        std::optional<Instant> suspected_at;  // a later answer of its shape that may be followed by another
+        unsigned unfollowed = 0;              // later answers of its shape with no further frame behind them
+        bool overtaken = false;               // a later request of another shape was answered
+        [[nodiscard]] bool passed(bool in_order) const { return unfollowed >= 2 || (overtaken && in_order); }
+        bool answered = false;
+    };
+    struct Heard {
+        Instant t;
+        std::uint8_t unit = 0;
+        ByteVector pdu;
+    };
+
+    [[nodiscard]] static Owed owed(Instant t, const Asked& asked);
+    [[nodiscard]] static bool matches(const Owed& owed, const FoundFrame& frame);
+    [[nodiscard]] static bool same_shape(const Owed& a, const Owed& b);
+    void take(Instant t, const FoundFrame& frame);
+    void settle_last();
+    void pass_others(const Owed& answered);
+    [[nodiscard]] bool last_is_answered() const;
+    void settle_suspected(Instant t, const Owed& next);
+    [[nodiscard]] Duration usual_delay(std::uint8_t unit) const;
+    [[nodiscard]] bool reordered(std::uint8_t unit) const {
+        return (reordered_[unit / 64] >> (unit % 64) & 1) != 0;
+    }
+
+    wire::Framing framing_;
+    std::deque<Owed> owed_;                                // in the order of sending
+    ByteVector bytes_;                                     // not yet parsed
+    std::deque<Heard> heard_;                              // since the last request; not yet settled
+    std::map<std::uint8_t, std::deque<Duration>> delays_;  // by unit: of its last answers
+    std::map<std::uint8_t, Owed> shifted_;                 // by unit: a request whose wrong answer was exempt
+    std::map<std::uint8_t, Duration> lateness_;            // by unit
+    std::vector<std::uint64_t> past_;                      // hashes of the last frames
+    std::size_t next_past_ = 0;
+    std::uint64_t reordered_[4] = {};  // bits by unit: has answered out of order
+};
+
+}  // namespace takt::judge

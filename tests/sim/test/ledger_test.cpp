@@ -1,0 +1,169 @@
+// What the judge takes for indistinguishable, and what it does not (judge/ledger.hpp).
+#include "judge/ledger.hpp"
+
+#include <gtest/gtest.h>
+
+namespace takt::judge {
+namespace {
+
+using namespace std::chrono_literals;
+
+ByteVector framed(ByteVector bytes) {
+    const auto check = crc(bytes);
+    bytes.push_back(static_cast<std::uint8_t>(check));
+    bytes.push_back(static_cast<std::uint8_t>(check >> 8U));
+    return bytes;
+}
+
+/// Unit 5 with reads of one and of two registers, and a write.
+struct Line {
+    AnswerLedger ledger{wire::Framing::rtu};
+    Asked last;
+    Instant sent;
+    Instant now;
+
+    static constexpr Instant at(Duration since) { return Instant{} + since; }
+    void ask(Duration when, ByteVector pdu) {
+        pdu.insert(pdu.begin(), 5);
+        last = parse_request(wire::Framing::rtu, framed(pdu)).value();
+        now = sent = at(when);
+        ledger.on_sent(sent, last);
+    }
+    void read(Duration when, std::uint8_t start, std::uint8_t count = 1) {
+        ask(when, {3, 0, start, 0, count});
+    }
+    void hear(Duration when, ByteVector pdu) {
+        pdu.insert(pdu.begin(), 5);
+        now = at(when);
+        ledger.on_heard(now, framed(pdu));
+    }
+    void one(Duration when, std::uint8_t value) { hear(when, {3, 2, 0, value}); }
+    void two(Duration when) { hear(when, {3, 4, 0, 1, 0, 2}); }
+    [[nodiscard]] std::string exempt(std::uint8_t value) const {
+        return std::string(ledger.exemption(now, sent, last, {3, 2, 0, value}).value_or(""));
+    }
+    /// A read that is answered as usual.
+    void exchange(Duration when, std::uint8_t value) {
+        read(when, 0);
+        one(when + 10ms, value);
+    }
+};
+
+TEST(Ledger, ALateAnswerWhileItsRequestIsOwedIsNoExcuse) {
+    Line line;
+    line.read(0ms, 0);
+    line.read(200ms, 1);
+    line.one(210ms, 7);
+    EXPECT_EQ(line.exempt(7), "");
+    EXPECT_TRUE(line.ledger.doubtful(line.last));
+}
+
+TEST(Ledger, AfterAsManyAnswersAsRequestsTheLastOneBelongsToTheLastRequest) {
+    Line line;
+    line.read(0ms, 0);
+    line.read(200ms, 1);
+    line.one(210ms, 7);
+    line.one(220ms, 8);
+    EXPECT_EQ(line.exempt(7), "");
+    EXPECT_EQ(line.exempt(8), "exempt_reordered");
+}
+
+TEST(Ledger, ACopyWhereNothingIsOwedCannotBeRecognised) {
+    Line line;
+    line.exchange(0ms, 7);
+    line.read(100ms, 1);
+    line.one(105ms, 7);
+    EXPECT_EQ(line.exempt(7), "exempt_copy");
+    EXPECT_EQ(line.exempt(9), "") << "no frame holds this value";
+}
+
+TEST(Ledger, AnAnswerOfAnotherShapePassesWhatWasOwed) {
+    Line line;
+    line.read(0ms, 0);
+    line.read(200ms, 1, 2);
+    line.two(210ms);
+    line.read(300ms, 1);
+    line.one(310ms, 7);
+    EXPECT_EQ(line.exempt(7), "exempt_passed");
+}
+
+TEST(Ledger, NotOfAUnitThatHasAnsweredOutOfOrder) {
+    Line line;
+    line.read(0ms, 0);
+    line.read(200ms, 1, 2);
+    line.two(210ms);
+    line.one(250ms, 7);
+    line.read(300ms, 0);
+    line.read(500ms, 1, 2);
+    line.two(510ms);
+    line.read(600ms, 1);
+    line.one(610ms, 7);
+    EXPECT_EQ(line.exempt(7), "");
+}
+
+TEST(Ledger, TwoAnswersThatNothingFollowedPassWhatWasOwed) {
+    Line line;
+    line.exchange(0ms, 1);
+    line.read(100ms, 0);
+    line.exchange(300ms, 2);
+    line.exchange(400ms, 3);
+    line.read(500ms, 1);
+    line.one(505ms, 7);
+    EXPECT_EQ(line.exempt(7), "exempt_passed");
+}
+
+TEST(Ledger, NotWhereTheNextRequestWasSentBeforeAFurtherOneCouldCome) {
+    Line line;
+    line.exchange(0ms, 1);
+    line.read(100ms, 0);
+    for (int i = 0; i < 5; ++i) line.exchange(300ms + i * 12ms, 2);
+    line.read(362ms, 1);
+    line.one(365ms, 7);
+    EXPECT_EQ(line.exempt(7), "") << "each answer may belong to the request before";
+}
+
+TEST(Ledger, AnExceptionOfSeveralOpenRequestsSettlesNone) {
+    Line line;
+    line.read(0ms, 0);
+    line.read(200ms, 0, 2);
+    line.hear(210ms, {0x83, 2});
+    line.read(300ms, 1);
+    line.one(310ms, 7);
+    EXPECT_EQ(line.exempt(7), "");
+}
+
+TEST(Ledger, AWriteIsConfirmedFalselyByTheCopyOfAConfirmation) {
+    Line line;
+    const ByteVector confirmation{16, 0, 40, 0, 1};
+    line.ask(0ms, {16, 0, 40, 0, 1, 2, 0, 9});
+    line.hear(10ms, confirmation);
+    line.ask(100ms, {16, 0, 40, 0, 1, 2, 0, 8});
+    line.hear(105ms, confirmation);
+    EXPECT_EQ(line.ledger.exemption(line.now, line.sent, line.last, confirmation), "exempt_copy");
+    line.ask(200ms, {16, 0, 40, 0, 1, 2, 0, 7});
+    line.ask(400ms, {16, 0, 40, 0, 1, 2, 0, 6});
+    line.hear(405ms, confirmation);
+    EXPECT_FALSE(line.ledger.exemption(line.now, line.sent, line.last, confirmation));
+}
+
+TEST(Ledger, FramesAreFoundInPiecesAndBetweenOtherBytes) {
+    Line line;
+    line.read(0ms, 0);
+    ByteVector bytes{0x00, 0xFF, 0x05};
+    for (const auto byte : framed({5, 3, 2, 0, 7})) bytes.push_back(byte);
+    bytes.push_back(0x00);
+    for (const auto byte : bytes) line.ledger.on_heard(Line::at(10ms), std::span(&byte, 1));
+    ASSERT_EQ(line.ledger.candidates(line.last).size(), 1U);
+    EXPECT_EQ(line.ledger.candidates(line.last)[0], (ByteVector{3, 2, 0, 7}));
+}
+
+TEST(Ledger, ANewConnectionOwesNothing) {
+    Line line;
+    line.read(0ms, 0);
+    line.ledger.on_connection();
+    line.read(200ms, 1);
+    EXPECT_FALSE(line.ledger.doubtful(line.last));
+}
+
+}  // namespace
+}  // namespace takt::judge
