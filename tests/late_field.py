@@ -55,12 +55,13 @@ def identity(unit, function, register):
 
 
 def words(unit, function, start, count):
-    """Registers in pairs: the upper ten bits of each pair say which it is, the others when it was read."""
+    """Registers in pairs: the upper ten bits of each pair say which it is, the others when it was read. A read may end
+    within a pair."""
     moment = now_ms()
     made = b""
     for register in range(start, start + count, 2):
         made += struct.pack(">I", (identity(unit, function, start) | (register - start) // 2) << CLOCK_BITS | moment)
-    return made
+    return made[:2 * count]
 
 
 class Lateness:
