@@ -27,7 +27,7 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
         if (by_trigger && write_groups_.bucket(*by_trigger)) pending.alone.bucket_of = by_trigger;
     }
     if (!reachable(device)) {
-        const Reason reason = unreachable(device);
+        const Reason reason = device.health.unreachable(link_.no_link());
         statuses_.show_unavailable(t, v, reason);
         commands_.refuse(t, command, written.rounded, reason);
         return written.rounded;

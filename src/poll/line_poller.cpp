@@ -121,9 +121,9 @@ LineStatistics LinePoller::statistics(Instant t) const {
     return statistics;
 }
 
-const DeviceStatistics& LinePoller::device(std::size_t device) const {
+DeviceStatistics LinePoller::device(std::size_t device) const {
     TAKT_ASSERT(device < run_->devices_.size());
-    return run_->devices_[device].statistics;
+    return {run_->devices_[device].health.condition(), run_->devices_[device].statistics};
 }
 
 RequestStatistics LinePoller::request(std::size_t request) const {

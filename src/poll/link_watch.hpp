@@ -5,6 +5,7 @@
 
 #include "takt/base/time.hpp"
 #include "takt/bus/health.hpp"
+#include "takt/value/value.hpp"
 
 namespace takt::poll {
 
@@ -42,6 +43,10 @@ public:
     [[nodiscard]] std::optional<Instant> up_since() const { return up_since_; }
     /// There was a link at some time.
     [[nodiscard]] bool was_up() const { return was_up_; }
+    /// Why nothing is sent without a link.
+    [[nodiscard]] value::Reason no_link() const {
+        return was_up_ ? value::Reason::link_lost : value::Reason::never_connected;
+    }
     /// The connection must be made again.
     [[nodiscard]] bool given_up() const { return given_up_; }
 

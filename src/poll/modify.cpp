@@ -29,7 +29,7 @@ void LinePoller::Run::continue_modify(Instant t) {
     const auto step = *modify_.second_step();
     const auto& device = devices_[step.device];
     if (!reachable(device)) {
-        abandon(t, unreachable(device), false);
+        abandon(t, device.health.unreachable(link_.no_link()), false);
         return wake_at(t);
     }
     const Instant start = engine_.earliest_start(device.model->address, step.shape);

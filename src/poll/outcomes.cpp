@@ -21,31 +21,29 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
                                            bus::TransactionCounters* counters) {
     auto& device = devices_[index];
     --device.in_flight;
-    const bool early_probe = std::exchange(device.probed_early, false);
     if (writes(kind_of(outcome.id))) device.writing = false;
     count_outcome(device, outcome);
     if (counters) counters->count(outcome);
     note_busy(outcome);
     const OutcomeClass outcome_class = classify(outcome);
-    if (!device.enabled || outcome_class.reason == Reason::link_lost) return outcome_class;
-    device.statistics.failure = outcome_class.answered ? Reason::ok : outcome_class.reason;
-    if (!outcome_class.answered && device.health.failures() == 0) device.failing_since = outcome.sent_at;
-    if (outcome_class.answered) {
-        if (device.health.answered()) {
-            restart_device(outcome.ended_at, device, true);
-            if (learner_) learner_->on_return(outcome.ended_at, index);
-        }
-        set_device_state(outcome.ended_at, index, DeviceState::answering);
-    } else if (!device.health.answering() && device.in_flight > 0) {
-        // Of several transactions in flight when the device failed, only the last counts.
-    } else if (early_probe) {
-        // It cost the other devices no time: the back-off stays as it is.
-    } else if (device.health.failed(outcome.ended_at)) {
-        set_device_state(outcome.ended_at, index, DeviceState::not_answering);
-        degrade_device(outcome.ended_at, index, Reason::not_answering, true);
-        if (device.has_reads) drop_pending(outcome.ended_at, index, Reason::not_answering);
+    const Instant t = outcome.ended_at;
+    switch (device.health.ended(outcome.sent_at, t, outcome_class, device.in_flight > 0)) {
+        case DeviceVerdict::ignored: return outcome_class;
+        case DeviceVerdict::returned:
+            restart_device(t, device, true);
+            if (learner_) learner_->on_return(t, index);
+            [[fallthrough]];
+        case DeviceVerdict::answered:
+            set_device_state(t, index, DeviceState::answering);
+            return outcome_class;
+        case DeviceVerdict::lost:
+            set_device_state(t, index, DeviceState::not_answering);
+            degrade_device(t, index, Reason::not_answering, true);
+            if (device.health.probed()) drop_pending(t, index, Reason::not_answering);
+            break;
+        case DeviceVerdict::failed: break;
     }
-    if (!outcome_class.answered) check_connection(outcome.ended_at);
+    check_connection(t);
     return outcome_class;
 }
 
@@ -85,7 +83,7 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
         if (read.by_trigger) read.triggered = read.trigger->event.admitted = true;
         return;
     }
-    if (!devices_[request.device].enabled) return;
+    if (!devices_[request.device].health.enabled()) return;
     if (!outcome_class.answered) {
         fail_read(t, request, outcome_class.reason);
         return;

@@ -22,7 +22,7 @@ Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transacti
         set_times(devices_[*device], relayed);
     }
     TAKT_CHECK(relay_->put(relayed, device));
-    if (device && devices_[*device].enabled && !reachable(devices_[*device]))
+    if (device && devices_[*device].health.enabled() && !reachable(devices_[*device]))
         give_up_relayed(t, bus::Status::timeout);
     else
         wake_at(t);

@@ -53,7 +53,7 @@ void LinePoller::Run::swap_plan(Instant t) {
     splits_.clear();
     for (auto& device : devices_) {
         device.requests.clear();
-        device.has_reads = false;
+        device.health.set_reads(false);
     }
     const auto old_groups = write_groups_.take_groups();
     add_requests();

@@ -8,20 +8,15 @@
 
 namespace takt::poll {
 
-Health LinePoller::Run::fresh_health(const DeviceRun& device) const {
-    const model::Backoff& backoff = plan::backoff_of(project_, *device.model);
-    return Health(device.model->attempts, Backoff(backoff.first, backoff.limit));
-}
-
 // All requests of a line stay on one grid: those planned for one instant meet there again.
 void LinePoller::Run::restart_device(Instant t, DeviceRun& device, bool at_once) {
-    device.health = fresh_health(device);
+    device.health.restart();
     statuses_.restart(static_cast<std::size_t>(&device - devices_.data()));
     for (const auto index : device.requests) {
         auto& request = requests_[index];
         if (!request.read) continue;
         touch(index);
-        request.read->health = fresh_health(device);
+        request.read->health = device.health.fresh();
         request.read->release.follow(after(epoch_, request.plan->phase), t);
         periods_.interrupt(index);
         request.read->retry.reset();
@@ -51,39 +46,10 @@ void LinePoller::Run::release_at_once(Instant t, const DeviceRun& device) {
 }
 
 void LinePoller::Run::set_device_state(Instant t, std::size_t device, DeviceState state) {
-    auto& statistics = devices_[device].statistics;
-    if (statistics.state == state) return;
-    statistics.state = state;
-    observe_device(t, devices_[device]);
+    if (!devices_[device].health.enter(t, state)) return;
     observe_line(t);
     if (state == DeviceState::answering) statuses_.device_back(t, device);
     if (observer_) observer_->on_device_state(t, plan_->line, device, state);
-}
-
-value::Reason LinePoller::Run::no_link() const {
-    return link_.was_up() ? value::Reason::link_lost : value::Reason::never_connected;
-}
-
-value::Reason LinePoller::Run::unreachable(const DeviceRun& device) const {
-    if (!device.enabled) return value::Reason::switched_off;
-    return device.statistics.state == DeviceState::link_down ? no_link() : value::Reason::not_answering;
-}
-
-// A device of which nothing is known yet stays as it was found before.
-void LinePoller::Run::observe_device(Instant t, DeviceRun& device) {
-    auto& statistics = device.statistics;
-    auto& availability = statistics.availability;
-    if (!device.enabled) return availability.pause(t);
-    availability.begin(t);
-    switch (statistics.state) {
-        case DeviceState::answering: availability.up(t); return;
-        case DeviceState::not_answering:
-            statistics.outages += availability.down(device.failing_since);
-            return;
-        case DeviceState::link_down: statistics.outages += availability.down(t); return;
-        case DeviceState::switched_off:
-        case DeviceState::unknown: return;
-    }
 }
 
 // The line is down when its last device is, and up with the first answer.
@@ -96,9 +62,10 @@ void LinePoller::Run::observe_line(Instant t) {
     bool known = true;
     std::optional<Instant> last;
     for (const auto& device : devices_) {
-        if (!device.enabled) continue;
-        const auto down = device.statistics.availability.down_since();
-        if (device.statistics.state == DeviceState::answering) return availability_.up(t);
+        if (!device.health.enabled()) continue;
+        const auto& condition = device.health.condition();
+        const auto down = condition.availability.down_since();
+        if (condition.state == DeviceState::answering) return availability_.up(t);
         known = known && down;
         if (down) last = std::max(last.value_or(*down), *down);
     }
@@ -120,27 +87,28 @@ void LinePoller::Run::on_link(Instant t, bool up) {
     load_.start(t);
     arbiter_.restart_round();
     for (std::size_t d = 0; d < devices_.size(); ++d) {
-        if (!devices_[d].enabled) continue;
+        auto& health = devices_[d].health;
+        if (!health.enabled()) continue;
         if (!up) drop_read_backs(t, d, value::Reason::link_lost);
         if (up) restart_device(t, devices_[d], false);
         set_device_state(t, d, up ? DeviceState::unknown : DeviceState::link_down);
-        observe_device(t, devices_[d]);  // also before the link could be opened for the first time
-        if (!up) degrade_device(t, d, no_link(), true);
+        health.observe(t);  // also before the link could be opened for the first time
+        if (!up) degrade_device(t, d, link_.no_link(), true);
     }
     observe_line(t);
 }
 
 void LinePoller::Run::check_connection(Instant t) {
     if (line_.is_serial()) return;
-    const bool answers = std::ranges::any_of(
-        devices_, [](const DeviceRun& device) { return device.enabled && device.health.answering(); });
+    const bool answers = std::ranges::any_of(devices_, [](const DeviceRun& device) {
+        return device.health.enabled() && device.health.answering();
+    });
     if (!answers) link_.check(t);
 }
 
 void LinePoller::Run::switch_device(Instant t, std::size_t index, bool on) {
     auto& device = devices_[index];
-    if (device.enabled == on) return;
-    device.enabled = on;
+    if (!device.health.enable(on)) return;
     if (on) {
         restart_device(t, device, true);
         set_device_state(t, index, link_.up_since() ? DeviceState::unknown : DeviceState::link_down);

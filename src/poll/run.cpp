@@ -81,9 +81,8 @@ void LinePoller::Run::add_variables() {
         begin_measuring(run);
         run.most_in_flight =
             static_cast<std::uint16_t>(std::min<std::size_t>(device.in_flight, engine_.config().in_flight));
-        run.health = fresh_health(run);
-        run.enabled = !device.poll_enable || is_true(store_[slots_.local(*device.poll_enable)].value);
-        run.statistics.state = run.enabled ? DeviceState::link_down : DeviceState::switched_off;
+        const bool enabled = !device.poll_enable || is_true(store_[slots_.local(*device.poll_enable)].value);
+        run.health = DeviceHealth(device.attempts, plan::backoff_of(project_, device), enabled);
         for (std::size_t v = 0; v < device.variables.size(); ++v) {
             const auto slot = slots_.variable({plan_->line, d, v});
             if (variables_.empty()) first_slot_ = slot.value;
@@ -127,14 +126,14 @@ void LinePoller::Run::add_read(std::size_t index, const std::optional<plan::Requ
     const Duration period = polled ? polled->period : Duration::zero();
     if (polled) job.deadline = polled->deadline.value_or(period);
     job.release = PeriodicRelease(period);
-    job.health = fresh_health(device);
+    job.health = device.health.fresh();
     if (triggered) {
         job.trigger = HeapOptional(Triggering{.event = RateLimitedEvent(triggered->admission)});
         job.trigger->event.deadline = triggered->deadline;
     }
     job.rank = 2 * index;
     run.read = std::move(job);
-    device.has_reads = true;
+    device.health.set_reads(true);
     add_parts(index);
 }
 
@@ -188,7 +187,7 @@ void LinePoller::Run::refuse_trigger(Instant t, std::size_t index, model::LocalI
     const auto& request = requests_[index];
     const bool writes = write_groups_.has(index) && request.plan->write_trigger == local;
     if (!writes && !(request.read && request.plan->read_trigger == local)) return;
-    const value::Reason reason = unreachable(devices_[request.device]);
+    const value::Reason reason = devices_[request.device].health.unreachable(link_.no_link());
     for (const auto v : request.variables) statuses_.show_unavailable(t, v, reason);
 }
 

@@ -98,20 +98,14 @@ private:
     void add_parts(std::size_t request);
 
     // restart.cpp
-    [[nodiscard]] Health fresh_health(const DeviceRun& device) const;
     void restart_device(Instant t, DeviceRun& device, bool at_once);
     void release_at_once(Instant t, const DeviceRun& device);
     void set_device_state(Instant t, std::size_t device, DeviceState state);
     void check_connection(Instant t);
-    /// Why a line without a link sends nothing.
-    [[nodiscard]] value::Reason no_link() const;
-    /// Why a device that is not reachable is sent nothing.
-    [[nodiscard]] value::Reason unreachable(const DeviceRun& device) const;
     void switch_device(Instant t, std::size_t device, bool on);
     void pull_trigger(Instant t, std::size_t request, model::LocalIndex local);
     void refuse_trigger(Instant t, std::size_t request, model::LocalIndex local);
     void take_outcomes();
-    void observe_device(Instant t, DeviceRun& device);
     void observe_line(Instant t);
 
     // schedule.cpp
@@ -127,7 +121,6 @@ private:
     void consider_early_probes(Instant t);
     [[nodiscard]] std::optional<std::size_t> probe_of(const DeviceRun& device) const;
     void offer_probe(Instant t, const DeviceRun& device, std::size_t request, Instant since);
-    [[nodiscard]] Duration probe_period(const DeviceRun& device, const RequestRun& probe) const;
     [[nodiscard]] Instant last_read(const DeviceRun& device) const;
     void consider_command(Instant t, PendingCommand& command);
     [[nodiscard]] Candidate candidate_of(const RateLimitedEvent& event, bus::TransactionId id,

@@ -141,7 +141,7 @@ Candidate LinePoller::Run::candidate_of(const RateLimitedEvent& event, bus::Tran
 // request that the device never answers must not hide that it is back.
 std::optional<std::size_t> LinePoller::Run::probe_of(const DeviceRun& device) const {
     std::optional<std::size_t> oldest;
-    if (!device.enabled || device.in_flight > 0 || device.health.answering()) return oldest;
+    if (!device.health.enabled() || device.in_flight > 0 || device.health.answering()) return oldest;
     for (const auto r : device.requests) {
         if (!requests_[r].read) continue;
         if (!oldest || requests_[r].read->last_start < requests_[*oldest].read->last_start) oldest = r;
@@ -174,11 +174,11 @@ void LinePoller::Run::consider_early_probes(Instant t) {
         const auto index = probe_of(device);
         if (!index) continue;
         const auto& request = requests_[*index];
-        const Duration period = probe_period(device, request);
-        if (period >= device.health.probe_wait()) continue;  // the back-off is the pace
-        const Instant from = after(last_read(device), period);
-        if (from > t) {
-            arbiter_.wake_at(from);
+        const Duration period = request.plan->period.value_or(Duration::zero());
+        const auto from = device.health.early_probe_at(last_read(device), period);
+        if (!from) continue;
+        if (*from > t) {
+            arbiter_.wake_at(*from);
             continue;
         }
         const auto& read = request.read->request;
@@ -187,12 +187,6 @@ void LinePoller::Run::consider_early_probes(Instant t) {
         if (after(t, lost) > next_due) continue;
         offer_probe(t, device, *index, t);
     }
-}
-
-// At most one early probe per period. Without a period the first back-off takes its place.
-Duration LinePoller::Run::probe_period(const DeviceRun& device, const RequestRun& probe) const {
-    const Duration period = probe.plan->period.value_or(Duration::zero());
-    return period > Duration::zero() ? period : device.model->backoff.value_or(project_.backoff).first;
 }
 
 Instant LinePoller::Run::last_read(const DeviceRun& device) const {

@@ -43,9 +43,7 @@ void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) 
     read.by_trigger = by_trigger;
     read.last_start = read.round = t;
     auto& health = devices_[request.device].health;
-    devices_[request.device].probed_early = !health.answering() && t < health.probe_at();
-    if (devices_[request.device].probed_early)
-        health.postpone_probe(after(t, probe_period(devices_[request.device], request)));
+    health.read_started(t, request.plan->period.value_or(Duration::zero()));
     const Purpose purpose = !health.answering() ? Purpose::probe
                             : by_trigger        ? Purpose::trigger
                             : read.retry        ? Purpose::repetition
@@ -113,7 +111,7 @@ void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
 }
 
 void LinePoller::Run::report_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose) {
-    const bool early = purpose == Purpose::probe && devices_[device].probed_early;
+    const bool early = purpose == Purpose::probe && devices_[device].health.probes_early();
     Sending sending{.purpose = purpose, .early = early, .device = device};
     const auto index = id >> 3;
     if (kind_of(id) == JobKind::command)
@@ -153,8 +151,7 @@ void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
         failed.device = d;
         failed.attempts = std::max<std::uint16_t>(model.attempts, 1);
         failed.attempt = std::min<std::uint16_t>(devices_[d].health.failures() + 1, failed.attempts);
-        if (!devices_[d].health.answering() && devices_[d].has_reads)
-            failed.kind = FailedExchange::Kind::probe;
+        if (devices_[d].health.probed()) failed.kind = FailedExchange::Kind::probe;
     }
     if (kind_of(outcome.id) == JobKind::relayed) failed.kind = FailedExchange::Kind::relayed;
     if (failed.kind != FailedExchange::Kind::attempt) failed.attempt = failed.attempts = 1;

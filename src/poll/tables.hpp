@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "delay_learner.hpp"
+#include "device_health.hpp"
 #include "heap_optional.hpp"
 #include "jobs.hpp"
 #include "takt/bus/unit_times.hpp"
@@ -35,27 +36,22 @@ struct DeviceRun {
     const model::Device* model = nullptr;
     std::vector<std::size_t> requests;
     Duration wait{};  // delay_learner.wait()
-    Health health{1};
-    Instant failing_since;  // start of the first of the failed attempts in a row
+    DeviceHealth health;
     DelayLearner delay_learner;
     std::uint32_t least_noise = std::numeric_limits<std::uint32_t>::max();  // bytes before a noisy response
     std::uint32_t most_noise = 0;
     bus::UnitTimes times;                               // in this run; its lateness also in earlier ones
     HeapOptional<plan::AlternativeReads> alternatives;  // since a response was missing for the first time
-    bool enabled = true;
-    std::uint16_t in_flight = 0;  // transactions
+    std::uint16_t in_flight = 0;                        // transactions
     std::uint16_t most_in_flight = 1;
-    bool writing = false;  // one of them writes; writes keep their order
-    bool has_reads = false;
-    bool probed_early = false;  // the probe in flight was sent before its back-off had passed
+    bool writing = false;       // one of them writes; writes keep their order
     bool relayed_last = false;  // a relayed request was sent to it after the last polled one
-    DeviceStatistics statistics;
+    DeviceTraffic statistics;
 };
 
-/// Whether requests other than probes may be sent to it: it is switched on and answers. A device without
-/// reads is not probed; its writes serve as probes.
+/// Whether requests other than probes may be sent to it.
 inline bool reachable(const DeviceRun& device) {
-    return device.enabled && (device.health.answering() || !device.has_reads);
+    return device.health.reachable();
 }
 
 /// It accepts no further transaction.

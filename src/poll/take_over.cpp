@@ -67,25 +67,23 @@ void LinePoller::Run::take_over_device(Instant t, Run& old, const LineMatch& mat
     const auto* const on = device.model->poll_enable
                                ? std::get_if<bool>(&store_[slots_.local(*device.model->poll_enable)].value)
                                : nullptr;
-    device.enabled = !device.model->poll_enable || (on && *on);
+    device.health.enable(!device.model->poll_enable || (on && *on));
     if (const auto before = match.device(index)) {
         device.statistics = old.devices_[*before].statistics;
-        device.failing_since = old.devices_[*before].failing_since;
         const auto& was = old.devices_[*before];
         const bool as_slow = device.wait == was.wait && device.model->turnaround == was.model->turnaround;
         device.delay_learner.take_over(was.delay_learner, as_slow);
         device.wait = device.delay_learner.wait();
         device.statistics.delays = device.delay_learner.finding();
         device.times = was.times;
-        device.health = old.devices_[*before].health;
-        if (device.enabled == old.devices_[*before].enabled) return;
+        if (device.health.take_over(was.health)) return;
     }
     if (link_.up_since()) restart_device(t, device, false);
     set_device_state(t, index,
-                     !device.enabled    ? DeviceState::switched_off
-                     : link_.up_since() ? DeviceState::unknown
-                                        : DeviceState::link_down);
-    observe_device(t, device);
+                     !device.health.enabled() ? DeviceState::switched_off
+                     : link_.up_since()       ? DeviceState::unknown
+                                              : DeviceState::link_down);
+    device.health.observe(t);
 }
 
 void LinePoller::Run::take_over_variable(const Run& old, const LineMatch& match, std::size_t index) {

@@ -88,7 +88,7 @@ void LinePoller::Run::report_gap_events(Instant t) {
 Freshness LinePoller::Run::freshness(std::size_t index, wire::Function read, const model::ItemRange& items,
                                      Instant since) const {
     const auto& device = devices_[index];
-    if (!device.enabled || !device.health.answering()) return Freshness::not_yet;
+    if (!device.health.enabled() || !device.health.answering()) return Freshness::not_yet;
     Freshness seen = Freshness::good;
     const auto& variables = device.model->variables;
     if (variables.empty()) return seen;

@@ -40,7 +40,7 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
             observer_->on_verify_failed(outcome.ended_at, plan_->line, device, index_in_device(v), sent,
                                         *read);
     }
-    if (devices_[device].enabled) {  // else it has no values
+    if (devices_[device].health.enabled()) {  // else it has no values
         store_.apply(outcome.ended_at, updates_);
         ages_->note_updates(updates_, outcome.sent_at, outcome.ended_at);
     }

@@ -12,7 +12,7 @@ namespace {
 using value::CommandResult;
 using value::Quality;
 
-const poll::DeviceStatistics& device(const Rig& rig, std::size_t line, std::size_t index) {
+poll::DeviceStatistics device(const Rig& rig, std::size_t line, std::size_t index) {
     return rig.engine->master().line(line).device(index);
 }
 

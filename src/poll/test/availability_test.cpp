@@ -50,7 +50,7 @@ TEST(AvailabilityMeter, APauseIsNotObserved) {
     EXPECT_EQ(meter.at(at(110s)), both(20s, 4s));
 }
 
-const DeviceStatistics& statistics(const Bench& bench, std::size_t device) {
+DeviceStatistics statistics(const Bench& bench, std::size_t device) {
     return bench.master.line(0).device(device);
 }
 

@@ -17,13 +17,13 @@ model::Device slow_device(Duration response_timeout, std::optional<Duration> tur
     return made;
 }
 
-const DeviceStatistics& statistics(const Bench& bench) {
+DeviceStatistics statistics(const Bench& bench) {
     return bench.master.line(0).device(0);
 }
 
 void expect_finding(const Bench& bench, Setting setting, Duration delay, Duration limit, Duration advised) {
     ASSERT_TRUE(statistics(bench).delays);
-    const auto& finding = *statistics(bench).delays;
+    const auto finding = *statistics(bench).delays;
     EXPECT_EQ(finding.setting, setting);
     EXPECT_NEAR(static_cast<double>(finding.delay.count()), static_cast<double>(delay.count()), 1e4);
     EXPECT_EQ(finding.limit, limit);

@@ -34,7 +34,7 @@ struct Shown {
         devices.resize(1);
         devices[0].model = &model;
         devices[0].requests = {0, 1};
-        devices[0].has_reads = true;
+        devices[0].health.set_reads(true);
         for (const auto& variable : model.variables) variables.push_back({.model = &variable});
         requests.resize(2);
         requests[0].variables = {0, 1};
@@ -105,12 +105,12 @@ TEST(LineStatuses, ACommandSetsItsVariableAlone) {
 TEST(LineStatuses, WhileADeviceIsAwayItsVariablesShowWhy) {
     Shown line;
     line.statuses.write_ended(line.now, std::size_t{2}, kException);
-    line.devices[0].enabled = false;
+    line.devices[0].health.enable(false);
     line.statuses.device_away(line.now, 0, Reason::switched_off);
     EXPECT_EQ(line.shown(), "104 104 104");
     line.statuses.write_ended(line.now, std::size_t{2}, Reason::timeout);
     EXPECT_EQ(line.shown(), "104 104 104") << "the result is noted, not shown";
-    line.devices[0].enabled = true;
+    line.devices[0].health.enable(true);
     line.statuses.device_back(line.now, 0);
     EXPECT_EQ(line.shown(), "104 100 104") << "what is polled waits for its next read";
     line.statuses.read_ended(line.now, 0, Reason::ok);

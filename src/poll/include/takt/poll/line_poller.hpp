@@ -189,7 +189,7 @@ public:
     [[nodiscard]] std::vector<model::LearntTimes> learnt_times() const;
 
     [[nodiscard]] LineStatistics statistics(Instant t) const;
-    [[nodiscard]] const DeviceStatistics& device(std::size_t device) const;
+    [[nodiscard]] DeviceStatistics device(std::size_t device) const;
     /// By the index of the request in the plan.
     [[nodiscard]] RequestStatistics request(std::size_t request) const;
     /// By its indices in the line.

@@ -49,8 +49,8 @@ struct VariableStatistics {
     bool overrun = false;             ///< as of a request
 };
 
-struct DeviceStatistics {
-    bus::TransactionCounters counters;
+/// Whether a device answers, and how often it did not.
+struct DeviceCondition {
     DeviceState state = DeviceState::unknown;
     /// How often it stopped answering, or its link was lost. It ends with the next answer: a link that comes
     /// back without one does not begin another.
@@ -58,14 +58,21 @@ struct DeviceStatistics {
     /// availability.at(t). An outage begins with the first of the failed attempts, or when the link is lost,
     /// and ends with the next answer. Before the link could be opened for the first time it is down too.
     AvailabilityMeter availability;
-    std::uint64_t late = 0;                     ///< responses that came after their transaction had timed out
-    std::optional<DelayFinding> delays;         ///< the device is slower than a setting says
-    std::optional<NoiseFinding> noise;          ///< before three of its responses, and one in a hundred
-    std::uint64_t verified = 0;                 ///< writes that were read back as written
-    std::uint64_t differed = 0;                 ///< and those that were not
-    Duration recent_time{};                     ///< mean of about the last eight times of `counters`
     value::Reason failure = value::Reason::ok;  ///< of its last transaction; ok: it was answered
 };
+
+/// What was counted and measured of the transactions with a device.
+struct DeviceTraffic {
+    bus::TransactionCounters counters;
+    std::uint64_t late = 0;              ///< responses that came after their transaction had timed out
+    std::optional<DelayFinding> delays;  ///< the device is slower than a setting says
+    std::optional<NoiseFinding> noise;   ///< before three of its responses, and one in a hundred
+    std::uint64_t verified = 0;          ///< writes that were read back as written
+    std::uint64_t differed = 0;          ///< and those that were not
+    Duration recent_time{};              ///< mean of about the last eight times of `counters`
+};
+
+struct DeviceStatistics : DeviceCondition, DeviceTraffic {};
 
 struct LineStatistics {
     bus::LineCounters counters;

@@ -1,0 +1,87 @@
+#include "device_health.hpp"
+
+#include <utility>
+
+namespace takt::poll {
+
+using value::Reason;
+
+DeviceHealth::DeviceHealth(std::uint16_t attempts, const model::Backoff& backoff, bool enabled)
+    : attempts_(attempts), enabled_(enabled), backoff_(backoff), health_(fresh()) {
+    condition_.state = enabled ? DeviceState::link_down : DeviceState::switched_off;
+}
+
+bus::Health DeviceHealth::fresh() const {
+    return bus::Health(attempts_, bus::Backoff(backoff_.first, backoff_.limit));
+}
+
+Reason DeviceHealth::unreachable(Reason no_link) const {
+    if (!enabled_) return Reason::switched_off;
+    return condition_.state == DeviceState::link_down ? no_link : Reason::not_answering;
+}
+
+// ---- switch and link
+
+bool DeviceHealth::enable(bool on) {
+    return std::exchange(enabled_, on) != on;
+}
+
+bool DeviceHealth::enter(Instant t, DeviceState state) {
+    if (condition_.state == state) return false;
+    condition_.state = state;
+    observe(t);
+    return true;
+}
+
+// A device of which nothing is known yet stays as it was found before.
+void DeviceHealth::observe(Instant t) {
+    auto& availability = condition_.availability;
+    if (!enabled_) return availability.pause(t);
+    availability.begin(t);
+    switch (condition_.state) {
+        case DeviceState::answering: availability.up(t); return;
+        case DeviceState::not_answering: condition_.outages += availability.down(failing_since_); return;
+        case DeviceState::link_down: condition_.outages += availability.down(t); return;
+        case DeviceState::switched_off:
+        case DeviceState::unknown: return;
+    }
+}
+
+bool DeviceHealth::take_over(const DeviceHealth& old) {
+    health_ = old.health_;
+    failing_since_ = old.failing_since_;
+    condition_ = old.condition_;
+    return enabled_ == old.enabled_;
+}
+
+// ---- transactions
+
+DeviceVerdict DeviceHealth::ended(Instant sent_at, Instant t, const OutcomeClass& outcome_class,
+                                  bool others_in_flight) {
+    const bool early = std::exchange(probes_early_, false);
+    if (!enabled_ || outcome_class.reason == Reason::link_lost) return DeviceVerdict::ignored;
+    condition_.failure = outcome_class.answered ? Reason::ok : outcome_class.reason;
+    if (outcome_class.answered) return health_.answered() ? DeviceVerdict::returned : DeviceVerdict::answered;
+    if (health_.failures() == 0) failing_since_ = sent_at;
+    if (early || (!answering() && others_in_flight)) return DeviceVerdict::failed;
+    return health_.failed(t) ? DeviceVerdict::lost : DeviceVerdict::failed;
+}
+
+// ---- probes
+
+Duration DeviceHealth::probe_period(Duration period) const {
+    return period > Duration::zero() ? period : backoff_.first;
+}
+
+std::optional<Instant> DeviceHealth::early_probe_at(Instant last, Duration period) const {
+    const Duration distance = probe_period(period);
+    if (distance >= probe_wait()) return std::nullopt;
+    return after(last, distance);
+}
+
+void DeviceHealth::read_started(Instant t, Duration period) {
+    probes_early_ = !answering() && t < probe_at();
+    if (probes_early_) health_.postpone_probe(after(t, probe_period(period)));
+}
+
+}  // namespace takt::poll
