@@ -41,11 +41,14 @@ void LinePoller::Run::expire_ages(Instant t) {
         statuses_.values_stale(t, stale->variables, stale->readers);
 }
 
+void LinePoller::Run::report_overrun(Instant t, std::size_t index, bool overrun) {
+    if (observer_)
+        observer_->on_overrun(t, plan_->line, index, *requests_[index].plan->period,
+                              periods_.request(index).pace(), overrun);
+}
+
 void LinePoller::Run::report_overruns(Instant t) {
-    while (const auto request = periods_.take_overrun(t))
-        if (observer_)
-            observer_->on_overrun(t, plan_->line, *request, *requests_[*request].plan->period,
-                                  periods_.request(*request).pace(), true);
+    while (const auto request = periods_.take_overrun(t)) report_overrun(t, *request, true);
 }
 
 }  // namespace takt::poll

@@ -82,7 +82,7 @@ void LinePoller::Run::drop_pending(Instant t, std::size_t index, Reason reason) 
     drop_read_backs(t, index, reason);
     commands_.drop_waiting(t, index, reason);
     for (const auto r : devices_[index].requests) {
-        if (requests_[r].read) requests_[r].read->triggered = false;
+        if (requests_[r].read) reads_.drop_trigger(r);
         if (write_groups_.has(r)) write_groups_.drop_trigger(r);
     }
 }

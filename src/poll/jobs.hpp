@@ -59,43 +59,17 @@ struct RateLimitedEvent {
     }
 };
 
-/// A read by a trigger.
-struct Triggering {
-    std::int64_t round = 0;  // number of the trigger's change
-    RateLimitedEvent event;
-    bool started = false;  // without a bucket: it has taken its token of the line
-};
-
-/// The read half of a request of the plan.
+/// The read half of a request of the plan; ReadSchedule has its schedule.
 struct ReadJob {
     wire::PreparedRead request;
-    std::size_t rank = 0;  // among all jobs of the line, in the order of the plan
-    Duration deadline{};   // relative to the release
-    bool polled = false;   // by period
-    PeriodicRelease release{Duration::zero()};
-    Health health{1};
-    Backoff busy = busy_backoff();
-    Instant not_before = Instant::min();  // back-off after exceptions 5 and 6
-    std::optional<Instant> retry;         // when a failed polled read came back into the queue
-    HeapOptional<Triggering> trigger;     // if it has a read trigger
-    bool triggered = false;
+    std::size_t rank = 0;                 // among all jobs of the line, in the order of the plan
+    Duration deadline{};                  // relative to the release
+    bool polled = false;                  // by period
     HeapOptional<DistinctRead> distinct;  // since a response to it could be mistaken for the first time
     unsigned refusals = 0;                // in a row, of a read across gaps
-    bool in_flight = false;
-    bool by_trigger = false;  // of the transaction in flight
     Instant last_start = Instant::min();
-    Instant round = Instant::min();  // the instant of the grid that its values belong to
 
     [[nodiscard]] bus::AnswerShape shape() const { return bus::answer_shape(request.shape()); }
-    /// The earliest instant at which polling may send it.
-    [[nodiscard]] Instant polling_due() const {
-        const Instant due = std::max(retry.value_or(release.next()), not_before);
-        return health.answering() ? due : std::max(due, health.probe_at());
-    }
-    /// The start of its waiting time. A request that is slowed down waits from the end of its back-off.
-    [[nodiscard]] Instant waits_since() const {
-        return health.answering() ? retry.value_or(release.next()) : polling_due();
-    }
 };
 
 /// The shape of the answer to a write of one register.

@@ -129,9 +129,9 @@ DeviceStatistics LinePoller::device(std::size_t device) const {
 RequestStatistics LinePoller::request(std::size_t request) const {
     TAKT_ASSERT(request < run_->requests_.size());
     const auto& run = run_->requests_[request];
-    RequestStatistics statistics{
-        .counters = run.counters, .period = run.plan->period, .skipped = run.skipped};
+    RequestStatistics statistics{.counters = run.counters, .period = run.plan->period};
     if (run.read) {
+        statistics.skipped = run_->reads_.skipped(request);
         const auto& meter = run_->periods_.request(request);
         statistics.real_period = meter.real();
         statistics.recent_period = meter.recent();

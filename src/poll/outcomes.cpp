@@ -30,7 +30,7 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     switch (device.health.ended(outcome.sent_at, t, outcome_class, device.in_flight > 0)) {
         case DeviceVerdict::ignored: return outcome_class;
         case DeviceVerdict::returned:
-            restart_device(t, device, true);
+            restart_device(t, index, true);
             if (learner_) learner_->on_return(t, index);
             [[fallthrough]];
         case DeviceVerdict::answered:
@@ -68,19 +68,18 @@ void LinePoller::Run::note_busy(const bus::Outcome& outcome) {
 void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     auto& request = requests_[index];
     auto& read = *request.read;
-    read.in_flight = false;
+    reads_.ended(index);
     const bool probe = !devices_[request.device].health.answering();
     const bool whole = !read.distinct || read.distinct->whole();
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
     const Instant t = outcome.ended_at;
     if (outcome.sent) request.attempt_time.record(t - outcome.sent_at);
-    if (outcome_class.reason == Reason::ok && whole && !read.by_trigger)
+    if (outcome_class.reason == Reason::ok && whole && !reads_.by_trigger(index))
         periods_.answered(outcome.sent_at, index);
     // The return of the device has released all its reads at once. This one has just been read.
-    if (probe && outcome_class.reason == Reason::ok && whole && read.polled && read.release.next() <= t)
-        read.release.serve(t);
+    if (probe && outcome_class.reason == Reason::ok && whole) reads_.serve_release(t, index);
     if (outcome_class.reason == Reason::link_lost) {
-        if (read.by_trigger) read.triggered = read.trigger->event.admitted = true;
+        if (reads_.by_trigger(index)) reads_.again(t, index);
         return;
     }
     if (!devices_[request.device].health.enabled()) return;
@@ -88,11 +87,7 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
         fail_read(t, request, outcome_class.reason);
         return;
     }
-    read.health.answered();
-    if (outcome_class.busy)
-        read.not_before = after(t, read.busy.next());
-    else
-        read.busy.reset();
+    reads_.answered(t, index, outcome_class.busy);
     if (read.distinct && on_part(outcome, outcome_class, request)) return;
     if (outcome_class.reason == Reason::ok) {
         read.refusals = 0;
@@ -152,7 +147,7 @@ void LinePoller::Run::take_part(RequestRun& request, DataAddress start, const wi
     const auto first = static_cast<std::uint16_t>(model.start() + part->first);
     const auto registers = registers_in(response, start, first, part->count);
     if (!registers) return note_value(variable, std::unexpected(registers.error()));
-    split.take(index, round_of(request, variable), registers->span());
+    split.take(index, reads_.round_of(index, model.period), registers->span());
     const auto whole = split.whole();
     if (!whole) return;
     note_value(variable, value::decode(value::layout_of(model), *whole));
@@ -168,25 +163,12 @@ void LinePoller::Run::note_value(VariableRun& variable, const Result<value::Valu
     }
 }
 
-// Parts of a value belong together if they were due in the same period of the value, or read by the same
-// change of a trigger. With period 0 they are read one after the other and have no number.
-std::optional<std::int64_t> LinePoller::Run::round_of(const RequestRun& request,
-                                                      const VariableRun& variable) const {
-    const auto& read = *request.read;
-    if (read.by_trigger) return -read.trigger->round;
-    const Duration period = request.plan->period.value_or(Duration::zero());
-    if (period == Duration::zero()) return std::nullopt;
-    const Duration own = variable.model->period > Duration::zero() ? variable.model->period : period;
-    return (read.round - epoch_) / own;
-}
-
 void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {
-    auto& read = *request.read;
     const auto index = static_cast<std::size_t>(&request - requests_.data());
-    read.health.failed(t);
+    const bool slowed = reads_.failed(t, index);
     statuses_.note_failed(index, reason);
     if (!devices_[request.device].health.answering()) return;
-    if (!read.health.answering()) {
+    if (slowed) {
         periods_.interrupt(index);
         degrade(t, request.variables, Quality::bad, reason, true);
     } else {
@@ -197,11 +179,7 @@ void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {
 }
 
 void LinePoller::Run::read_again(Instant t, RequestRun& request) {
-    auto& read = *request.read;
-    if (read.by_trigger)
-        read.triggered = read.trigger->event.admitted = true;
-    else
-        read.retry = t;
+    reads_.again(t, static_cast<std::size_t>(&request - requests_.data()));
 }
 
 void LinePoller::Run::degrade(Instant t, std::span<const std::size_t> variables, Quality quality,

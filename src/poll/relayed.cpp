@@ -1,7 +1,5 @@
 // Transactions of clients that share the line. They are sent when no other request is due, or before polling
 // if the line had relay_interval without one (bus::TransactionGate). The guarantees include this rate.
-#include <algorithm>
-
 #include "run.hpp"
 
 namespace takt::poll {
@@ -36,17 +34,9 @@ void LinePoller::Run::consider_relayed(Instant t) {
         if (full(device) || (device.writing && !relay_->only_reads())) return;
         // While its response may still come late, polling of the device is held back. The next one must not
         // renew that.
-        if (device.relayed_last && polling_waits(t, device)) return;
+        if (device.relayed_last && reachable(device) && reads_.any_due(t, *index)) return;
     }
     consider(t, relay_->unit(), relay_->shape(), Instant::min(), relay_->candidate(t));
-}
-
-bool LinePoller::Run::polling_waits(Instant t, const DeviceRun& device) const {
-    return reachable(device) && std::ranges::any_of(device.requests, [&](std::size_t index) {
-               const auto& request = requests_[index];
-               return request.read && request.read->polled && !request.read->in_flight &&
-                      request.plan->period > Duration::zero() && request.read->polling_due() <= t;
-           });
 }
 
 void LinePoller::Run::start_relayed(Instant t) {

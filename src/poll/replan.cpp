@@ -17,16 +17,12 @@ bool holds(const RequestRun& request, std::size_t variable) {
     return std::ranges::find(request.variables, variable) != request.variables.end();
 }
 
-/// When a polled read is due.
-Instant due(const ReadJob& read, Instant t) {
-    return read.retry ? std::min(t, read.release.next()) : read.release.next();
-}
-
 }  // namespace
 
 /// What the requests of the old plan leave behind.
 struct LinePoller::Run::OldReads {
-    std::vector<RequestRun> requests;
+    const std::vector<RequestRun>& requests;
+    ReadSchedule schedule;
     std::vector<value::Reason> reasons;
     std::vector<PeriodMeter> meters;
 };
@@ -37,9 +33,7 @@ void LinePoller::Run::end_overruns(Instant t, const plan::LinePlan& next) {
         const auto& request = requests_[r];
         const bool stays = std::ranges::any_of(
             next.requests, [&](const auto& other) { return same_read(other) == same_read(*request.plan); });
-        if (request.read && periods_.request(r).overrun() && !stays)
-            observer_->on_overrun(t, plan_->line, r, *request.plan->period, periods_.request(r).pace(),
-                                  false);
+        if (request.read && periods_.request(r).overrun() && !stays) report_overrun(t, r, false);
     }
 }
 
@@ -47,9 +41,11 @@ void LinePoller::Run::swap_plan(Instant t) {
     end_overruns(t, *learner_->next_plan());
     ++plan_revision_;
     const auto old_plan = learner_->swap_plan();  // the old requests are in it
-    OldReads before{.reasons = statuses_.of_requests(), .meters = periods_.requests()};
-    before.requests = std::exchange(requests_, {});
-    const auto& old = before.requests;
+    const std::vector<RequestRun> old = std::exchange(requests_, {});
+    const OldReads before{.requests = old,
+                          .schedule = reads_.take_reads({variables_, devices_, old}),
+                          .reasons = statuses_.of_requests(),
+                          .meters = periods_.requests()};
     splits_.clear();
     for (auto& device : devices_) {
         device.requests.clear();
@@ -62,7 +58,7 @@ void LinePoller::Run::swap_plan(Instant t) {
     carry_commands();
     for (std::size_t r = 0; r < requests_.size(); ++r)
         if (requests_[r].read) carry_read(t, before, r);
-    keep_due(t, old);
+    reads_.keep_due(t, before.schedule);
     ages_->begin(t);
     learner_->plan_runs(t);
 }
@@ -77,32 +73,30 @@ void LinePoller::Run::carry_read(Instant t, const OldReads& before, std::size_t 
     if (same != old.end()) {
         const std::size_t rank = read.rank;
         request.counters = same->counters;
-        request.skipped = same->skipped;
         request.attempt_time = same->attempt_time;
         const auto found = static_cast<std::size_t>(same - old.begin());
         statuses_.carry(index, before.reasons[found]);
         periods_.carry_request(index, before.meters[found]);
         read = *same->read;
         read.rank = rank;
+        reads_.carry(index, before.schedule, found);
         return;
     }
-    if (link_.up_since()) read.release.follow(after(epoch_, request.plan->phase), t);
+    if (link_.up_since()) reads_.follow(t, index);
     for (std::size_t r = 0; r < old.size(); ++r)
         if (old[r].read && holds(old[r], request.variables.front()))
             statuses_.carry(index, before.reasons[r]);
-    carry_triggers(old, request);
+    carry_triggers(before, index);
 }
 
-void LinePoller::Run::carry_triggers(const std::vector<RequestRun>& old, RequestRun& request) {
-    auto& read = *request.read;
+void LinePoller::Run::carry_triggers(const OldReads& before, std::size_t index) {
+    const auto& request = requests_[index];
     if (!request.plan->read_trigger) return;
-    for (const auto& other : old) {
-        if (!other.read || other.device != request.device ||
-            other.plan->read_trigger != request.plan->read_trigger)
-            continue;
-        if (!read.triggered) read.trigger->event = other.read->trigger->event;
-        read.triggered = read.triggered || other.read->triggered;
-        read.trigger->round = std::max(read.trigger->round, other.read->trigger->round);
+    for (std::size_t r = 0; r < before.requests.size(); ++r) {
+        const auto& other = before.requests[r];
+        if (other.read && other.device == request.device &&
+            other.plan->read_trigger == request.plan->read_trigger)
+            reads_.carry_trigger(index, before.schedule, r);
     }
 }
 
@@ -118,25 +112,6 @@ void LinePoller::Run::carry_commands() {
         if (command.group) command.group = write_groups_.on_change(command.variable);
         if (command.alone.bucket_of) command.alone.bucket_of = write_groups_.by_trigger(command.variable);
     });
-}
-
-// Invariant: no variable is read later than by the old plan. If its next release in the new plan is later, a
-// release is added.
-void LinePoller::Run::keep_due(Instant t, const std::vector<RequestRun>& old) {
-    std::vector<Instant> was_due(variables_.size(), kNever);
-    for (const auto& request : old)
-        if (request.read && request.read->polled)
-            for (const auto v : request.variables) was_due[v] = std::min(was_due[v], due(*request.read, t));
-    std::vector<std::pair<Instant, ReadJob*>> is_due(variables_.size(), {kNever, nullptr});
-    for (auto& request : requests_)
-        if (request.read && request.read->polled)
-            for (const auto v : request.variables) {
-                const Instant next = due(*request.read, t);
-                if (!is_due[v].second || next < is_due[v].first) is_due[v] = {next, &*request.read};
-            }
-    for (std::size_t v = 0; v < variables_.size(); ++v)
-        if (is_due[v].second && was_due[v] < due(*is_due[v].second, t))
-            is_due[v].second->release.release_at(was_due[v]);
 }
 
 }  // namespace takt::poll

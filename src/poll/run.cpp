@@ -57,6 +57,7 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan,
       engine_(bus_config(project, plan, options), engine_buffers_.storage(), options.traffic),
       written_values_(store),
       commands_(written_values_, kMaxCommands),
+      reads_({variables_, devices_, requests_}, arrivals_),
       write_groups_(written_values_, commands_, arrivals_),
       statuses_({variables_, devices_, requests_}, slots, store),
       periods_({variables_, devices_, requests_}),
@@ -111,7 +112,7 @@ void LinePoller::Run::add_requests() {
         if (polled || triggered) add_read(index, polled, triggered);
         if (const auto write = job_of(plan::Cause::write)) add_write(index, *write);
     }
-    make_queue();
+    keep_queue();
     make_ages();
     statuses_.set_requests();
     periods_.set_requests();
@@ -125,14 +126,14 @@ void LinePoller::Run::add_read(std::size_t index, const std::optional<plan::Requ
     job.polled = polled.has_value();
     const Duration period = polled ? polled->period : Duration::zero();
     if (polled) job.deadline = polled->deadline.value_or(period);
-    job.release = PeriodicRelease(period);
-    job.health = device.health.fresh();
-    if (triggered) {
-        job.trigger = HeapOptional(Triggering{.event = RateLimitedEvent(triggered->admission)});
-        job.trigger->event.deadline = triggered->deadline;
-    }
     job.rank = 2 * index;
     run.read = std::move(job);
+    std::optional<RateLimitedEvent> trigger;
+    if (triggered) {
+        trigger.emplace(triggered->admission);
+        trigger->deadline = triggered->deadline;
+    }
+    reads_.add(index, period, std::move(trigger));
     device.health.set_reads(true);
     add_parts(index);
 }
@@ -175,7 +176,7 @@ void LinePoller::Run::on_local(Instant t, model::LocalIndex local, const value::
     for (std::size_t d = 0; d < devices_.size(); ++d)
         if (devices_[d].model->poll_enable == local) switch_device(t, d, on);
     if (was_on || !on) return;
-    ++last_trigger_;
+    reads_.next_change();
     for (std::size_t r = 0; r < requests_.size(); ++r)
         if (reachable(devices_[requests_[r].device]))
             pull_trigger(t, r, local);
@@ -193,17 +194,13 @@ void LinePoller::Run::refuse_trigger(Instant t, std::size_t index, model::LocalI
 
 // If a 0x17 must wait for values to write, its read half is sent alone.
 void LinePoller::Run::pull_trigger(Instant t, std::size_t index, model::LocalIndex local) {
-    auto& request = requests_[index];
+    const auto& request = requests_[index];
     bool reads = request.read && request.plan->read_trigger == local;
     if (write_groups_.has(index) && request.plan->write_trigger == local) {
         write_groups_.pull_trigger(t, index);
         if (write_groups_[index].kind == WriteKind::exchange && group_ready(t, index)) reads = false;
     }
-    if (!reads || request.read->triggered) return;
-    request.read->triggered = true;
-    request.read->trigger->round = last_trigger_;
-    request.read->trigger->event.arrive(t, arrivals_.next());
-    request.read->trigger->started = false;
+    if (reads) reads_.pull_trigger(t, index);
 }
 
 void LinePoller::Run::on_bytes(Instant t, Bytes bytes) {

@@ -1,8 +1,8 @@
 // The implementation of LinePoller: it owns the engine, the tables and the parts of a line, hands events to
 // the parts, and chooses what is sent (run.cpp, restart.cpp, schedule.cpp, start.cpp, ready.cpp,
-// outcomes.cpp, ages.cpp, delays.cpp, noise.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp,
-// relayed.cpp, trials.cpp, replan.cpp, take_over.cpp). The parts are listed in docs/architecture.md, "The
-// parts of the poller".
+// distinct.cpp, outcomes.cpp, ages.cpp, delays.cpp, noise.cpp, writes.cpp, commands.cpp, modify.cpp,
+// verify.cpp, relayed.cpp, trials.cpp, replan.cpp, take_over.cpp). The parts are listed in
+// docs/architecture.md, "The parts of the poller".
 #pragma once
 
 #include <memory>
@@ -22,7 +22,7 @@
 #include "modify_sequence.hpp"
 #include "outcome_class.hpp"
 #include "period_watch.hpp"
-#include "read_queue.hpp"
+#include "read_schedule.hpp"
 #include "relay_slot.hpp"
 #include "split.hpp"
 #include "statuses.hpp"
@@ -67,6 +67,7 @@ public:
     WrittenValues written_values_;
     CommandQueue commands_;
     ArrivalCounter arrivals_;
+    ReadSchedule reads_;
     WriteGroups write_groups_;
     Statuses statuses_;
     PeriodWatch periods_;
@@ -98,8 +99,7 @@ private:
     void add_parts(std::size_t request);
 
     // restart.cpp
-    void restart_device(Instant t, DeviceRun& device, bool at_once);
-    void release_at_once(Instant t, const DeviceRun& device);
+    void restart_device(Instant t, std::size_t device, bool at_once);
     void set_device_state(Instant t, std::size_t device, DeviceState state);
     void check_connection(Instant t);
     void switch_device(Instant t, std::size_t device, bool on);
@@ -119,18 +119,15 @@ private:
     void consider_write(Instant t, std::size_t request);
     void consider_probe(Instant t, std::size_t device);
     void consider_early_probes(Instant t);
-    [[nodiscard]] std::optional<std::size_t> probe_of(const DeviceRun& device) const;
+    [[nodiscard]] std::optional<std::size_t> probe_of(std::size_t device) const;
     void offer_probe(Instant t, const DeviceRun& device, std::size_t request, Instant since);
-    [[nodiscard]] Instant last_read(const DeviceRun& device) const;
     void consider_command(Instant t, PendingCommand& command);
     [[nodiscard]] Candidate candidate_of(const RateLimitedEvent& event, bus::TransactionId id,
                                          std::size_t rank) const;
-    [[nodiscard]] bus::PolledRead polled_read(std::size_t request) const;
     void start(Instant t, const Candidate& candidate);
     void start_read(Instant t, std::size_t request, bool by_trigger);
     void start_group(Instant t, std::size_t request);
     void start_command(Instant t, PendingCommand& command);
-    void note_start(Instant t, std::size_t request);
     void submit(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose,
                 const wire::PreparedRequest& request);
     void report_failure(const bus::Outcome& outcome);
@@ -141,10 +138,8 @@ private:
     void on_outcome(const bus::Outcome& outcome);
 
     // ready.cpp
-    void make_queue();
-    void touch(std::size_t request);
     [[nodiscard]] Instant line_free() const;
-    [[nodiscard]] std::optional<QueueEntry> entry(Instant t, std::size_t request) const;
+    void keep_queue();
     void consider_first(Instant t);
     void consider_first_of(Instant t, std::size_t device);
     void check_choice(Instant t);
@@ -165,7 +160,6 @@ private:
     // relayed.cpp
     void share_line();
     void consider_relayed(Instant t);
-    [[nodiscard]] bool polling_waits(Instant t, const DeviceRun& device) const;
     void start_relayed(Instant t);
     void on_relayed(const bus::Outcome& outcome);
     void give_up_relayed(Instant t, bus::Status status);
@@ -174,6 +168,7 @@ private:
     void make_ages();
     [[nodiscard]] std::optional<Duration> greatest_age(std::size_t variable) const;
     void expire_ages(Instant t);
+    void report_overrun(Instant t, std::size_t request, bool overrun);
     void report_overruns(Instant t);
 
     // replan.cpp
@@ -181,11 +176,10 @@ private:
     void end_overruns(Instant t, const plan::LinePlan& next);
     struct OldReads;
     void carry_read(Instant t, const OldReads& old, std::size_t request);
-    void carry_triggers(const std::vector<RequestRun>& old, RequestRun& request);
+    void carry_triggers(const OldReads& old, std::size_t request);
     void carry_write(const std::vector<RequestRun>& old,
                      const std::vector<std::unique_ptr<WriteGroup>>& old_groups, std::size_t request);
     void carry_commands();
-    void keep_due(Instant t, const std::vector<RequestRun>& old);
 
     // take_over.cpp
     void take_over_device(Instant t, Run& old, const LineMatch& match, std::size_t device);
@@ -218,8 +212,6 @@ private:
     void take_part(RequestRun& request, DataAddress start, const wire::ResponseView& response,
                    std::size_t variable);
     void note_value(VariableRun& variable, const Result<value::Value>& value);
-    [[nodiscard]] std::optional<std::int64_t> round_of(const RequestRun& request,
-                                                       const VariableRun& variable) const;
     void fail_read(Instant t, RequestRun& request, value::Reason reason);
     void read_again(Instant t, RequestRun& request);
     void degrade(Instant t, std::span<const std::size_t> variables, value::Quality quality,
@@ -271,13 +263,10 @@ private:
 
     const std::vector<std::vector<std::optional<Duration>>>* proved_ages_;  // of the first plan
     std::optional<AgeWatch> ages_;
-    std::unique_ptr<ReadQueue> queue_;   // if the line has many requests
-    std::vector<std::size_t> eventful_;  // with a queue: the requests that have a trigger or write
+    std::vector<std::size_t> eventful_;  // with a queue of reads: requests with a trigger or write
     ModifySequence modify_;
     bus::Arbiter arbiter_;
     SplitValues splits_;
-    Instant epoch_;  // origin of the release grid
-    std::int64_t last_trigger_ = 0;
     std::vector<value::Update> updates_;          // scratch, so that a transaction allocates nothing
     std::vector<std::size_t> settled_variables_;  // likewise
 };

@@ -33,12 +33,12 @@ void LinePoller::Run::choose(Instant t) {
     if (modify_.second_step()) return continue_modify(t);
     if (modify_.active()) return;
     if (held_) return choose_held(t);
-    if (queue_)
+    if (reads_.has_queue())
         consider_first(t);
     else
         consider_all(t);
 #ifdef TAKT_CHECK_CHOICE
-    if (queue_) check_choice(t);
+    if (reads_.has_queue()) check_choice(t);
 #endif
     for (std::size_t d = 0; d < devices_.size(); ++d) consider_probe(t, d);
     commands_.for_each_startable([&](PendingCommand& command) { consider_command(t, command); });
@@ -69,25 +69,24 @@ void LinePoller::Run::consider_event(Instant t, std::size_t request) {
 }
 
 void LinePoller::Run::consider_triggered(Instant t, std::size_t request) {
-    auto& read = *requests_[request].read;
-    if (read.in_flight || !read.triggered) return;
-    auto& event = read.trigger->event;
-    if (!event.admit(t)) return wake_at(event.bucket->next_admission(t));
-    Candidate candidate = candidate_of(event, transaction_id(JobKind::read, request), read.rank);
+    if (!reads_.triggered(request)) return;
+    const auto& event = reads_.event(request);
+    if (!reads_.admit(t, request)) return wake_at(event.bucket->next_admission(t));
+    Candidate candidate =
+        candidate_of(event, transaction_id(JobKind::read, request), requests_[request].read->rank);
     candidate.by_trigger = true;
-    if (!event.bucket && !read.trigger->started) arbiter_.defer(t, candidate);
+    if (const bool* const started = reads_.line_token(request); started && !*started)
+        arbiter_.defer(t, candidate);
     const UnitId unit = devices_[requests_[request].device].model->address;
-    consider(t, unit, shape_to_send(t, request), read.not_before, candidate);
+    consider(t, unit, shape_to_send(t, request), reads_.not_before(request), candidate);
 }
 
 void LinePoller::Run::consider_polled(Instant t, std::size_t request) {
-    if (!requests_[request].read) return;
-    const auto& read = *requests_[request].read;
-    if (read.in_flight || !read.polled) return;
-    const Instant due = read.polling_due();
+    if (!reads_.waits(request)) return;
+    const Instant due = reads_.due(request);
     if (due <= t && requests_[request].plan->period > Duration::zero()) arbiter_.keep_round();
     const UnitId unit = devices_[requests_[request].device].model->address;
-    consider(t, unit, shape_to_send(t, request), due, arbiter_.polled(t, polled_read(request)));
+    consider(t, unit, shape_to_send(t, request), due, arbiter_.polled(t, reads_.polled(request)));
 }
 
 void LinePoller::Run::consider_write(Instant t, std::size_t request) {
@@ -137,16 +136,11 @@ Candidate LinePoller::Run::candidate_of(const RateLimitedEvent& event, bus::Tran
     return bus::Arbiter::event(id, event.order);
 }
 
-// The request that probes a device that does not answer: the one that was sent least recently, because a
-// request that the device never answers must not hide that it is back.
-std::optional<std::size_t> LinePoller::Run::probe_of(const DeviceRun& device) const {
-    std::optional<std::size_t> oldest;
-    if (!device.health.enabled() || device.in_flight > 0 || device.health.answering()) return oldest;
-    for (const auto r : device.requests) {
-        if (!requests_[r].read) continue;
-        if (!oldest || requests_[r].read->last_start < requests_[*oldest].read->last_start) oldest = r;
-    }
-    return oldest;
+// The read that may probe the device now.
+std::optional<std::size_t> LinePoller::Run::probe_of(std::size_t index) const {
+    const auto& device = devices_[index];
+    if (!device.health.enabled() || device.in_flight > 0 || !device.health.probed()) return std::nullopt;
+    return reads_.oldest(index);
 }
 
 void LinePoller::Run::offer_probe(Instant t, const DeviceRun& device, std::size_t request, Instant since) {
@@ -161,7 +155,7 @@ void LinePoller::Run::offer_probe(Instant t, const DeviceRun& device, std::size_
 
 void LinePoller::Run::consider_probe(Instant t, std::size_t index) {
     const auto& device = devices_[index];
-    if (const auto oldest = probe_of(device)) offer_probe(t, device, *oldest, device.health.probe_at());
+    if (const auto oldest = probe_of(index)) offer_probe(t, device, *oldest, device.health.probe_at());
 }
 
 // Probes before their back-off has passed, so that a device that returns is noticed soon. They cost the
@@ -170,12 +164,13 @@ void LinePoller::Run::consider_probe(Instant t, std::size_t index) {
 void LinePoller::Run::consider_early_probes(Instant t) {
     if (arbiter_.best() || !engine_.idle()) return;
     const Instant next_due = arbiter_.wakeup();
-    for (const auto& device : devices_) {
-        const auto index = probe_of(device);
+    for (std::size_t d = 0; d < devices_.size(); ++d) {
+        const auto index = probe_of(d);
         if (!index) continue;
+        const auto& device = devices_[d];
         const auto& request = requests_[*index];
         const Duration period = request.plan->period.value_or(Duration::zero());
-        const auto from = device.health.early_probe_at(last_read(device), period);
+        const auto from = device.health.early_probe_at(reads_.last_start(d), period);
         if (!from) continue;
         if (*from > t) {
             arbiter_.wake_at(*from);
@@ -187,26 +182,6 @@ void LinePoller::Run::consider_early_probes(Instant t) {
         if (after(t, lost) > next_due) continue;
         offer_probe(t, device, *index, t);
     }
-}
-
-Instant LinePoller::Run::last_read(const DeviceRun& device) const {
-    Instant last = Instant::min();
-    for (const auto r : device.requests)
-        if (requests_[r].read) last = std::max(last, requests_[r].read->last_start);
-    return last;
-}
-
-bus::PolledRead LinePoller::Run::polled_read(std::size_t request) const {
-    const auto& read = *requests_[request].read;
-    const bool slowed = !read.health.answering();
-    return {.job = transaction_id(JobKind::read, request),
-            .period = *requests_[request].plan->period,
-            .allowed = slowed ? read.health.probe_wait() : read.deadline,
-            .since = read.waits_since(),
-            .last_start = read.last_start,
-            .slowed = slowed,
-            .rank = read.rank,
-            .position = request};
 }
 
 }  // namespace takt::poll

@@ -38,39 +38,23 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
 void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) {
     auto& request = requests_[index];
     auto& read = *request.read;
-    read.in_flight = true;
-    touch(index);
-    read.by_trigger = by_trigger;
-    read.last_start = read.round = t;
+    read.last_start = t;
     auto& health = devices_[request.device].health;
     health.read_started(t, request.plan->period.value_or(Duration::zero()));
-    const Purpose purpose = !health.answering() ? Purpose::probe
-                            : by_trigger        ? Purpose::trigger
-                            : read.retry        ? Purpose::repetition
-                                                : Purpose::period;
-    if (by_trigger) {
-        read.triggered = false;
-    } else {
+    const ReadCause cause = reads_.start(t, index, by_trigger);
+    const Purpose purpose = !health.answering()              ? Purpose::probe
+                            : by_trigger                     ? Purpose::trigger
+                            : cause == ReadCause::repetition ? Purpose::repetition
+                                                             : Purpose::period;
+    if (!by_trigger) {
         arbiter_.advance_round(index);
         devices_[request.device].relayed_last = false;
-        if (read.retry)
-            read.retry.reset();
-        else if (read.polled && t >= read.release.next())
-            note_start(t, index);
     }
-    submit(t, request.device, transaction_id(JobKind::read, index), purpose, read_to_send(t, index));
-}
-
-void LinePoller::Run::note_start(Instant t, std::size_t index) {
-    auto& request = requests_[index];
-    auto& read = *request.read;
-    request.skipped += read.release.serve(t);
-    read.round = read.release.last();
     // A probe has its own interval.
-    if (!devices_[request.device].health.answering() || !read.health.answering()) return;
-    if (periods_.started(t, index) && observer_)
-        observer_->on_overrun(t, plan_->line, index, *request.plan->period, periods_.request(index).pace(),
-                              periods_.request(index).overrun());
+    if (cause == ReadCause::release && health.answering() && !reads_.slowed(index) &&
+        periods_.started(t, index))
+        report_overrun(t, index, periods_.request(index).overrun());
+    submit(t, request.device, transaction_id(JobKind::read, index), purpose, read_to_send(t, index));
 }
 
 void LinePoller::Run::start_group(Instant t, std::size_t index) {
@@ -89,10 +73,7 @@ void LinePoller::Run::start_group(Instant t, std::size_t index) {
 bool* LinePoller::Run::unlimited_event(bus::TransactionId id) {
     const auto index = id >> 3;
     switch (kind_of(id)) {
-        case JobKind::read: {
-            auto& read = *requests_[index].read;
-            return read.by_trigger && !read.trigger->event.bucket ? &read.trigger->started : nullptr;
-        }
+        case JobKind::read: return reads_.by_trigger(index) ? reads_.line_token(index) : nullptr;
         case JobKind::group_write: return write_groups_.line_token(index);
         case JobKind::command: break;
         default: return nullptr;
@@ -163,10 +144,7 @@ void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
     const auto index = outcome.id >> 3;
     if (unlimited_event(outcome.id)) arbiter_.event_ended(std::max(outcome.ended_at, line_free()));
     switch (kind_of(outcome.id)) {
-        case JobKind::read:
-            on_read(outcome, index);
-            touch(index);
-            return;
+        case JobKind::read: on_read(outcome, index); return;
         case JobKind::group_write: on_group_written(outcome, index); return;
         case JobKind::command: on_command_written(outcome, index); return;
         case JobKind::trial: on_trial(outcome); return;

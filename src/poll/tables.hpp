@@ -28,7 +28,6 @@ struct RequestRun {
     std::vector<std::size_t> variables;  // indices into Run::variables_
     std::optional<ReadJob> read;
     bus::TransactionCounters counters;
-    std::uint64_t skipped = 0;         // releases
     bus::TimeStatistics attempt_time;  // of its reads, answered or not
 };
 

@@ -44,10 +44,9 @@ void LinePoller::Run::take_over(Instant t, Run& old) {
     old.end_writes(t);
     engine_.take_over(old.engine_);
     link_.take_over(old.link_);
-    epoch_ = old.epoch_;
+    reads_.take_over(old.reads_);
     load_ = old.load_;
     availability_ = old.availability_;
-    last_trigger_ = old.last_trigger_;
     arrivals_ = old.arrivals_;
     written_values_.continue_numbers(old.written_values_);
     const LineMatch match({variables_, devices_, requests_}, {old.variables_, old.devices_, old.requests_});
@@ -56,7 +55,6 @@ void LinePoller::Run::take_over(Instant t, Run& old) {
     for (std::size_t r = 0; r < requests_.size(); ++r) {
         if (requests_[r].read) take_over_read(t, old, match, r);
         if (write_groups_.has(r)) take_over_write(old, match, r);
-        touch(r);
     }
     ages_->begin(t);
 }
@@ -78,7 +76,7 @@ void LinePoller::Run::take_over_device(Instant t, Run& old, const LineMatch& mat
         device.times = was.times;
         if (device.health.take_over(was.health)) return;
     }
-    if (link_.up_since()) restart_device(t, device, false);
+    if (link_.up_since()) restart_device(t, index, false);
     set_device_state(t, index,
                      !device.health.enabled() ? DeviceState::switched_off
                      : link_.up_since()       ? DeviceState::unknown
@@ -99,30 +97,22 @@ void LinePoller::Run::take_over_variable(const Run& old, const LineMatch& match,
 // A request that did not exist before is read at once: its values may be new ones.
 void LinePoller::Run::take_over_read(Instant t, const Run& old, const LineMatch& match, std::size_t index) {
     auto& request = requests_[index];
-    auto& read = *request.read;
     if (!match.device(request.device)) return;
     const auto found = match.read(index);
     if (!found) {
         if (!link_.up_since()) return;
-        read.release.follow(after(epoch_, request.plan->phase), t);
-        if (read.polled) read.release.release_at(t);
+        reads_.follow(t, index);
+        reads_.release_at(t, index);
         return;
     }
     const auto& other = old.requests_[*found];
-    const auto& before = *other.read;
     request.counters = other.counters;
-    request.skipped = other.skipped;
     request.attempt_time = other.attempt_time;
     statuses_.carry(index, old.statuses_.of_request(*found));
     periods_.carry_request(index, old.periods_.request(*found));
-    read.release = before.release;
-    read.health = before.health;
-    read.busy = before.busy;
-    read.not_before = before.not_before;
-    read.retry = before.retry;
-    read.refusals = before.refusals;
-    read.last_start = before.last_start;
-    read.round = before.round;
+    reads_.take_over(index, old.reads_, *found);
+    request.read->refusals = other.read->refusals;
+    request.read->last_start = other.read->last_start;
 }
 
 // The new plan writes values that were set and are not written yet.

@@ -57,12 +57,12 @@ bool LinePoller::Run::fits_before_polling(Instant t, const Learning::TrialRead& 
             plan::estimated_turnaround(device)) +
         project_.host.overhead;
     const Instant end = after(t, length);
-    return std::ranges::none_of(requests_, [&](const RequestRun& request) {
-        if (!request.read || !request.read->polled || request.read->in_flight) return false;
-        if (!reachable(devices_[request.device]) || !(request.plan->period > Duration::zero())) return false;
-        const auto& polled = *request.read;
-        return std::max(polled.retry.value_or(polled.release.next()), polled.not_before) < end;
-    });
+    for (std::size_t r = 0; r < requests_.size(); ++r) {
+        const auto& request = requests_[r];
+        if (!reads_.waits(r) || !reachable(devices_[request.device])) continue;
+        if (request.plan->period > Duration::zero() && reads_.released(r) < end) return false;
+    }
+    return true;
 }
 
 void LinePoller::Run::start_trial(Instant t) {
@@ -124,13 +124,10 @@ bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, RequestRun&
     const Instant t = outcome.ended_at;
     auto& read = *request.read;
     degrade(t, request.variables, Quality::uncertain, reason, false);
-    if (read.by_trigger)
-        read.triggered = read.trigger->event.admitted = true;
-    else
-        read.retry = t;
+    read_again(t, request);
     if (++read.refusals < kRefusalsToDoubt) return true;
     read.refusals = 0;
-    read.not_before = after(t, read.busy.next());
+    reads_.hold_back(t, static_cast<std::size_t>(&request - requests_.data()));
     learner_->doubt(request.device, read.request.function(), gaps);
     report_gap_events(t);
     return true;
