@@ -1,4 +1,4 @@
-// Commands: what the line does with them (CommandQueue).
+// Commands: what the line does when they arrive, and when nothing can be sent (CommandQueue).
 #include <algorithm>
 #include <utility>
 
@@ -6,7 +6,6 @@
 
 namespace takt::poll {
 
-using value::CommandResult;
 using value::Reason;
 
 // Commands of a variable with a write trigger pass the bucket of the trigger.
@@ -38,44 +37,6 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
     pending.order = arrivals_.next();
     commands_.add(t, std::move(pending));
     return written.rounded;
-}
-
-void LinePoller::Run::on_command_written(const bus::Outcome& outcome, std::uint64_t order) {
-    const std::size_t index = commands_.at(order).device;
-    const OutcomeClass outcome_class = note_outcome(outcome, index, nullptr);  // may drop other commands
-    auto& command = commands_.at(order);
-    if (command.progress.phase() == WritePhase::verifying)
-        return on_command_read_back(outcome, outcome_class, order);
-    const bool reading_old = command.progress.phase() == WritePhase::reading_old;
-    command.progress.transaction_ended();
-    const Instant t = outcome.ended_at;
-    if (outcome_class.reason != Reason::link_lost)
-        statuses_.write_ended(t, command.variable, outcome_class.reason);
-    if (reading_old) {
-        if (!take_register(outcome, outcome_class,
-                           {JobKind::command, order, index, written_shape(command.alone.function)}))
-            settle_command(t, order, unwritten(outcome_class), classify_unwritten(outcome_class));
-        return;
-    }
-    const WriteResult what =
-        classify_write(outcome, outcome_class, variables_[command.variable].model->safe_to_repeat);
-    command.execution = std::max(command.execution, execution(outcome, what));
-    if (what.result != CommandResult::done || !command.alone.verify)
-        return settle_command(t, order, outcome_class, what);
-    command.progress.verify();
-    command.alone.verify->begin(order);
-    devices_[index].writing = true;
-    if (!reachable(devices_[index])) drop_read_backs(t, index, Reason::switched_off);
-}
-
-void LinePoller::Run::settle_command(Instant t, std::uint64_t order, const OutcomeClass& outcome_class,
-                                     const WriteResult& what) {
-    const auto& command = commands_.at(order);
-    const auto& device = devices_[command.device];
-    if (what.again && reachable(device) && commands_.retry(t, order, outcome_class, device.model->attempts))
-        return;
-    if (what.result == CommandResult::done) show_written(t, command.variable, command.command.value);
-    commands_.finish(t, order, what.result, outcome_class.reason);
 }
 
 void LinePoller::Run::drop_pending(Instant t, std::size_t index, Reason reason) {

@@ -32,6 +32,7 @@
 #include "takt/poll/line_poller.hpp"
 #include "transfer.hpp"
 #include "write_groups.hpp"
+#include "write_job.hpp"
 
 namespace takt::poll {
 
@@ -126,8 +127,7 @@ private:
                                          std::size_t rank) const;
     void start(Instant t, const Candidate& candidate);
     void start_read(Instant t, std::size_t request, bool by_trigger);
-    void start_group(Instant t, std::size_t request);
-    void start_command(Instant t, PendingCommand& command);
+    void start_write(Instant t, bus::TransactionId id);
     void submit(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose,
                 const wire::PreparedRequest& request);
     void report_failure(const bus::Outcome& outcome);
@@ -228,37 +228,28 @@ private:
     void check_noise(DeviceRun& device, const bus::Outcome& outcome);
 
     // writes.cpp
-    void settle_group(Instant t, std::size_t request, const OutcomeClass& outcome_class,
-                      const WriteResult& what);
-    void settle_command(Instant t, std::uint64_t order, const OutcomeClass& outcome_class,
-                        const WriteResult& what);
-    void on_group_written(const bus::Outcome& outcome, std::size_t request);
-    void set_write_status(Instant t, std::size_t request, value::Reason reason);
-    void finish_group(Instant t, std::size_t request, value::CommandResult result, value::Reason reason);
-    void show_written(Instant t, std::size_t variable, const value::Value& value);
+    [[nodiscard]] WriteJob write_job(bus::TransactionId id);
+    void on_written(const bus::Outcome& outcome);
+    void set_write_status(Instant t, const WriteJob& write, value::Reason reason);
+    void settle_write(Instant t, WriteJob write, const OutcomeClass& outcome_class, const WriteResult& what);
+    void finish_write(Instant t, WriteJob write, value::CommandResult result, value::Reason reason);
+    void show_written(Instant t, std::span<const std::size_t> variables);
     [[nodiscard]] Result<std::size_t> writable(value::SlotId slot) const;
     [[nodiscard]] std::size_t index_in_device(std::size_t variable) const;
     bool group_ready(Instant t, std::size_t request);
 
     // commands.cpp
-    void on_command_written(const bus::Outcome& outcome, std::uint64_t order);
     void drop_pending(Instant t, std::size_t device, value::Reason reason);
 
     // modify.cpp
-    [[nodiscard]] Result<wire::PreparedRequest> second_request(Instant t,
-                                                               const ModifySequence::SecondStep& step);
-    bool take_register(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
-                       ModifySequence::SecondStep next);
+    bool take_register(const bus::Outcome& outcome, const OutcomeClass& outcome_class, const WriteJob& write);
     void continue_modify(Instant t);
     void abandon(Instant t, value::Reason reason, bool again);
 
     // verify.cpp
     void consider_read_back(Instant t, std::size_t device, const ReadBack& back, Candidate candidate);
-    bool take_read_back(const bus::Outcome& outcome, const ReadBack& back, std::size_t device,
-                        std::span<const std::size_t> variables);
-    void on_group_read_back(const bus::Outcome& outcome, std::size_t request);
-    void on_command_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
-                              std::uint64_t order);
+    bool take_read_back(const bus::Outcome& outcome, const WriteJob& write);
+    void on_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class, WriteJob write);
     void drop_read_backs(Instant t, std::size_t device, value::Reason reason);
 
     const std::vector<std::vector<std::optional<Duration>>>* proved_ages_;  // of the first plan

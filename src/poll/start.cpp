@@ -12,27 +12,11 @@ void LinePoller::Run::start(Instant t, const Candidate& candidate) {
     const auto index = index_of(candidate.job);
     switch (kind_of(candidate.job)) {
         case JobKind::read: start_read(t, index, candidate.by_trigger); return;
-        case JobKind::group_write: {
-            const auto& write = write_groups_[index];
-            const std::size_t device = requests_[index].device;
-            if (write.progress.awaits_read_back()) {
-                write_groups_.read_back_submitted(index);
-                return submit(t, device, candidate.job, Purpose::read_back, write.read_back->request);
-            }
-            const bool alone = write.kind == WriteKind::modify;
-            if (!alone || devices_[device].in_flight == 0) start_group(t, index);
-            return;  // else the line waits until the device has answered
-        }
+        case JobKind::group_write:
+        case JobKind::command: start_write(t, candidate.job); return;
         case JobKind::trial: start_trial(t); return;
         case JobKind::relayed: start_relayed(t); return;
-        case JobKind::command: break;
     }
-    auto& command = commands_.at(index);
-    if (command.progress.awaits_read_back()) {
-        command.progress.read_back();
-        return submit(t, command.device, candidate.job, Purpose::read_back, command.alone.verify->request);
-    }
-    if (!command.alone.modifies || devices_[command.device].in_flight == 0) start_command(t, command);
 }
 
 void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) {
@@ -57,16 +41,21 @@ void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) 
     submit(t, request.device, transaction_id(JobKind::read, index), purpose, read_to_send(t, index));
 }
 
-void LinePoller::Run::start_group(Instant t, std::size_t index) {
-    const bool modifies = write_groups_[index].kind == WriteKind::modify;
-    const auto first = write_groups_.begin(index);
+void LinePoller::Run::start_write(Instant t, bus::TransactionId id) {
+    auto write = write_job(id);
+    if (write.progress().awaits_read_back()) {
+        write.read_back_submitted();
+        return submit(t, write.device(), id, Purpose::read_back, write.read_back()->request);
+    }
+    const bool modifies = write.modifies();
+    if (modifies && devices_[write.device()].in_flight > 0) return;  // it waits until the device has answered
+    const auto first = write.begin();
     if (!first) {
-        finish_group(t, index, value::CommandResult::refused, value::Reason::ok);
+        finish_write(t, write, value::CommandResult::refused, value::Reason::ok);
         return wake_at(t);
     }
     if (modifies) modify_.begin();
-    submit(t, requests_[index].device, transaction_id(JobKind::group_write, index),
-           modifies ? Purpose::before_write : Purpose::write, *first);
+    submit(t, write.device(), id, modifies ? Purpose::before_write : Purpose::write, *first);
 }
 
 // Of a transaction that passes the admission of the line: whether it has taken its token. Else nullptr.
@@ -74,21 +63,12 @@ bool* LinePoller::Run::unlimited_event(bus::TransactionId id) {
     const auto index = id >> 3;
     switch (kind_of(id)) {
         case JobKind::read: return reads_.by_trigger(index) ? reads_.line_token(index) : nullptr;
-        case JobKind::group_write: return write_groups_.line_token(index);
-        case JobKind::command: break;
-        default: return nullptr;
+        case JobKind::group_write:
+        case JobKind::command: return write_job(id).line_token();
+        case JobKind::trial:
+        case JobKind::relayed: break;
     }
-    auto* const command = commands_.find(index);
-    return command && !command->alone.bucket_of ? &command->alone.admitted : nullptr;
-}
-
-void LinePoller::Run::start_command(Instant t, PendingCommand& command) {
-    const auto& alone = command.alone;
-    command.progress.begin(alone.modifies);
-    written_values_.note_sent(command.variable, command.command.value);
-    if (alone.modifies) modify_.begin();
-    submit(t, command.device, transaction_id(JobKind::command, command.order),
-           alone.modifies ? Purpose::before_write : Purpose::write, alone.request);
+    return nullptr;
 }
 
 void LinePoller::Run::report_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose) {
@@ -145,8 +125,8 @@ void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
     if (unlimited_event(outcome.id)) arbiter_.event_ended(std::max(outcome.ended_at, line_free()));
     switch (kind_of(outcome.id)) {
         case JobKind::read: on_read(outcome, index); return;
-        case JobKind::group_write: on_group_written(outcome, index); return;
-        case JobKind::command: on_command_written(outcome, index); return;
+        case JobKind::group_write:
+        case JobKind::command: on_written(outcome); return;
         case JobKind::trial: on_trial(outcome); return;
         case JobKind::relayed: on_relayed(outcome); return;
     }

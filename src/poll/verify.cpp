@@ -19,11 +19,12 @@ void LinePoller::Run::consider_read_back(Instant t, std::size_t index, const Rea
 }
 
 // The values read back are published like those of any other read.
-bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack& back, std::size_t device,
-                                     std::span<const std::size_t> variables) {
+bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const WriteJob& write) {
+    const auto& back = *write.read_back();
+    const std::size_t device = write.device();
     updates_.clear();
     bool same = true;
-    for (const auto v : variables) {
+    for (const auto v : write.written()) {
         auto& variable = variables_[v];
         const auto& model = *variable.model;
         const auto read = value_in(outcome.response, back.request.start(), model);
@@ -49,49 +50,27 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const ReadBack
     return same;
 }
 
-void LinePoller::Run::on_group_read_back(const bus::Outcome& outcome, std::size_t index) {
-    auto& request = requests_[index];
-    const auto& write = write_groups_[index];
-    auto& device = devices_[request.device];
-    const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
+// A group whose device is not reachable keeps the status of its write.
+void LinePoller::Run::on_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
+                                   WriteJob write) {
+    auto& device = devices_[write.device()];
     const Instant t = outcome.ended_at;
-    write_groups_.transaction_ended(index);
+    const bool shows = outcome_class.reason != Reason::link_lost && (!write.of_group() || reachable(device));
     if (outcome_class.reason != Reason::ok) {
-        if (reachable(device) && outcome_class.reason != Reason::link_lost)
-            set_write_status(t, index, outcome_class.reason);
-        device.writing = reachable(device) &&
-                         write_groups_.read_back_again(t, index, outcome_class, device.model->attempts);
-        if (!device.writing) finish_group(t, index, CommandResult::unknown, outcome_class.reason);
+        if (shows) set_write_status(t, write, outcome_class.reason);
+        device.writing = reachable(device) && write.read_back_again(t, outcome_class, device.model->attempts);
+        if (!device.writing) finish_write(t, write, CommandResult::unknown, outcome_class.reason);
         return;
     }
-    const bool same = take_read_back(outcome, *write.read_back, request.device, write.written());
-    if (reachable(device)) set_write_status(t, index, same ? Reason::ok : Reason::differs);
-    if (same) return finish_group(t, index, CommandResult::done, Reason::ok);
-    commands_.note_differs(index);
-    const bool again = write_groups_.repeatable(write.written());
-    settle_group(t, index, {Reason::differs, true}, {CommandResult::refused, again});
-}
-
-void LinePoller::Run::on_command_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
-                                           std::uint64_t order) {
-    auto& command = commands_.at(order);
-    auto& device = devices_[command.device];
-    command.progress.transaction_ended();
-    const Instant t = outcome.ended_at;
-    const bool shows = outcome_class.reason != Reason::link_lost;
-    if (outcome_class.reason != Reason::ok) {
-        if (shows) statuses_.write_ended(t, command.variable, outcome_class.reason);
-        device.writing =
-            reachable(device) && command.alone.verify->again(t, outcome_class, device.model->attempts);
-        if (!device.writing) settle_command(t, order, outcome_class, {CommandResult::unknown});
-        return;
+    const bool same = take_read_back(outcome, write);
+    if (shows) set_write_status(t, write, same ? Reason::ok : Reason::differs);
+    if (same) {
+        if (!write.of_group()) show_written(t, write.written());  // also while its device is switched off
+        return finish_write(t, write, CommandResult::done, Reason::ok);
     }
-    const bool same = take_read_back(outcome, *command.alone.verify, command.device, {&command.variable, 1});
-    if (shows) statuses_.write_ended(t, command.variable, same ? Reason::ok : Reason::differs);
-    if (same) return settle_command(t, order, {Reason::ok, true}, {CommandResult::done});
-    command.execution = Execution::possible;
-    const bool again = written_values_.model(command.variable).safe_to_repeat;
-    settle_command(t, order, {Reason::differs, true}, {CommandResult::refused, again});
+    write.note_differs();
+    settle_write(t, write, {Reason::differs, true},
+                 {CommandResult::refused, write.repeatable(write.written())});
 }
 
 // A confirmed write that was not compared ends as unknown.
@@ -99,7 +78,7 @@ void LinePoller::Run::drop_read_backs(Instant t, std::size_t index, Reason reaso
     for (const auto r : devices_[index].requests) {
         if (!write_groups_.has(r) || !write_groups_[r].progress.awaits_read_back()) continue;
         devices_[index].writing = false;
-        finish_group(t, r, CommandResult::unknown, reason);
+        finish_write(t, write_job(transaction_id(JobKind::group_write, r)), CommandResult::unknown, reason);
     }
     if (commands_.drop_read_backs(t, index, reason)) devices_[index].writing = false;
 }

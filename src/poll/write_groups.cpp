@@ -179,10 +179,6 @@ bool WriteGroups::read_back_again(Instant t, std::size_t group, const OutcomeCla
 
 // ---- the end of a write
 
-bool WriteGroups::repeatable(std::span<const std::size_t> members) const {
-    return std::ranges::all_of(members, [this](auto v) { return values_.model(v).safe_to_repeat; });
-}
-
 bool WriteGroups::retry(Instant t, std::size_t index, const OutcomeClass& outcome_class,
                         std::uint16_t attempts) {
     auto& group = *groups_[index];

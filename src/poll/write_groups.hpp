@@ -128,8 +128,6 @@ public:
 
     // ---- the end of a write
 
-    /// Whether all these members may be written again.
-    [[nodiscard]] bool repeatable(std::span<const std::size_t> members) const;
     /// The attempt failed and may be repeated.
     /// @param attempts  of its device
     /// @returns whether it is repeated: attempts are left

@@ -1,4 +1,4 @@
-// Writes of groups: what the line does with them (WriteGroups).
+// Writes: what the line does with them, of groups and of commands alone (WriteJob).
 #include "run.hpp"
 
 namespace takt::poll {
@@ -35,69 +35,76 @@ bool LinePoller::Run::group_ready(Instant t, std::size_t index) {
     return false;
 }
 
-// Bits that are not sent keep their status.
-void LinePoller::Run::set_write_status(Instant t, std::size_t index, Reason reason) {
-    const auto& write = write_groups_[index];
-    if (write.writes_bits())
-        statuses_.write_ended(t, index, write.written(), reason);
-    else
-        statuses_.write_ended(t, index, requests_[index].variables, reason);
+WriteJob LinePoller::Run::write_job(bus::TransactionId id) {
+    const auto index = index_of(id);
+    const std::size_t device =
+        kind_of(id) == JobKind::group_write ? requests_[index].device : commands_.at(index).device;
+    return {{write_groups_, commands_, written_values_}, id, device};
 }
 
-void LinePoller::Run::on_group_written(const bus::Outcome& outcome, std::size_t index) {
-    auto& request = requests_[index];
-    const auto& write = write_groups_[index];
-    auto& device = devices_[request.device];
-    if (write.progress.phase() == WritePhase::verifying) return on_group_read_back(outcome, index);
-    const bool reading_old = write.progress.phase() == WritePhase::reading_old;
-    commands_.end_carry(request.device, outcome.sent && !reading_old);
-    const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
+// Bits that are not sent keep their status.
+void LinePoller::Run::set_write_status(Instant t, const WriteJob& write, Reason reason) {
+    if (!write.of_group()) return statuses_.write_ended(t, write.written().front(), reason);
+    const bool bits = write_groups_[write.index()].writes_bits();
+    const std::span<const std::size_t> all = requests_[write.index()].variables;
+    statuses_.write_ended(t, write.index(), bits ? write.written() : all, reason);
+}
+
+void LinePoller::Run::on_written(const bus::Outcome& outcome) {
+    auto write = write_job(outcome.id);
+    const WritePhase phase = write.progress().phase();
+    auto* const request = write.of_group() ? &requests_[write.index()] : nullptr;
+    if (request && phase != WritePhase::verifying)
+        commands_.end_carry(write.device(), outcome.sent && phase == WritePhase::writing);
+    const OutcomeClass outcome_class =  // may end other writes of the device
+        note_outcome(outcome, write.device(), request ? &request->counters : nullptr);
+    write.transaction_ended();
+    if (phase == WritePhase::verifying) return on_read_back(outcome, outcome_class, write);
     const Instant t = outcome.ended_at;
-    write_groups_.transaction_ended(index);
-    if (outcome_class.reason != Reason::link_lost) set_write_status(t, index, outcome_class.reason);
-    if (reading_old) {
-        if (!take_register(outcome, outcome_class,
-                           {JobKind::group_write, index, request.device, written_shape(write.function)}))
-            settle_group(t, index, unwritten(outcome_class), classify_unwritten(outcome_class));
+    if (outcome_class.reason != Reason::link_lost) set_write_status(t, write, outcome_class.reason);
+    if (phase == WritePhase::reading_old) {
+        if (!take_register(outcome, outcome_class, write))
+            settle_write(t, write, unwritten(outcome_class), classify_unwritten(outcome_class));
         return;
     }
-    if (write.kind == WriteKind::exchange && request.read && reachable(device))
-        on_exchanged(outcome, outcome_class, request);
-    const WriteResult what = classify_write(outcome, outcome_class, write_groups_.repeatable(write.members));
-    commands_.note_attempt(index, execution(outcome, what));
-    if (what.result != CommandResult::done || !write.read_back)
-        return settle_group(t, index, outcome_class, what);
-    write_groups_.await_read_back(index);
+    auto& device = devices_[write.device()];
+    if (request && request->read && write_groups_[write.index()].kind == WriteKind::exchange &&
+        reachable(device))
+        on_exchanged(outcome, outcome_class, *request);
+    const WriteResult what = classify_write(outcome, outcome_class, write.repeatable(write.members()));
+    write.note_attempt(execution(outcome, what));
+    if (what.result != CommandResult::done || !write.read_back())
+        return settle_write(t, write, outcome_class, what);
+    write.await_read_back();
     device.writing = true;
-    if (!reachable(device)) drop_read_backs(t, request.device, Reason::switched_off);
+    if (!reachable(device)) drop_read_backs(t, write.device(), Reason::switched_off);
 }
 
-void LinePoller::Run::settle_group(Instant t, std::size_t index, const OutcomeClass& outcome_class,
+void LinePoller::Run::settle_write(Instant t, WriteJob write, const OutcomeClass& outcome_class,
                                    const WriteResult& what) {
-    const auto& device = devices_[requests_[index].device];
-    if (what.again && reachable(device) &&
-        write_groups_.retry(t, index, outcome_class, device.model->attempts))
-        return;
-    if (what.result == CommandResult::done)
-        for (const auto v : write_groups_[index].written()) show_written(t, v, written_values_.sent(v));
-    finish_group(t, index, what.result, outcome_class.reason);
+    const auto& device = devices_[write.device()];
+    if (what.again && reachable(device) && write.retry(t, outcome_class, device.model->attempts)) return;
+    if (what.result == CommandResult::done) show_written(t, write.written());
+    finish_write(t, write, what.result, outcome_class.reason);
 }
 
-void LinePoller::Run::finish_group(Instant t, std::size_t index, CommandResult result, Reason reason) {
-    const auto settled = write_groups_.finish(t, index, result, reason);
+void LinePoller::Run::finish_write(Instant t, WriteJob write, CommandResult result, Reason reason) {
+    const auto settled = write.finish(t, result, reason);
     if (!observer_ || settled.variables.empty()) return;
     settled_variables_.clear();
     for (const auto v : settled.variables) settled_variables_.push_back(index_in_device(v));
-    observer_->on_group_settled(t,
-                                {plan_->line, requests_[index].device, settled_variables_, result, reason,
-                                 settled.by_trigger ? requests_[index].plan->write_trigger : std::nullopt});
+    const auto trigger = requests_[write.index()].plan->write_trigger;
+    observer_->on_group_settled(t, {plan_->line, write.device(), settled_variables_, result, reason,
+                                    settled.by_trigger ? trigger : std::nullopt});
 }
 
 // A variable that is not read shows the value last written.
-void LinePoller::Run::show_written(Instant t, std::size_t v, const value::Value& value) {
-    if (variables_[v].model->read) return;
-    const value::Update update{variables_[v].slot, value};
-    store_.apply(t, {&update, 1});
+void LinePoller::Run::show_written(Instant t, std::span<const std::size_t> variables) {
+    for (const auto v : variables) {
+        if (variables_[v].model->read) continue;
+        const value::Update update{variables_[v].slot, written_values_.sent(v)};
+        store_.apply(t, {&update, 1});
+    }
 }
 
 }  // namespace takt::poll

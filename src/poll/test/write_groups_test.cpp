@@ -283,13 +283,6 @@ TEST(WriteGroups, OfferTheirValuesToCommandsAlone) {
     EXPECT_TRUE(line.commands.at(9).carried);
 }
 
-TEST(WriteGroups, AreRepeatableIfAllMembersAre) {
-    Groups line({word(0).repeatable(), word(1)});
-    const std::size_t kBoth[] = {0, 1};
-    EXPECT_TRUE(line.groups.repeatable({kBoth, 1}));
-    EXPECT_FALSE(line.groups.repeatable(kBoth));
-}
-
 TEST(WriteGroups, TokensAreThoseOfTheBucketOrOfTheLine) {
     Groups line({word(0)});
     EXPECT_EQ(line.groups.bucket(kGroup), nullptr);
