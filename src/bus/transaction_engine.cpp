@@ -246,18 +246,23 @@ void TransactionCore::give_up(Instant t, Slot& slot, Status status) {
     finish(t, slot, status);
 }
 
+// A unit that does not keep the order is expected to answer late as long as it may take without being known.
+Duration TransactionCore::expected_time(const Slot& slot) {
+    const Duration least = slot.in_order ? Duration::zero() : kConfirmed * slot.wait;
+    return std::clamp<Duration>(kLatenessFactor * slot.lateness, least, std::max(least, kLongestExpected));
+}
+
 void TransactionCore::expect_response(Instant t, const Slot& slot, Instant hold_until) {
-    outstanding_.add(
-        {.unit = slot.unit,
-         .wire_id = numbered() ? slot.wire_id : std::uint16_t{0},
-         .shape = slot.shape(),
-         .end = std::max(slot.request_end, slot.unit_busy_until),
-         .expired_at = t,
-         .hold_until = hold_until,
-         .expected_until = t + std::min<Duration>(kLatenessFactor * slot.lateness, kLongestExpected),
-         .confirm_until = t + kConfirmed * slot.wait,
-         .forget_at = std::max(hold_until, t + kRemembered),
-         .wait = slot.wait});
+    outstanding_.add({.unit = slot.unit,
+                      .wire_id = numbered() ? slot.wire_id : std::uint16_t{0},
+                      .shape = slot.shape(),
+                      .end = std::max(slot.request_end, slot.unit_busy_until),
+                      .expired_at = t,
+                      .hold_until = hold_until,
+                      .expected_until = t + expected_time(slot),
+                      .confirm_until = t + kConfirmed * slot.wait,
+                      .forget_at = std::max(hold_until, t + kRemembered),
+                      .wait = slot.wait});
 }
 
 // The response is copied out of the framer's buffer, which the next bytes overwrite.

@@ -215,6 +215,7 @@ private:
     void note_late(Instant t, UnitId unit, Lateness lateness);
     void pass_over(bool late);
     void give_up(Instant t, Slot& slot, Status status);
+    [[nodiscard]] static Duration expected_time(const Slot& slot);
     void expect_response(Instant t, const Slot& slot, Instant hold_until);
     void finish(Instant t, Slot& slot, Status status, const wire::ResponseView& response = {});
     Bytes send(Instant t, Slot& slot);
