@@ -180,6 +180,26 @@ TEST(InStep, AResponseOutOfOrderMakesTheOwnOneAmbiguous) {
     EXPECT_EQ(line.last().status, Status::ok);
 }
 
+// Without the own response it may have been that one, damaged.
+TEST(InStep, AFrameThatDoesNotFitIsALateResponseIfTheOwnOneComesToo) {
+    for (const bool own : {false, true}) {
+        AfterTimeout line;
+        line.ask(2, kThree);
+        line.answer(85ms, kOld);
+        EXPECT_EQ(line.outcomes.size(), 1U);
+        EXPECT_FALSE(line.engine.take_late());
+        if (own) line.answer(95ms, kOfThree);
+        line.run_until(at(300ms));
+        ASSERT_EQ(line.outcomes.size(), 2U);
+        EXPECT_EQ(line.last().status, own ? Status::ok : Status::timeout);
+        const auto late = line.engine.take_late();
+        ASSERT_EQ(late.has_value(), own);
+        if (late) {
+            EXPECT_EQ(late->at, at(85ms));
+        }
+    }
+}
+
 // A copy of an earlier response and the own one are received together.
 TEST(InStep, DifferentResponsesInTheSameBytesAreAmbiguous) {
     for (const bool differ : {false, true}) {
