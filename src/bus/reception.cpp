@@ -185,6 +185,7 @@ Lateness TransactionCore::settle_late(Instant end, UnitId unit, const AnswerShap
     return lateness;
 }
 
+// Besides the own response, so it was not that one.
 void TransactionCore::settle_stray(Slot& slot) {
     if (slot.stray) settle_late(slot.stray->end, slot.unit, slot.stray->shape, 0);
     slot.stray.reset();
@@ -230,6 +231,7 @@ void TransactionCore::take_response(Instant t, Slot& slot, const wire::Frame& fr
     } else if (!numbered() && outstanding_.remembers(unit, frame_shape(pdu))) {
         settle_stray(slot);
         slot.stray = {frame_shape(pdu), t};
+        if (confirming) settle_stray(slot);  // the own one has come
         pass_over(true);
     } else if (confirming) {
         pass_over(false);
