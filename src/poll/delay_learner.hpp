@@ -18,7 +18,8 @@ namespace takt::poll {
 /// response, computed from the arrival of its last byte and its length. Over TCP it is the time from sending
 /// to arrival. A delay below zero counts as zero: a pty delivers bytes faster than the bit rate allows.
 ///
-/// One owner, one thread. Only the constructor, learnt() and assignment allocate.
+/// One owner, one thread. The constructor, learnt() and assignment allocate; on_response() does where the
+/// delay is shorter or longer than all before by a power of two.
 class DelayLearner {
 public:
     /// A device that is never measured.

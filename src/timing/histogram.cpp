@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "takt/base/assert.hpp"
 
@@ -36,34 +37,54 @@ Duration upper_bound(std::size_t index, std::int64_t unit_ns) {
 
 }  // namespace
 
-template <int precision_bits, int limit_bits, std::int64_t unit_ns>
-void BasicHistogram<precision_bits, limit_bits, unit_ns>::record(Duration sample, std::uint64_t times) {
-    counts_[index_of<BasicHistogram>(sample, unit_ns)] += times;
+template <std::size_t buckets>
+void CountRange<buckets>::add(std::size_t bucket, std::uint64_t times) {
+    const std::size_t step = bucket - bucket % kStep;
+    if (counts_.empty()) first_ = step;
+    if (step < first_) {
+        std::vector<std::uint64_t> counts(first_ - step + counts_.size());
+        std::ranges::copy(counts_, counts.begin() + static_cast<std::ptrdiff_t>(first_ - step));
+        counts_ = std::move(counts);
+        first_ = step;
+    } else if (const std::size_t size = step - first_ + kStep; size > counts_.size()) {
+        counts_.reserve(size);
+        counts_.resize(size);
+    }
+    counts_[bucket - first_] += times;
+}
+
+template <int precision_bits, int limit_bits, std::int64_t unit_ns, template <std::size_t> class Counts>
+void BasicHistogram<precision_bits, limit_bits, unit_ns, Counts>::record(Duration sample,
+                                                                         std::uint64_t times) {
+    if (times == 0) return;
+    counts_.add(index_of<BasicHistogram>(sample, unit_ns), times);
     total_ += times;
 }
 
-template <int precision_bits, int limit_bits, std::int64_t unit_ns>
-void BasicHistogram<precision_bits, limit_bits, unit_ns>::merge(const BasicHistogram& other) {
-    for (std::size_t i = 0; i < kBuckets; ++i) counts_[i] += other.counts_[i];
+template <int precision_bits, int limit_bits, std::int64_t unit_ns, template <std::size_t> class Counts>
+void BasicHistogram<precision_bits, limit_bits, unit_ns, Counts>::merge(const BasicHistogram& other) {
+    for (std::size_t i = 0; i < kBuckets; ++i)
+        if (const auto times = other.counts_[i]; times > 0) counts_.add(i, times);
     total_ += other.total_;
 }
 
-template <int precision_bits, int limit_bits, std::int64_t unit_ns>
-Duration BasicHistogram<precision_bits, limit_bits, unit_ns>::value_at_rank(std::uint64_t rank) const {
+template <int precision_bits, int limit_bits, std::int64_t unit_ns, template <std::size_t> class Counts>
+Duration BasicHistogram<precision_bits, limit_bits, unit_ns, Counts>::value_at_rank(
+    std::uint64_t rank) const {
     TAKT_ASSERT(rank >= 1 && rank <= total_);
     std::size_t index = 0;
     for (std::uint64_t seen = counts_[0]; seen < rank; seen += counts_[index]) ++index;
     return upper_bound<BasicHistogram>(index, unit_ns);
 }
 
-template <int precision_bits, int limit_bits, std::int64_t unit_ns>
-auto BasicHistogram<precision_bits, limit_bits, unit_ns>::bucket(std::size_t index) const -> Bucket {
+template <int precision_bits, int limit_bits, std::int64_t unit_ns, template <std::size_t> class Counts>
+auto BasicHistogram<precision_bits, limit_bits, unit_ns, Counts>::bucket(std::size_t index) const -> Bucket {
     TAKT_ASSERT(index < kBuckets);
     return {lower_bound<BasicHistogram>(index, unit_ns), upper_bound<BasicHistogram>(index, unit_ns),
             counts_[index]};
 }
 
-template class BasicHistogram<7, 40, 1>;
-template class BasicHistogram<3, 26, 1000>;
+template class BasicHistogram<7, 40, 1, FixedCounts>;
+template class BasicHistogram<3, 26, 1000, CountRange>;
 
 }  // namespace takt::timing

@@ -48,7 +48,36 @@ TEST(Histogram, ACompactOneCoversAllDurationsInNarrowBuckets) {
         const auto [lower, upper, count] = histogram.bucket(i);
         ASSERT_TRUE((upper - lower) * 8 <= lower || upper - lower < 1us) << i;
     }
-    EXPECT_LE(sizeof(CompactHistogram), std::size_t{1600});
+}
+
+TEST(Histogram, ACompactOneIsSmall) {
+    EXPECT_LE(sizeof(CompactHistogram), std::size_t{48});
+    constexpr std::size_t kOctave = 64;
+    CountRange<CompactHistogram::kBuckets> counts;
+    EXPECT_EQ(counts.allocated_bytes(), 0U);
+    counts.add(100, 1);
+    counts.add(103, 1);
+    EXPECT_EQ(counts.allocated_bytes(), kOctave);
+    counts.add(104, 1);
+    counts.add(95, 1);
+    EXPECT_EQ(counts.allocated_bytes(), 3 * kOctave);
+}
+
+RC_GTEST_PROP(Histogram, ACompactOneCountsEachSampleInItsBucket, ()) {
+    const auto samples = *rc::gen::container<std::vector<Duration>>(durations());
+    const auto others = *rc::gen::container<std::vector<Duration>>(durations());
+    CompactHistogram histogram;
+    CompactHistogram other;
+    for (const Duration sample : samples) histogram.record(sample * 60);
+    for (const Duration sample : others) other.record(sample * 60);
+    histogram.merge(other);
+    RC_ASSERT(histogram.count() == samples.size() + others.size());
+    for (std::size_t i = 0; i < CompactHistogram::kBuckets; ++i) {
+        const auto [lower, upper, count] = histogram.bucket(i);
+        const auto inside = [&](Duration sample) { return lower <= sample * 60 && sample * 60 <= upper; };
+        RC_ASSERT(count == static_cast<std::uint64_t>(std::ranges::count_if(samples, inside) +
+                                                      std::ranges::count_if(others, inside)));
+    }
 }
 
 TEST(Histogram, ASampleCountsAsOftenAsItIsGiven) {

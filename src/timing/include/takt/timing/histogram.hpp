@@ -4,19 +4,52 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "takt/base/time.hpp"
 
 namespace takt::timing {
+
+/// The counts of all buckets. Fixed size, never allocates.
+template <std::size_t buckets>
+class FixedCounts {
+public:
+    void add(std::size_t bucket, std::uint64_t times) { counts_[bucket] += times; }
+    [[nodiscard]] std::uint64_t operator[](std::size_t bucket) const { return counts_[bucket]; }
+
+private:
+    std::array<std::uint64_t, buckets> counts_{};
+};
+
+/// The counts from the least bucket that has one to the greatest, in steps of kStep buckets. add() allocates
+/// where the bucket lies outside of them.
+template <std::size_t buckets>
+class CountRange {
+public:
+    static constexpr std::size_t kStep = 8;
+
+    void add(std::size_t bucket, std::uint64_t times);
+    [[nodiscard]] std::uint64_t operator[](std::size_t bucket) const {
+        return bucket >= first_ && bucket - first_ < counts_.size() ? counts_[bucket - first_] : 0;
+    }
+    /// Of the counts, beside the object.
+    [[nodiscard]] std::size_t allocated_bytes() const { return counts_.capacity() * sizeof counts_[0]; }
+
+private:
+    std::size_t first_ = 0;  // a multiple of kStep
+    std::vector<std::uint64_t> counts_;
+};
 
 /// A log-linear histogram as in HdrHistogram: each octave is divided into 2^precision_bits buckets of equal
 /// width, from a unit of `unit_ns` up.
 ///
 /// A bucket's upper bound is at most 1/2^precision_bits above any duration in it. Below 2^(precision_bits +
 /// 1) units every unit has its own bucket. Negative durations count as zero. Durations of kLimit and more
-/// share the last bucket, for which the bound does not hold. Fixed size, never allocates. One owner, one
-/// thread.
-template <int precision_bits, int limit_bits, std::int64_t unit_ns>
+/// share the last bucket, for which the bound does not hold. Only record() and merge() allocate, where Counts
+/// does. One owner, one thread.
+///
+/// Counts: FixedCounts or CountRange.
+template <int precision_bits, int limit_bits, std::int64_t unit_ns, template <std::size_t> class Counts>
 class BasicHistogram {
 public:
     static constexpr int kPrecisionBits = precision_bits;
@@ -48,16 +81,17 @@ public:
     [[nodiscard]] Bucket bucket(std::size_t index) const;
 
 private:
-    std::array<std::uint64_t, kBuckets> counts_{};
+    Counts<kBuckets> counts_;
     std::uint64_t total_ = 0;
 };
 
 /// Within 1/128 (0.8 %) from 1 ns to 18 minutes; about 35 KiB.
-using Histogram = BasicHistogram<7, 40, 1>;
-/// Within 1/8 (12.5 %) from 1 us to 67 s; about 1.5 KiB, for one of many devices.
-using CompactHistogram = BasicHistogram<3, 26, 1000>;
+using Histogram = BasicHistogram<7, 40, 1, FixedCounts>;
+/// Within 1/8 (12.5 %) from 1 us to 67 s, for one of many devices. It takes 64 bytes for each power of two
+/// between the least and the greatest sample.
+using CompactHistogram = BasicHistogram<3, 26, 1000, CountRange>;
 
-extern template class BasicHistogram<7, 40, 1>;
-extern template class BasicHistogram<3, 26, 1000>;
+extern template class BasicHistogram<7, 40, 1, FixedCounts>;
+extern template class BasicHistogram<3, 26, 1000, CountRange>;
 
 }  // namespace takt::timing

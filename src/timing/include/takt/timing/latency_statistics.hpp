@@ -11,7 +11,7 @@ namespace takt::timing {
 /// histogram H is.
 ///
 /// Negative durations count as zero. The mean is exact while the sum of all samples stays below 584 years.
-/// Without samples every duration is zero. Fixed size, never allocates. One owner, one thread.
+/// Without samples every duration is zero. Allocates where H does. One owner, one thread.
 template <class H>
 class BasicLatencyStatistics {
 public:
