@@ -33,9 +33,11 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
     }
     pending.before = written_values_.wanted(v);
     pending.want = written_values_.want(v, written);
-    if (pending.group) write_groups_.ask(t, *pending.group);
+    const auto group = pending.group;
+    if (group) write_groups_.ask(t, *group);
     pending.order = arrivals_.next();
     commands_.add(t, std::move(pending));
+    if (group) note_event(*group);
     return written.rounded;
 }
 

@@ -2,9 +2,9 @@
 // element to its position.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -25,8 +25,25 @@ public:
         return heap_.front();
     }
     [[nodiscard]] const Key& top_key() const { return keys_[top()]; }
-    /// All elements, in no particular order.
-    [[nodiscard]] std::span<const std::uint32_t> all() const { return heap_; }
+    /// Calls visit(element) in the order of the keys until it returns false: O(k log k) for k calls.
+    /// @param frontier  scratch: positions that are next, the least on top of a heap
+    template <class Visit>
+    void visit_in_order(std::vector<std::uint32_t>& frontier, const Visit& visit) const {
+        const auto after = [this](std::uint32_t a, std::uint32_t b) { return before(b, a); };
+        frontier.clear();
+        if (!heap_.empty()) frontier.push_back(0);
+        while (!frontier.empty()) {
+            std::ranges::pop_heap(frontier, after);
+            const std::uint32_t position = frontier.back();
+            frontier.pop_back();
+            if (!visit(heap_[position])) return;
+            for (const std::uint32_t child : {2 * position + 1, 2 * position + 2}) {
+                if (child >= heap_.size()) continue;
+                frontier.push_back(child);
+                std::ranges::push_heap(frontier, after);
+            }
+        }
+    }
 
     /// Inserts it, or changes its key.
     void put(std::uint32_t index, const Key& key) {

@@ -27,7 +27,8 @@ struct QueueEntry {
 /// become overdue, by that moment. settle() moves reads between the heaps. The caller must touch() a read
 /// when it changes it; only then its entry is computed again.
 ///
-/// Allocates in the constructor only. It does not know requests: the caller computes their entries.
+/// Allocates in the constructor; visit_due() may, up to the number of reads. It does not know requests: the
+/// caller computes their entries.
 class ReadQueue {
 public:
     /// @param devices  of each request, which device it belongs to
@@ -57,11 +58,12 @@ public:
     [[nodiscard]] std::optional<std::size_t> first(std::size_t device) const;
     /// When the next read of the device becomes due.
     [[nodiscard]] Instant next_due(std::size_t device) const;
-    /// Calls visit(request) for all due reads of the device.
+    /// Calls visit(request) for the due reads of the device, by priority, until it returns false.
     template <class Visit>
-    void for_each_due(std::size_t device, const Visit& visit) const {
+    void visit_due(std::size_t device, const Visit& visit) {
         const auto& of_device = devices_[device];
-        for (const auto local : of_device.ready.all()) visit(of_device.requests[local]);
+        of_device.ready.visit_in_order(frontier_,
+                                       [&](std::uint32_t local) { return visit(of_device.requests[local]); });
     }
 
 private:
@@ -92,6 +94,7 @@ private:
     std::vector<Address> addresses_;  // by request
     std::vector<std::size_t> dirty_;
     std::vector<bool> is_dirty_;
+    std::vector<std::uint32_t> frontier_;  // scratch of visit_due()
 };
 
 }  // namespace takt::poll

@@ -35,7 +35,7 @@ enum class ReadCause : std::uint8_t {
 /// It reads the tables of the line (the plan, the job of the read, its last start, the health of its device)
 /// and changes none of them. The caller chooses what is sent, and reports its start and end. A line with many
 /// reads keeps them in a queue (ReadQueue). One owner, one thread; what it is given must outlive it.
-/// Allocates while reads are added, in set_queue(), and in release_at_once() and keep_due().
+/// Allocates while reads are added, in set_queue(), release_at_once(), and keep_due(); visit_ready() may.
 class ReadSchedule {
 public:
     ReadSchedule(const LineTables& tables, ArrivalCounter& arrivals) : tables_(tables), arrivals_(arrivals) {}
@@ -109,8 +109,17 @@ public:
 
     // ---- the choice with a queue
 
+    /// Updates the queue; call it before the following.
     void settle(Instant t, const bus::Arbiter& arbiter);
-    [[nodiscard]] const ReadQueue& queue() const { return *queue_; }
+    /// When the next read of the device becomes due.
+    [[nodiscard]] Instant next_wakeup(std::size_t device) const { return queue_->next_due(device); }
+    /// A read of the device is due.
+    [[nodiscard]] bool any_ready(std::size_t device) const { return queue_->first(device).has_value(); }
+    /// Calls visit(read) for the due reads of the device, by priority, until it returns false.
+    template <class Visit>
+    void visit_ready(std::size_t device, const Visit& visit) {
+        queue_->visit_due(device, visit);
+    }
 
     // ---- transactions
 

@@ -23,9 +23,7 @@ constexpr std::size_t kFewRequests = 16;  // comparing so many is as fast as kee
 void LinePoller::Run::keep_queue() {
     const bool rounds = line_.order == model::PollOrder::address;
     reads_.set_queue(rounds ? std::numeric_limits<std::size_t>::max() : kFewRequests + 1);
-    eventful_.clear();
-    for (std::size_t r = 0; r < requests_.size() && reads_.has_queue(); ++r)
-        if (write_groups_.has(r) || requests_[r].plan->read_trigger) eventful_.push_back(r);
+    eventful_ = reads_.has_queue() ? EventfulRequests(requests_.size()) : EventfulRequests();
 }
 
 // When any device may be sent a request. No late response delays a broadcast, which has no response.
@@ -33,25 +31,37 @@ Instant LinePoller::Run::line_free() const {
     return engine_.earliest_start(UnitId{0}, {});
 }
 
+// A trigger's read waits, a value or a command is to be written, or a write is not settled.
+bool LinePoller::Run::eventful(std::size_t request) const {
+    if (requests_[request].read && reads_.triggered(request)) return true;
+    return write_groups_.has(request) &&
+           (write_groups_.due(request) || !write_groups_[request].progress.queued());
+}
+
+// Call it wherever a request may become eventful.
+void LinePoller::Run::note_event(std::size_t request) {
+    if (reads_.has_queue() && eventful(request)) eventful_.add(request);
+}
+
 void LinePoller::Run::consider_first(Instant t) {
     reads_.settle(t, arbiter_);
-    for (const auto r : eventful_) {
+    eventful_.remove_unless([this](std::size_t request) { return eventful(request); });
+    for (const auto r : eventful_.all()) {
         const auto& device = devices_[requests_[r].device];
         if (reachable(device) && !full(device)) consider_event(t, r);
     }
+    const Instant free = line_free();
     for (std::size_t d = 0; d < devices_.size(); ++d)
-        if (reachable(devices_[d]) && !full(devices_[d])) consider_first_of(t, d);
+        if (reachable(devices_[d]) && !full(devices_[d])) consider_first_of(t, free, d);
 }
 
-// Late responses may delay some requests of a device and not others: then all due reads are compared.
-void LinePoller::Run::consider_first_of(Instant t, std::size_t device) {
-    wake_at(std::max(reads_.queue().next_due(device), line_free()));
-    const auto first = reads_.queue().first(device);
-    if (!first) return;
-    if (const Instant start = line_free(); start > t) return wake_at(start);
-    const UnitId unit = devices_[device].model->address;
-    if (engine_.earliest_start(unit, requests_[*first].read->shape()) <= t) return consider_polled(t, *first);
-    reads_.queue().for_each_due(device, [&](std::size_t request) { consider_polled(t, request); });
+// Late responses may delay some requests of a device and not others: the first one that they do not delay is
+// compared.
+void LinePoller::Run::consider_first_of(Instant t, Instant free, std::size_t device) {
+    wake_at(std::max(reads_.next_wakeup(device), free));
+    if (!reads_.any_ready(device)) return;
+    if (free > t) return wake_at(free);
+    reads_.visit_ready(device, [&](std::size_t request) { return !consider_polled(t, request); });
 }
 
 #ifdef TAKT_CHECK_CHOICE

@@ -56,8 +56,10 @@ void LinePoller::Run::swap_plan(Instant t) {
     for (std::size_t r = 0; r < requests_.size(); ++r)
         if (write_groups_.has(r)) carry_write(old, old_groups, r);
     carry_commands();
-    for (std::size_t r = 0; r < requests_.size(); ++r)
+    for (std::size_t r = 0; r < requests_.size(); ++r) {
         if (requests_[r].read) carry_read(t, before, r);
+        note_event(r);
+    }
     reads_.keep_due(t, before.schedule);
     ages_->begin(t);
     learner_->plan_runs(t);

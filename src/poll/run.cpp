@@ -198,9 +198,12 @@ void LinePoller::Run::pull_trigger(Instant t, std::size_t index, model::LocalInd
     bool reads = request.read && request.plan->read_trigger == local;
     if (write_groups_.has(index) && request.plan->write_trigger == local) {
         write_groups_.pull_trigger(t, index);
+        note_event(index);
         if (write_groups_[index].kind == WriteKind::exchange && group_ready(t, index)) reads = false;
     }
-    if (reads) reads_.pull_trigger(t, index);
+    if (!reads) return;
+    reads_.pull_trigger(t, index);
+    note_event(index);
 }
 
 void LinePoller::Run::on_bytes(Instant t, Bytes bytes) {

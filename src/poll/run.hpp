@@ -14,6 +14,7 @@
 #include "candidate.hpp"
 #include "command_queue.hpp"
 #include "engine_buffers.hpp"
+#include "eventful_requests.hpp"
 #include "gap_learner.hpp"
 #include "jobs.hpp"
 #include "line_match.hpp"
@@ -111,12 +112,13 @@ private:
 
     // schedule.cpp
     void choose(Instant t);
-    void consider(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
+    /// @returns whether it may be sent now; so does consider_polled()
+    bool consider(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
                   const Candidate& candidate);
     void consider_all(Instant t);
     void consider_event(Instant t, std::size_t request);
     void consider_triggered(Instant t, std::size_t request);
-    void consider_polled(Instant t, std::size_t request);
+    bool consider_polled(Instant t, std::size_t request);
     void consider_write(Instant t, std::size_t request);
     void consider_probe(Instant t, std::size_t device);
     void consider_early_probes(Instant t);
@@ -138,10 +140,12 @@ private:
     void on_outcome(const bus::Outcome& outcome);
 
     // ready.cpp
+    [[nodiscard]] bool eventful(std::size_t request) const;
+    void note_event(std::size_t request);
     [[nodiscard]] Instant line_free() const;
     void keep_queue();
     void consider_first(Instant t);
-    void consider_first_of(Instant t, std::size_t device);
+    void consider_first_of(Instant t, Instant free, std::size_t device);
     void check_choice(Instant t);
 
     // trials.cpp
@@ -254,7 +258,7 @@ private:
 
     const std::vector<std::vector<std::optional<Duration>>>* proved_ages_;  // of the first plan
     std::optional<AgeWatch> ages_;
-    std::vector<std::size_t> eventful_;  // with a queue of reads: requests with a trigger or write
+    EventfulRequests eventful_;  // with a queue of reads
     ModifySequence modify_;
     bus::Arbiter arbiter_;
     SplitValues splits_;

@@ -57,9 +57,11 @@ void LinePoller::Run::consider_all(Instant t) {
     }
 }
 
-void LinePoller::Run::consider(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
+bool LinePoller::Run::consider(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
                                const Candidate& candidate) {
-    arbiter_.offer(t, std::max(due, engine_.earliest_start(unit, shape)), candidate);
+    const Instant start = std::max(due, engine_.earliest_start(unit, shape));
+    arbiter_.offer(t, start, candidate);
+    return start <= t;
 }
 
 // A trigger or a change.
@@ -81,12 +83,12 @@ void LinePoller::Run::consider_triggered(Instant t, std::size_t request) {
     consider(t, unit, shape_to_send(t, request), reads_.not_before(request), candidate);
 }
 
-void LinePoller::Run::consider_polled(Instant t, std::size_t request) {
-    if (!reads_.waits(request)) return;
+bool LinePoller::Run::consider_polled(Instant t, std::size_t request) {
+    if (!reads_.waits(request)) return false;
     const Instant due = reads_.due(request);
     if (due <= t && requests_[request].plan->period > Duration::zero()) arbiter_.keep_round();
     const UnitId unit = devices_[requests_[request].device].model->address;
-    consider(t, unit, shape_to_send(t, request), due, arbiter_.polled(t, reads_.polled(request)));
+    return consider(t, unit, shape_to_send(t, request), due, arbiter_.polled(t, reads_.polled(request)));
 }
 
 void LinePoller::Run::consider_write(Instant t, std::size_t request) {

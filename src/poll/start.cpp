@@ -124,7 +124,10 @@ void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
     const auto index = outcome.id >> 3;
     if (unlimited_event(outcome.id)) arbiter_.event_ended(std::max(outcome.ended_at, line_free()));
     switch (kind_of(outcome.id)) {
-        case JobKind::read: on_read(outcome, index); return;
+        case JobKind::read:
+            on_read(outcome, index);
+            note_event(index);
+            return;
         case JobKind::group_write:
         case JobKind::command: on_written(outcome); return;
         case JobKind::trial: on_trial(outcome); return;

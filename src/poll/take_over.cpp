@@ -55,6 +55,7 @@ void LinePoller::Run::take_over(Instant t, Run& old) {
     for (std::size_t r = 0; r < requests_.size(); ++r) {
         if (requests_[r].read) take_over_read(t, old, match, r);
         if (write_groups_.has(r)) take_over_write(old, match, r);
+        note_event(r);
     }
     ages_->begin(t);
 }

@@ -24,6 +24,7 @@ Result<bool> LinePoller::Run::set(Instant t, value::SlotId slot, const value::Va
     TAKT_TRY(const Written written, as_written(*variables_[v].model, value));
     written_values_.want(v, written);
     write_groups_.set(t, v);
+    if (const auto group = write_groups_.on_change(v)) note_event(*group);
     commands_.supersede(t, v, written.value);
     return written.rounded;
 }

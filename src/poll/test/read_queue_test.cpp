@@ -1,6 +1,7 @@
 // The queue of polled reads against the simple comparison of all of them: by itself, and inside a poller on
 // lines where everything happens (there each choice is compared, see ready.cpp).
 #include "../read_queue.hpp"
+#include "../eventful_requests.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -30,13 +31,39 @@ RC_GTEST_PROP(IndexedHeap, HasTheLeastOnTop, ()) {
             model.erase(index);
             heap.remove(index);
         }
-        RC_ASSERT(heap.all().size() == model.size());
-        RC_ASSERT(std::set(heap.all().begin(), heap.all().end()).size() == model.size());
+        std::vector<std::uint32_t> frontier;
+        std::vector<int> keys;
+        std::set<std::uint32_t> visited;
+        heap.visit_in_order(frontier, [&](std::uint32_t element) {
+            visited.insert(element);
+            keys.push_back(model.at(element));
+            return true;
+        });
+        RC_ASSERT(visited.size() == model.size() && keys.size() == model.size());
+        RC_ASSERT(std::ranges::is_sorted(keys));
         if (model.empty()) continue;
         const auto least =
             std::ranges::min_element(model, {}, [](const auto& entry) { return entry.second; });
         RC_ASSERT(heap.top_key() == least->second);
         RC_ASSERT(model.at(heap.top()) == least->second);
+    }
+}
+
+RC_GTEST_PROP(EventfulRequests, KeepsEachMemberOnceInTheOrderOfArrival, ()) {
+    constexpr std::size_t kRequests = 8;
+    EventfulRequests requests(kRequests);
+    std::vector<std::size_t> model;
+    const auto steps = *rc::gen::inRange(1, 40);
+    for (int i = 0; i < steps; ++i) {
+        const auto request = *rc::gen::inRange<std::size_t>(0, kRequests);
+        if (*rc::gen::inRange(0, 3) > 0) {
+            if (std::ranges::find(model, request) == model.end()) model.push_back(request);
+            requests.add(request);
+        } else {
+            std::erase(model, request);
+            requests.remove_unless([request](std::size_t member) { return member != request; });
+        }
+        RC_ASSERT(std::ranges::equal(requests.all(), model));
     }
 }
 
@@ -85,20 +112,31 @@ RC_GTEST_PROP(ReadQueue, GivesTheSameFirstAsLookingAtAll, ()) {
         for (std::size_t device = 0; device < 3; ++device) {
             std::optional<std::size_t> first;
             Instant next = kNever;
-            std::set<std::size_t> due;
+            std::vector<std::size_t> due;
             for (std::size_t r = 0; r < jobs.size(); ++r) {
                 const auto entry = jobs[r].entry(t);
                 if (devices[r] != device || !entry) continue;
                 if (!entry->priority) next = std::min(next, entry->due);
                 if (!entry->priority) continue;
-                due.insert(r);
+                due.push_back(r);
                 if (!first || *entry->priority < *jobs[*first].entry(t)->priority) first = r;
             }
+            std::ranges::sort(due, {}, [&](std::size_t r) { return *jobs[r].entry(t)->priority; });
             RC_ASSERT(queue.first(device) == first);
             RC_ASSERT(queue.next_due(device) == next);
-            std::set<std::size_t> visited;
-            queue.for_each_due(device, [&](std::size_t request) { visited.insert(request); });
+            std::vector<std::size_t> visited;
+            queue.visit_due(device, [&](std::size_t request) {
+                visited.push_back(request);
+                return true;
+            });
             RC_ASSERT(visited == due);
+            if (due.empty()) continue;
+            visited.clear();
+            queue.visit_due(device, [&](std::size_t request) {
+                visited.push_back(request);
+                return false;
+            });
+            RC_ASSERT(visited == std::vector{due.front()});
         }
     }
 }

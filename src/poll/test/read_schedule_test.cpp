@@ -201,12 +201,18 @@ TEST(ReadSchedule, TheQueueFollowsEachChange) {
     ASSERT_TRUE(line.schedule.has_queue());
     const auto first = [&](Duration t) {
         line.schedule.settle(at(t), arbiter);
-        return line.schedule.queue().first(0);
+        std::optional<std::size_t> found;
+        line.schedule.visit_ready(0, [&](std::size_t read) {
+            found = read;
+            return false;
+        });
+        EXPECT_EQ(line.schedule.any_ready(0), found.has_value());
+        return found;
     };
     EXPECT_EQ(first(0ms), 0U);
     line.start(at(0s), 0);
     EXPECT_EQ(first(0ms), std::nullopt);
-    EXPECT_EQ(line.schedule.queue().next_due(0), at(50ms));
+    EXPECT_EQ(line.schedule.next_wakeup(0), at(50ms));
     line.schedule.ended(0);
     line.schedule.again(at(10ms), 0);
     EXPECT_EQ(first(10ms), 0U);
@@ -216,7 +222,7 @@ TEST(ReadSchedule, TheQueueFollowsEachChange) {
     EXPECT_EQ(first(20ms), 1U);
     line.schedule.restart(at(20ms), 0);
     EXPECT_EQ(first(20ms), std::nullopt);
-    EXPECT_EQ(line.schedule.queue().next_due(0), at(50ms));
+    EXPECT_EQ(line.schedule.next_wakeup(0), at(50ms));
 }
 
 TEST(ReadSchedule, NoVariableIsReadLaterByAnotherPlan) {
