@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
@@ -25,6 +26,7 @@ namespace takt::bench {
 namespace {
 
 constexpr std::uint32_t kFirstAddress = 0x7F010001;
+constexpr std::size_t kOwnDescriptors = 16;  // of a process
 
 sockaddr_in address_of(std::size_t device, std::uint16_t port) {
     sockaddr_in address{};
@@ -38,18 +40,20 @@ class Devices {
 public:
     explicit Devices(FieldState& state) : state_(state), epoll_(::epoll_create1(EPOLL_CLOEXEC)) {}
 
-    bool listen(std::size_t count) {
-        std::uint16_t port = 0;
-        for (std::size_t device = 0; device < count; ++device) {
+    /// @param first, end  the devices
+    bool listen(std::size_t first, std::size_t end) {
+        std::uint16_t port = state_.port;
+        for (std::size_t device = first; device < end; ++device) {
             const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
             sockaddr_in address = address_of(device, port);
             socklen_t length = sizeof address;
             auto* const raw = reinterpret_cast<sockaddr*>(&address);
             if (fd < 0 || ::bind(fd, raw, length) != 0 || ::listen(fd, 8) != 0) return false;
-            if (device == 0 && ::getsockname(fd, raw, &length) == 0) port = ntohs(address.sin_port);
+            if (port == 0 && ::getsockname(fd, raw, &length) == 0) port = ntohs(address.sin_port);
             watch(fd, true);
         }
         state_.port = port;
+        state_.listening += end - first;
         return true;
     }
 
@@ -163,24 +167,34 @@ Field::Field(std::size_t devices, int processor) {
         ::mmap(nullptr, sizeof(FieldState), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (shared == MAP_FAILED) std::abort();
     state_ = new (shared) FieldState{};
-    process_ = ::fork();
-    if (process_ == 0) {
+    const std::size_t allowed = line::raise_descriptor_limit();
+    const std::size_t most = allowed > kOwnDescriptors ? (allowed - kOwnDescriptors) / 2 : 1;
+    for (std::size_t first = 0; first < devices && !state_->failed; first += most)
+        start(first, std::min(first + most, devices), processor);
+}
+
+// A listening socket and a connection for each device.
+void Field::start(std::size_t first, std::size_t end, int processor) {
+    const pid_t process = ::fork();
+    if (process == 0) {
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
         pin_to_processor(processor);
-        if (line::raise_descriptor_limit() < 2 * devices + 16) state_->failed = true;
         Devices field(*state_);
-        if (state_->failed || !field.listen(devices)) {
+        if (!field.listen(first, end)) {
             state_->failed = true;
             ::_exit(1);
         }
         field.serve();
     }
-    while (state_->port == 0 && !state_->failed) ::usleep(1000);
+    processes_.push_back(process);
+    while (state_->listening < end && !state_->failed) ::usleep(1000);
 }
 
 Field::~Field() {
-    ::kill(process_, SIGKILL);
-    ::waitpid(process_, nullptr, 0);
+    for (const pid_t process : processes_) {
+        ::kill(process, SIGKILL);
+        ::waitpid(process, nullptr, 0);
+    }
     ::munmap(state_, sizeof(FieldState));
 }
 

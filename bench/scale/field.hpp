@@ -1,4 +1,4 @@
-// A field of Modbus TCP devices in a process of its own: one loopback address each, one port for all.
+// A field of Modbus TCP devices in processes of their own: one loopback address each, one port for all.
 #pragma once
 
 #include <sys/types.h>
@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace takt::bench {
 
@@ -16,16 +17,18 @@ std::string device_address(std::size_t device);
 /// Binds the calling process to one processor; without effect where there is no such processor.
 void pin_to_processor(int processor);
 
-/// The memory that the two processes share.
+/// The memory that the processes share.
 struct FieldState {
     std::atomic<std::uint64_t> requests;
     std::atomic<std::uint64_t> connections;  ///< accepted so far
     std::atomic<std::uint32_t> drops;        ///< raised by the master: close all connections now
-    std::atomic<std::uint16_t> port;         ///< not 0: all devices listen
+    std::atomic<std::uint64_t> listening;    ///< devices
+    std::atomic<std::uint16_t> port;
     std::atomic<bool> failed;
 };
 
-/// Answers 0x03 and 0x04 with registers that change from request to request.
+/// Answers 0x03 and 0x04 with registers that change from request to request. As many processes as the limit
+/// of descriptors demands.
 class Field {
 public:
     /// Forks; the devices listen when it returns.
@@ -42,8 +45,10 @@ public:
     void drop_all() { ++state_->drops; }
 
 private:
+    void start(std::size_t first, std::size_t end, int processor);
+
     FieldState* state_;
-    pid_t process_ = -1;
+    std::vector<pid_t> processes_;
 };
 
 }  // namespace takt::bench

@@ -24,6 +24,7 @@ using namespace std::chrono_literals;
 
 constexpr int kOwnProcessor = 0;
 constexpr int kFieldProcessor = 1;
+constexpr std::size_t kOwnDescriptors = 32;  // beside one for each device
 
 struct Settings {
     bench::Scale scale;
@@ -63,9 +64,10 @@ int main(int count, char** arguments) {
     }
     bench::Field field(settings->scale.devices, kFieldProcessor);
     const auto allowed = line::raise_descriptor_limit();
-    if (!field.ok() || allowed < settings->scale.devices + 32) {
-        std::fprintf(stderr, "%zu devices need %zu descriptors in the field's process; %zu are allowed\n",
-                     settings->scale.devices, 2 * settings->scale.devices + 16, allowed);
+    const std::size_t needed = settings->scale.devices + kOwnDescriptors;
+    if (!field.ok() || allowed < needed) {
+        std::fprintf(stderr, "%zu devices need %zu descriptors; %zu are allowed (ulimit -Hn)\n",
+                     settings->scale.devices, needed, allowed);
         return 1;
     }
     if (!settings->program.empty()) {
