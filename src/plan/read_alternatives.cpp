@@ -1,7 +1,8 @@
 #include "takt/plan/read_alternatives.hpp"
 
 #include <algorithm>
-#include <span>
+#include <set>
+#include <utility>
 
 #include "reads.hpp"
 #include "takt/wire/function.hpp"
@@ -96,17 +97,27 @@ void add_parts(Collection& found, const Request& request, const model::Device& d
     part(items.start + 1);
 }
 
-void add_others(Collection& found, const Request& request, std::span<const Request> requests) {
-    for (const auto& other : requests)
-        if (other.device == request.device && other.read && other.period && &other != &request)
-            found.add(Kind::another, kOthers, read_of(other), items_of(other));
+std::vector<ReadAlternative> polled_reads(const model::Line& line, const model::Device& device,
+                                          std::span<const Request> requests) {
+    std::set<std::pair<wire::Function, std::size_t>> known;  // of the response
+    std::vector<ReadAlternative> reads;
+    for (const auto& request : requests) {
+        if (&line.devices[request.device] != &device || !request.read || !request.period) continue;
+        const auto read = read_of(request);
+        if (known.emplace(read, wire::response_pdu_length(read, request.quantity)).second)
+            reads.push_back(
+                {.kind = Kind::another, .read = read, .start = request.start, .quantity = request.quantity});
+    }
+    return reads;
 }
 
 }  // namespace
 
 AlternativeReads::AlternativeReads(const model::Project& project, const model::Line& line,
-                                   const model::Device& device)
-    : device_(&device), parts_only_(project.profile == model::Profile::owen_kc1) {
+                                   const model::Device& device, std::span<const Request> requests)
+    : others_(polled_reads(line, device, requests)),
+      device_(&device),
+      parts_only_(project.profile == model::Profile::owen_kc1) {
     for (const auto& reads : reads_of(project, line, device)) {
         const ItemLimit limit(project, line, device, reads.function, device.strategy);
         auto& readable = readable_.emplace_back(Readable{.read = reads.function, .limit = limit.items()});
@@ -115,7 +126,7 @@ AlternativeReads::AlternativeReads(const model::Project& project, const model::L
     }
 }
 
-ReadAlternatives AlternativeReads::of(const Request& request, const std::vector<Request>& requests) const {
+ReadAlternatives AlternativeReads::of(const Request& request) const {
     Collection found(request);
     const Items items = items_of(request);
     const auto readable = std::ranges::find(readable_, *request.read, &Readable::read);
@@ -132,7 +143,10 @@ ReadAlternatives AlternativeReads::of(const Request& request, const std::vector<
         }
     }
     add_parts(found, request, *device_, !parts_only_);
-    if (!parts_only_) add_others(found, request, requests);
+    if (!parts_only_)
+        for (const auto& other : others_)
+            found.add(other.kind, kOthers, other.read,
+                      {other.start, std::uint32_t{other.start} + other.quantity});
     return found.all();
 }
 

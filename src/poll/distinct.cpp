@@ -19,9 +19,9 @@ const plan::ReadAlternative* LinePoller::Run::alternative_to(Instant t, std::siz
     if (planned == bus::Ambiguity::none) return nullptr;
     if (!request.read->distinct) {
         if (!device.alternatives)
-            device.alternatives = HeapOptional(plan::AlternativeReads(project_, line_, *device.model));
-        request.read->distinct =
-            HeapOptional(DistinctRead(device.alternatives->of(*request.plan, plan_->requests)));
+            device.alternatives =
+                HeapOptional(plan::AlternativeReads(project_, line_, *device.model, plan_->requests));
+        request.read->distinct = HeapOptional(DistinctRead(device.alternatives->of(*request.plan)));
     }
     return request.read->distinct->choose(planned, [&](wire::Function read, std::uint16_t quantity) {
         return engine_.ambiguity(t, unit,

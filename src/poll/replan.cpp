@@ -50,6 +50,7 @@ void LinePoller::Run::swap_plan(Instant t) {
     for (auto& device : devices_) {
         device.requests.clear();
         device.health.set_reads(false);
+        device.alternatives = {};
     }
     const auto old_groups = write_groups_.take_groups();
     add_requests();

@@ -18,8 +18,8 @@ constexpr auto kCoils = Function::read_coils;
 std::vector<ReadAlternative> alternatives(const model::Project& described) {
     const auto made = make_plan(described);
     const auto& line = described.lines[0];
-    const AlternativeReads reads(described, line, line.devices[0]);
-    const auto found = reads.of(made.lines[0].requests.at(0), made.lines[0].requests);
+    const AlternativeReads reads(described, line, line.devices[0], made.lines[0].requests);
+    const auto found = reads.of(made.lines[0].requests.at(0));
     return {found.begin(), found.end()};
 }
 

@@ -34,8 +34,9 @@ bool replaces(const Asked& asked, const plan::ReadAlternatives& alternatives) {
 }  // namespace
 
 plan::ReadAlternatives LineJudge::alternatives_to(const plan::Request& request) const {
-    const plan::AlternativeReads reads(case_.project, line_, line_.devices[request.device]);
-    return reads.of(request, plans_.back().requests);
+    const plan::AlternativeReads reads(case_.project, line_, line_.devices[request.device],
+                                       plans_.back().requests);
+    return reads.of(request);
 }
 
 std::optional<Instant> LineJudge::release_before(const RequestState& request, Instant t) const {

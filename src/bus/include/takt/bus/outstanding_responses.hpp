@@ -60,9 +60,10 @@ struct OutstandingResponse {
     UnitId unit;
     Phase phase = Phase::owed;
     std::uint16_t wire_id = 0;  ///< Framing::tcp; else 0
+    std::uint16_t count = 1;    ///< such responses; the times are those of the last one
+    bool out_of_order = false;  ///< Phase::came
     AnswerShape shape;
     std::size_t other_length = 0;  ///< of another response that it may be instead; that of `shape`: none
-    std::uint16_t count = 1;       ///< such responses; the times are those of the last one
     Instant end;                   ///< of the request, or of the last answer of the unit before its own
     Instant expired_at;            ///< when its transaction ended
     Instant hold_until;            ///< requests that look alike wait until then
@@ -73,7 +74,6 @@ struct OutstandingResponse {
     Duration wait{};               ///< Transaction::wait
     Duration delay{};              ///< Phase::came
     Instant came_at;               ///< Phase::came
-    bool out_of_order = false;     ///< Phase::came
 
     [[nodiscard]] bool outstanding() const { return phase != Phase::came; }
     [[nodiscard]] bool may_be(UnitId of, const AnswerShape& frame) const;

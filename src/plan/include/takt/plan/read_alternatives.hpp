@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "takt/base/inplace_vector.hpp"
@@ -31,13 +32,14 @@ using ReadAlternatives = InplaceVector<ReadAlternative, 8>;
 class AlternativeReads {
 public:
     /// Sorts the variables of the device: O(n log n).
-    AlternativeReads(const model::Project& project, const model::Line& line, const model::Device& device);
+    /// @param requests  the plan of the line
+    AlternativeReads(const model::Project& project, const model::Line& line, const model::Device& device,
+                     std::span<const Request> requests);
 
     /// The alternatives to `request`, a read of this device. A wider read has items that the project reads
     /// or, with `gaps: always`, that may be read; it keeps the limits of the device. In profile owen-kc1
-    /// there are parts alone.
-    /// @param requests  the plan of the line
-    [[nodiscard]] ReadAlternatives of(const Request& request, const std::vector<Request>& requests) const;
+    /// there are parts alone. Its cost does not depend on the number of requests.
+    [[nodiscard]] ReadAlternatives of(const Request& request) const;
 
 private:
     /// Runs of items that may be read with one function, [start, end), ascending.
@@ -48,6 +50,7 @@ private:
     };
 
     std::vector<Readable> readable_;
+    std::vector<ReadAlternative> others_;  // of the polled reads, the first one of each length
     const model::Device* device_;
     bool parts_only_ = false;
 };
