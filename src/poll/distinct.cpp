@@ -11,10 +11,10 @@ using value::Reason;
 
 // Computed when they are needed for the first time: a line without failures needs none.
 const plan::ReadAlternative* LinePoller::Run::alternative_to(Instant t, std::size_t index) {
+    if (!distinct_reads_ || !engine_.any_ambiguity(t)) return nullptr;
     auto& request = requests_[index];
     auto& device = devices_[request.device];
     const UnitId unit = device.model->address;
-    if (!distinct_reads_) return nullptr;
     const auto planned = engine_.ambiguity(t, unit, request.read->shape());
     if (planned == bus::Ambiguity::none) return nullptr;
     if (!request.read->distinct) {

@@ -27,7 +27,9 @@ struct Outstanding {
                        .forget_at = until + 10s});
     }
     [[nodiscard]] Ambiguity at_time(Duration t, const AnswerShape& shape) const {
-        return responses.ambiguity(at(t), kUnit, shape);
+        const Ambiguity ambiguity = responses.ambiguity(at(t), kUnit, shape);
+        EXPECT_TRUE(ambiguity == Ambiguity::none || responses.any_ambiguity(at(t)));
+        return ambiguity;
     }
     bool settle(const char* pdu, Duration t = 1s) {
         return responses.settle(kUnit, frame_shape(hex(pdu)), std::nullopt, at(t), at(t)) != Lateness::none;
@@ -52,6 +54,7 @@ TEST(OutstandingResponses, HoldUpOnlyResponsesThatLookAlike) {
     EXPECT_EQ(late.at_time(300ms, kRead2), Ambiguity::doubted);
     late.responses.expire(at(10200ms));
     EXPECT_EQ(late.at_time(300ms, kRead2), Ambiguity::none);
+    EXPECT_FALSE(late.responses.any_ambiguity(at(300ms)));
 }
 
 TEST(OutstandingResponses, AreSettledByFramesThatLookAlike) {

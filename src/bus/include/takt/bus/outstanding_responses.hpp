@@ -153,6 +153,8 @@ public:
     [[nodiscard]] bool ambiguous(UnitId unit, std::uint8_t function) const;
 
     [[nodiscard]] Ambiguity ambiguity(Instant t, UnitId unit, const AnswerShape& shape) const;
+    /// Whether ambiguity() may be other than none for some request. O(1).
+    [[nodiscard]] bool any_ambiguity(Instant t) const { return size_ > 0 || t < all_wait_until_; }
 
     /// Whether any response that looks alike is remembered.
     [[nodiscard]] bool remembers(UnitId unit, const AnswerShape& shape) const;

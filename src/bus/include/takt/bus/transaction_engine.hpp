@@ -169,6 +169,8 @@ public:
 
     /// Whether the response to a request could be mistaken for another one. Framing::tcp: none.
     [[nodiscard]] Ambiguity ambiguity(Instant t, UnitId unit, const AnswerShape& shape) const;
+    /// Whether ambiguity() may be other than none for some request. O(1).
+    [[nodiscard]] bool any_ambiguity(Instant t) const { return !numbered() && outstanding_.any_ambiguity(t); }
     /// Whether a response of the unit is missing: what it seems to answer now need not be to the last
     /// request.
     [[nodiscard]] bool remembers(UnitId unit) const { return outstanding_.remembers(unit); }
