@@ -87,6 +87,7 @@ bool OutstandingResponses::merge() {
             first.count =
                 static_cast<std::uint16_t>(std::min<unsigned>(first.count + second.count, UINT16_MAX));
             first.hold_until = std::max(first.hold_until, second.hold_until);
+            first.hold = std::max(first.hold, second.hold);
             first.expected_until = std::max(first.expected_until, second.expected_until);
             first.confirm_until = std::max(first.confirm_until, second.confirm_until);
             first.forget_at = std::max(first.forget_at, second.forget_at);
@@ -185,8 +186,7 @@ void OutstandingResponses::answered(Instant t, UnitId unit, const std::optional<
     }
 }
 
-void OutstandingResponses::confirmed(Instant t, UnitId unit, const AnswerShape& shape, Instant request_end,
-                                     Duration hold) {
+void OutstandingResponses::confirmed(Instant t, UnitId unit, const AnswerShape& shape, Instant request_end) {
     for (auto& entry : all()) {
         if (!entry.may_be(unit, shape)) continue;
         entry.check_at = t + kCheckInterval;
@@ -200,7 +200,7 @@ void OutstandingResponses::confirmed(Instant t, UnitId unit, const AnswerShape& 
             entry.phase = Phase::passed;
         } else {
             entry.phase = Phase::suspected;
-            entry.hold_until = std::max(entry.hold_until, t + hold);
+            entry.hold_until = std::max(entry.hold_until, t + entry.hold);
         }
     }
 }

@@ -9,7 +9,6 @@ namespace {
 
 constexpr std::size_t kShortestFrame = 5;  // an exception over RTU
 constexpr std::size_t kExceptionPdu = 2;
-constexpr int kSuspicionFactor = 2;
 
 }  // namespace
 
@@ -279,8 +278,7 @@ Instant TransactionCore::confirmation_end(Instant t, const Slot& slot) const {
 // The response that is missing was lost, or it is that to this request.
 void TransactionCore::conclude(Instant t, Slot& slot) {
     const bool in_doubt = slot.unordered || ambiguity(t, slot.unit, slot.shape()) > Ambiguity::passed;
-    outstanding_.confirmed(t, slot.unit, slot.shape(), slot.request_end,
-                           std::max(kSuspicionFactor * slot.wait, slot.late_limit));
+    outstanding_.confirmed(t, slot.unit, slot.shape(), slot.request_end);
     const Instant received_at = slot.received_at;
     if (in_doubt) return finish(received_at, slot, Status::ambiguous);
     if (slot.in_order) outstanding_.answered(t, slot.unit, slot.shape());

@@ -20,6 +20,7 @@ constexpr Duration kLeastBusyLimit = 1s;
 constexpr int kConfirmed = 8;  // time-outs
 constexpr Duration kRemembered = 5min;
 constexpr int kLatenessFactor = 2;
+constexpr int kSuspicionFactor = 2;
 constexpr Duration kLongestExpected = 30s;
 
 // An adapter may deliver two frames together; the silence between them is then lost.
@@ -253,16 +254,18 @@ Duration TransactionCore::expected_time(const Slot& slot) {
 }
 
 void TransactionCore::expect_response(Instant t, const Slot& slot, Instant hold_until) {
-    outstanding_.add({.unit = slot.unit,
-                      .wire_id = numbered() ? slot.wire_id : std::uint16_t{0},
-                      .shape = slot.shape(),
-                      .end = std::max(slot.request_end, slot.unit_busy_until),
-                      .expired_at = t,
-                      .hold_until = hold_until,
-                      .expected_until = t + expected_time(slot),
-                      .confirm_until = t + kConfirmed * slot.wait,
-                      .forget_at = std::max(hold_until, t + kRemembered),
-                      .wait = slot.wait});
+    outstanding_.add(
+        {.unit = slot.unit,
+         .wire_id = numbered() ? slot.wire_id : std::uint16_t{0},
+         .shape = slot.shape(),
+         .end = std::max(slot.request_end, slot.unit_busy_until),
+         .expired_at = t,
+         .hold_until = hold_until,
+         .expected_until = t + expected_time(slot),
+         .confirm_until = t + kConfirmed * slot.wait,
+         .forget_at = std::max(hold_until, t + kRemembered),
+         .hold = hold_until > t ? std::max(kSuspicionFactor * slot.wait, slot.late_limit) : Duration::zero(),
+         .wait = slot.wait});
 }
 
 // The response is copied out of the framer's buffer, which the next bytes overwrite.

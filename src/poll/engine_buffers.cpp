@@ -7,7 +7,7 @@
 
 namespace takt::poll {
 
-EngineBuffers::EngineBuffers(const bus::LineConfig& config, std::size_t longest_pdu, std::size_t devices)
+EngineBuffers::EngineBuffers(const bus::LineConfig& config, std::size_t longest_pdu, std::size_t units)
     : slots_(config.framing == wire::Framing::tcp
                  ? std::clamp<std::size_t>(config.in_flight, 1, bus::kMaxInFlight)
                  : 1),
@@ -17,8 +17,8 @@ EngineBuffers::EngineBuffers(const bus::LineConfig& config, std::size_t longest_
                   bus::TransactionStorage::receiving_size(config.framing, longest_pdu_));
     // Over TCP they only measure delays; on a serial line several of each unit may be outstanding.
     constexpr std::size_t kFew = 8;
-    constexpr std::size_t kOfDevice = 4;
-    outstanding_.resize(config.framing == wire::Framing::tcp ? kFew : kFew + kOfDevice * devices);
+    constexpr std::size_t kOfUnit = 4;
+    outstanding_.resize(config.framing == wire::Framing::tcp ? kFew : kFew + kOfUnit * units);
 }
 
 bus::TransactionStorage EngineBuffers::storage() {

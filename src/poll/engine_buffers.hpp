@@ -13,7 +13,7 @@ namespace takt::poll {
 class EngineBuffers {
 public:
     /// @param longest_pdu  of all requests and responses
-    EngineBuffers(const bus::LineConfig& config, std::size_t longest_pdu, std::size_t devices);
+    EngineBuffers(const bus::LineConfig& config, std::size_t longest_pdu, std::size_t units);
     [[nodiscard]] bus::TransactionStorage storage();
 
 private:

@@ -19,6 +19,12 @@ bool is_true(const value::Value& value) {
     return on && *on;
 }
 
+// Clients ask units that the project does not have. These must not take the memory of those that it has.
+std::size_t units(const model::Line& line) {
+    constexpr std::size_t kOfClients = 32;
+    return line.devices.size() + (line.relayed ? kOfClients : 0);
+}
+
 // The longest PDU of a line that only reads and does not learn is its longest response. Other lines may send
 // any PDU.
 std::size_t longest_pdu(const model::Line& line, const plan::LinePlan& plan) {
@@ -53,7 +59,7 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan,
       store_(store),
       observer_(options.observer),
       engine_buffers_(bus_config(project, plan, options), longest_pdu(project.lines[plan.line], plan),
-                      project.lines[plan.line].devices.size()),
+                      units(project.lines[plan.line])),
       engine_(bus_config(project, plan, options), engine_buffers_.storage(), options.traffic),
       written_values_(store),
       commands_(written_values_, kMaxCommands),

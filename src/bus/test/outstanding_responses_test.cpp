@@ -24,7 +24,8 @@ struct Outstanding {
                        .expired_at = at(100ms),
                        .hold_until = until,
                        .confirm_until = until + 1s,
-                       .forget_at = until + 10s});
+                       .forget_at = until + 10s,
+                       .hold = 50ms});
     }
     [[nodiscard]] Ambiguity at_time(Duration t, const AnswerShape& shape) const {
         const Ambiguity ambiguity = responses.ambiguity(at(t), kUnit, shape);
@@ -97,10 +98,10 @@ TEST(OutstandingResponses, PassWhenTheirUnitAnswersADistinguishableRequest) {
 TEST(OutstandingResponses, AreSuspectedAndPassWhenNothingFollowsAResponseThatLooksAlike) {
     Outstanding late;
     late.expect(kUnit, kRead2, at(200ms));
-    late.responses.confirmed(at(310ms), kUnit, kRead2, at(300ms), 50ms);
+    late.responses.confirmed(at(310ms), kUnit, kRead2, at(300ms));
     EXPECT_EQ(late.at_time(359ms, kRead2), Ambiguity::held);
     EXPECT_EQ(late.at_time(360ms, kRead2), Ambiguity::suspected);
-    late.responses.confirmed(at(410ms), kUnit, kRead2, at(400ms), 50ms);
+    late.responses.confirmed(at(410ms), kUnit, kRead2, at(400ms));
     EXPECT_EQ(late.at_time(400ms, kRead2), Ambiguity::passed);
     ASSERT_TRUE(late.settle("03 04 00 01 00 02", 500ms));
     EXPECT_EQ(late.responses.take_late()->delay, 100ms) << "the response to the last request";

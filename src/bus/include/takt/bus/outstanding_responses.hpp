@@ -71,6 +71,7 @@ struct OutstandingResponse {
     Instant confirm_until;         ///< Phase::passed: until then responses that look alike are confirmed
     Instant check_at;              ///< Phase::passed: the next response after that is confirmed too
     Instant forget_at;             ///< the response is not expected to come at all after that
+    Duration hold{};               ///< Phase::suspected: requests that look alike wait so long again
     Duration wait{};               ///< Transaction::wait
     Duration delay{};              ///< Phase::came
     Instant came_at;               ///< Phase::came
@@ -146,8 +147,7 @@ public:
     /// A response of `shape` was received and no further one followed. Those that look alike are suspected
     /// now, or have passed; the one that is missing may be that to the last request, which ended at
     /// `request_end`.
-    /// @param hold  for which the next request waits if they are suspected
-    void confirmed(Instant t, UnitId unit, const AnswerShape& shape, Instant request_end, Duration hold);
+    void confirmed(Instant t, UnitId unit, const AnswerShape& shape, Instant request_end);
 
     /// Whether an exception to `function` could be a late one.
     [[nodiscard]] bool ambiguous(UnitId unit, std::uint8_t function) const;
