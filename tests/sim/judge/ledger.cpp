@@ -1,6 +1,7 @@
 #include "ledger.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace takt::judge {
 namespace {
@@ -16,6 +17,7 @@ std::uint64_t hash_of(std::uint8_t unit, const ByteVector& pdu) {
     return hash;
 }
 constexpr Duration kUnknownDelay = std::chrono::milliseconds(100);
+constexpr Duration kHeld = std::chrono::minutes(1);  // the longest that a request may wait and be held
 
 }  // namespace
 
@@ -43,33 +45,38 @@ void AnswerLedger::on_connection() {
     owed_.clear();
     shifted_.clear();
     bytes_.clear();
+    since_.clear();
+    refused_.clear();
+    doubts_.clear();
     heard_.clear();
 }
 
 void AnswerLedger::on_sent(Instant t, const Asked& asked) {
     if (framing_ == wire::Framing::tcp || asked.unit == 0) return;  // the transaction id tells them apart
-    settle_last();
+    settle_last(t);
     settle_suspected(t, owed(t, asked));
     heard_.clear();
+    since_.clear();
     std::erase_if(owed_, [](const Owed& each) { return each.answered; });
     while (!owed_.empty() && t - owed_.front().t > 2 * kForgotten) owed_.pop_front();
     const auto shifted = shifted_.find(asked.unit);
     if (shifted != shifted_.end() && !same_shape(shifted->second, owed(t, asked))) shifted_.erase(shifted);
     owed_.push_back(owed(t, asked));
+    owed_.back().number = ++last_number_;
     if (owed_.size() > kMostOwed) owed_.pop_front();
 }
 
 void AnswerLedger::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     if (framing_ == wire::Framing::tcp) return;
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    if (since_.size() < 2 * kMostBytes) since_.insert(since_.end(), bytes.begin(), bytes.end());
     std::size_t parsed = 0;
     for (const FoundFrame& frame : find_frames(framing_, bytes_, parsed)) take(t, frame);
     parsed = std::max(parsed, bytes_.size() - std::min(bytes_.size(), kMostBytes));
     bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(parsed));
 }
 
-// A frame that can be the answer to the last request waits for settle_last(). An exception belongs to the
-// only open request with its function; of several it settles none, because each of them may still be owed.
+// A frame that can be the answer to the last request waits for settle_last().
 void AnswerLedger::take(Instant t, const FoundFrame& frame) {
     heard_.push_back({t, frame.unit, frame.pdu});
     if (past_.size() < kPast)
@@ -77,22 +84,51 @@ void AnswerLedger::take(Instant t, const FoundFrame& frame) {
     else
         past_[next_past_++ % kPast] = hash_of(frame.unit, frame.pdu);
     if (owed_.empty() || matches(owed_.back(), frame)) return;
-    const auto gone = [](const Owed& each) { return each.passed(true); };
+    if ((frame.pdu[0] & 0x80U) != 0) return take_exception(t, frame);
     Owed* found = nullptr;
-    unsigned refused = 0;
-    for (Owed& each : owed_) {
-        if (each.answered) continue;
-        const bool refuses = each.unit == frame.unit && (each.function | 0x80U) == frame.pdu[0];
-        refused += refuses;
-        if (!refuses && !matches(each, frame)) continue;
-        if (!found || (gone(*found) && !gone(each))) found = &each;
-    }
-    if (!found || refused > 1) return;
+    for (Owed& each : owed_)
+        if (!each.answered && matches(each, frame) &&
+            (!found || (has_passed(*found) && !has_passed(each))))
+            found = &each;
+    if (!found) return;
     found->answered = true;
-    if (refused == 1 && found == &owed_.back()) pass_others(*found);
+    forget(*found);
+    settle_refused();
     lateness_[frame.unit] = std::max(lateness_[frame.unit], t - found->t);
-    if (refused == 0 && found->unfollowed < 2 && (found->overtaken || last_is_answered()))
+    if (found->unfollowed < 2 && (found->overtaken || last_is_answered()))
         reordered_[frame.unit / 64] |= std::uint64_t{1} << (frame.unit % 64);
+}
+
+void AnswerLedger::take_exception(Instant t, const FoundFrame& frame) {
+    std::vector<std::uint64_t> may_be;
+    Owed* found = nullptr;
+    for (Owed& each : owed_) {
+        if (each.answered || each.unit != frame.unit || (each.function | 0x80U) != frame.pdu[0]) continue;
+        if (has_passed(each) && each.number != last_number_) continue;
+        may_be.push_back(each.number);
+        found = &each;
+    }
+    if (may_be.size() > 1) refused_.push_back(std::move(may_be));
+    if (!found || found->answered || may_be.size() != 1) return;
+    found->answered = true;
+    if (found == &owed_.back()) pass_others(*found);
+    lateness_[frame.unit] = std::max(lateness_[frame.unit], t - found->t);
+}
+
+void AnswerLedger::settle_refused() {
+    const auto find = [&](std::uint64_t number) {
+        return std::ranges::find_if(owed_, [&](const Owed& e) { return e.number == number && !e.answered; });
+    };
+    bool again = true;
+    while (std::exchange(again, false))
+        for (auto& requests : refused_) {
+            std::erase_if(requests, [&](std::uint64_t number) { return find(number) == owed_.end(); });
+            if (requests.size() != 1) continue;
+            find(requests.front())->answered = true;
+            requests.clear();
+            again = true;
+        }
+    std::erase_if(refused_, [](const auto& requests) { return requests.empty(); });
 }
 
 // By one frame, and no other answer of its shape is owed.
@@ -106,7 +142,7 @@ bool AnswerLedger::last_is_answered() const {
 }
 
 // The last frame of the shape of the last request counts as its answer, the others as those owed before.
-void AnswerLedger::settle_last() {
+void AnswerLedger::settle_last(Instant t) {
     if (owed_.empty()) return;
     Owed& last = owed_.back();
     std::size_t came = 0;
@@ -116,17 +152,23 @@ void AnswerLedger::settle_last() {
         ++came;
         last_came = each.t;
     }
-    if (came == 0) return;
+    remember(t, last, came);
+    if (came == 0) {
+        if (!last.answered) last.answered = came_damaged();
+        return settle_refused();
+    }
     const bool undoubted = last_is_answered();
     const bool several = came > 1;
     last.answered = true;
     for (const bool gone : {false, true})
         for (Owed& each : owed_)
-            if (came > 1 && !each.answered && each.passed(true) == gone && same_shape(each, last)) {
+            if (came > 1 && !each.answered && has_passed(each) == gone && same_shape(each, last)) {
                 each.answered = true;
+                forget(each);
                 lateness_[last.unit] = std::max(lateness_[last.unit], last_came - each.t);
                 --came;
             }
+    settle_refused();
     for (Owed& each : owed_)
         if (!each.answered && same_shape(each, last)) each.suspected_at = last_came;
     if (several) {
@@ -144,6 +186,25 @@ void AnswerLedger::pass_others(const Owed& answered) {
     for (Owed& each : owed_)
         if (!each.answered && each.unit == answered.unit && !same_shape(each, answered))
             each.overtaken = true;
+}
+
+// Bytes that begin like the answer to the last request and are as many, with a wrong checksum.
+bool AnswerLedger::came_damaged() const {
+    const Owed& last = owed_.back();
+    const std::size_t length = frame_characters(framing_, last.length);
+    if (since_.size() < length) return false;
+    ByteVector begin{last.unit, last.function};
+    if (framing_ == wire::Framing::ascii) {
+        constexpr std::string_view kDigits = "0123456789ABCDEF";
+        ByteVector characters{':'};
+        for (const unsigned byte : begin) {
+            characters.push_back(static_cast<std::uint8_t>(kDigits[byte >> 4U]));
+            characters.push_back(static_cast<std::uint8_t>(kDigits[byte & 15U]));
+        }
+        begin = characters;
+    }
+    const auto last_begin = since_.end() - static_cast<std::ptrdiff_t>(length - begin.size());
+    return std::search(since_.begin(), last_begin, begin.begin(), begin.end()) != last_begin;
 }
 
 void AnswerLedger::note_exempt(const Asked& asked) {
@@ -170,6 +231,33 @@ void AnswerLedger::settle_suspected(Instant t, const Owed& next) {
         each.unfollowed += unfollowed;
         if (unfollowed || same_shape(each, next)) each.suspected_at.reset();
     }
+}
+
+void AnswerLedger::remember(Instant t, const Owed& request, std::size_t came) {
+    const Shape shape{request.unit, request.function, request.length};
+    const auto known = doubts_.find(shape);
+    if (came == 1 && known == doubts_.end()) return;
+    Doubt& doubt = known == doubts_.end() ? doubts_[shape] : known->second;
+    doubt.several = came > 1;
+    if (came == 0) {
+        ++doubt.missing;
+        doubt.until = t + kForgotten + kHeld;
+    }
+}
+
+void AnswerLedger::forget(const Owed& request) {
+    const auto known = doubts_.find({request.unit, request.function, request.length});
+    if (known != doubts_.end() && known->second.missing > 0) --known->second.missing;
+}
+
+bool AnswerLedger::in_doubt(Instant t, const Shape& shape) const {
+    for (auto each = doubts_.lower_bound({shape.unit, shape.function, 0});
+         each != doubts_.end() && each->first.unit == shape.unit; ++each) {
+        if (shape.function != 0 && each->first.function != shape.function) break;
+        if (shape.length != 0 && each->first.length != shape.length) continue;
+        if (each->second.several || (each->second.missing > 0 && t < each->second.until)) return true;
+    }
+    return false;
 }
 
 bool AnswerLedger::doubtful(const Asked& asked) const {
@@ -205,7 +293,7 @@ std::optional<std::string_view> AnswerLedger::exemption(Instant t, Instant sent,
         if (each.answered || !same_shape(each, own) || each.t >= sent) continue;
         if (t - each.t > kForgotten)
             expired = true;
-        else if (each.passed(!reordered(own.unit)) || (each.unfollowed == 1 && unfollowed))
+        else if (has_passed(each) || (each.unfollowed == 1 && unfollowed))
             passed = true;
         else
             ++open;
@@ -232,7 +320,7 @@ std::string AnswerLedger::describe(Instant t, Instant sent, const Asked& asked) 
         if (each.answered || !same_shape(each, own) || each.t >= sent) continue;
         text += text.empty() ? "; an answer of its shape is owed since " : ", ";
         text += std::to_string((t - each.t) / std::chrono::milliseconds(1)) + " ms";
-        if (each.passed(!reordered(own.unit))) text += " (passed)";
+        if (has_passed(each)) text += " (passed)";
     }
     if (reordered(own.unit)) text += "; the unit has answered out of order";
     return text;

@@ -6,8 +6,7 @@
 // request, holds the shown value, and one of these holds when it is published:
 //
 //   copy        no earlier request of that shape is unanswered, and the same frame was received before. It is
-//   a
-//               copy, or an answer of the past. A true answer would look the same.
+//               a copy, or an answer of the past. A true answer would look the same.
 //   passed      the unanswered requests of that shape have passed, see below. So their answers count as lost.
 //   reordered   as many frames of the shape came as were owed, and the last one is published. The unit has
 //               never answered out of order. So the last answer belongs to the last request.
@@ -25,6 +24,10 @@
 //   next request of the shape;
 // - when its unit has answered a later request of another shape, and has never answered out of order.
 // A unit has answered out of order when a frame comes that it owes only for a request that has passed.
+//
+// An answer has come, too, when bytes with a wrong checksum begin like it and are as many. An exception shows
+// its function only: of several unanswered requests that have not passed it refuses one that is not known. When
+// all of them but one have been answered, it was that one.
 #pragma once
 
 #include <cstdint>
@@ -57,6 +60,21 @@ public:
     /// answer to `asked`, as far as the bytes show.
     [[nodiscard]] bool doubtful(const Asked& asked) const;
 
+    /// The shape of an answer, as far as unit, function and length show it.
+    struct Shape {
+        std::uint8_t unit = 0;
+        std::uint8_t function = 0;
+        std::size_t length = 0;
+        auto operator<=>(const Shape&) const = default;
+    };
+    [[nodiscard]] static Shape shape_of(const Asked& asked) {
+        return {asked.unit, asked.function, asked.normal_answer};
+    }
+    /// Whether the master may still expect an answer of that shape (docs/guarantees.md, "Late responses"): in
+    /// the last 5 minutes a request of it had no answer, or the last one had several. So a request of that
+    /// shape may be held, replaced, confirmed and repeated. Length 0: of any length. Function 0: of any.
+    [[nodiscard]] bool in_doubt(Instant t, const Shape& shape) const;
+
     /// The longest time after its request at which an answer of the unit came that was owed.
     [[nodiscard]] Duration lateness(std::uint8_t unit) const;
 
@@ -76,6 +94,7 @@ public:
 private:
     struct Owed {
         Instant t;
+        std::uint64_t number = 0;  // of the request
         std::uint8_t unit = 0;
         std::uint8_t function = 0;
         std::size_t length = 0;
@@ -96,7 +115,13 @@ private:
     [[nodiscard]] static bool matches(const Owed& owed, const FoundFrame& frame);
     [[nodiscard]] static bool same_shape(const Owed& a, const Owed& b);
     void take(Instant t, const FoundFrame& frame);
-    void settle_last();
+    void take_exception(Instant t, const FoundFrame& frame);
+    [[nodiscard]] bool has_passed(const Owed& each) const { return each.passed(!reordered(each.unit)); }
+    void settle_refused();
+    void remember(Instant t, const Owed& request, std::size_t came);
+    void forget(const Owed& request);
+    [[nodiscard]] bool came_damaged() const;
+    void settle_last(Instant t);
     void pass_others(const Owed& answered);
     [[nodiscard]] bool last_is_answered() const;
     void settle_suspected(Instant t, const Owed& next);
@@ -108,6 +133,15 @@ private:
     wire::Framing framing_;
     std::deque<Owed> owed_;                                // in the order of sending
     ByteVector bytes_;                                     // not yet parsed
+    ByteVector since_;                                     // the bytes since the last request
+    std::vector<std::vector<std::uint64_t>> refused_;      // of each: one was refused, by number
+    std::uint64_t last_number_ = 0;
+    struct Doubt {
+        Instant until;         // a request had no answer: its answer is remembered until then
+        unsigned missing = 0;  // answers
+        bool several = false;  // to the last request
+    };
+    std::map<Shape, Doubt> doubts_;
     std::deque<Heard> heard_;                              // since the last request; not yet settled
     std::map<std::uint8_t, std::deque<Duration>> delays_;  // by unit: of its last answers
     std::map<std::uint8_t, Owed> shifted_;                 // by unit: a request whose wrong answer was exempt

@@ -91,7 +91,6 @@ private:
         Instant probe_not_before = Instant::min();
         Instant last_read = Instant::min();   // its start
         Instant clean_from = Instant::min();  // nothing that was asked of it before can hold anything back
-        Instant doubtful_until = Instant::min();  // a late answer to what was asked before may come
         std::uint64_t sent = 0;                   // transactions
         std::uint64_t ended = 0;                  // of them, by the engine
         bool has_reads = false;                   // else it is not probed
@@ -264,18 +263,27 @@ private:
     void settle_read_back(const Transaction& transaction, Instant t);
     [[nodiscard]] Transaction* written_by(const sim::DeviceItems& items);
     [[nodiscard]] bool modifies_alone(const Command& command) const;
-    void complain_of_write(const Transaction& transaction, bool open);
+    void complain_of_write(const Transaction& transaction, bool open, std::span<const VariableNumber> written);
     [[nodiscard]] std::optional<Instant> asked_since(std::size_t group) const;
     [[nodiscard]] bool changes_only(const Transaction& transaction, unsigned bit) const;
     void note_admitted(const Transaction& transaction);
     [[nodiscard]] bool queues_for_bucket(VariableNumber v, Instant t) const;
     void note_carried(const Transaction& transaction);
     [[nodiscard]] Duration hold_of(const DeviceState& device) const;
-    [[nodiscard]] bool repeats_ambiguous(const Transaction& transaction) const;
-    /// An earlier answer of the device may still come: its requests may be held, replaced and repeated.
-    [[nodiscard]] bool in_doubt(std::size_t device, Instant t) const {
-        return one_at_a_time() && t < devices_[device].doubtful_until;
+    [[nodiscard]] bool repeats_ambiguous(const Transaction& transaction,
+                                         std::span<const VariableNumber> written) const;
+    /// An earlier answer of that shape, or of the device, may still come. See ledger.hpp.
+    [[nodiscard]] bool in_doubt(Instant t, const AnswerLedger::Shape& shape) const {
+        return one_at_a_time() && ledger_.in_doubt(t, shape);
     }
+    [[nodiscard]] bool in_doubt(const Transaction& transaction) const {
+        return in_doubt(transaction.start, AnswerLedger::shape_of(transaction.asked));
+    }
+    [[nodiscard]] bool in_doubt(Instant t, std::size_t device) const {
+        return in_doubt(t, {.unit = devices_[device].model->address.value});
+    }
+    [[nodiscard]] AnswerLedger::Shape planned_shape(const plan::Request& request) const;
+    [[nodiscard]] bool repeats_read(const Transaction& transaction) const;
     [[nodiscard]] plan::ReadAlternatives alternatives_to(const plan::Request& request) const;
     [[nodiscard]] bool writes_range_of(const Asked& asked, const plan::Request& request) const;
     void check_group(const Transaction& transaction, const RequestState& group);

@@ -39,6 +39,20 @@ plan::ReadAlternatives LineJudge::alternatives_to(const plan::Request& request) 
     return reads.of(request);
 }
 
+AnswerLedger::Shape LineJudge::planned_shape(const plan::Request& request) const {
+    const auto function = static_cast<std::uint8_t>(*request.read);
+    const std::size_t data =
+        *request.read == wire::Function::read_coils || *request.read == wire::Function::read_discrete_inputs
+            ? (request.quantity + 7U) / 8U
+            : 2U * request.quantity;
+    return {line_.devices[request.device].address.value, function, 2 + data};
+}
+
+// After an ambiguous response: a read of that function.
+bool LineJudge::repeats_read(const Transaction& transaction) const {
+    return in_doubt(transaction.start, {.unit = transaction.asked.unit, .function = transaction.asked.function});
+}
+
 std::optional<Instant> LineJudge::release_before(const RequestState& request, Instant t) const {
     const Duration period = request.plan->period.value_or(Duration::zero());
     const Instant first = epoch_ + request.plan->phase;
@@ -108,7 +122,7 @@ std::optional<std::string> LineJudge::doubt_read(Transaction& transaction) {
     if (!transaction.request) return "the range of the claimed request";
     const plan::Request& planned = *requests_[*transaction.request].plan;
     if (!reads_range_of(transaction.asked, planned)) {
-        const bool may_replace = planned.read && in_doubt(transaction.device, transaction.start);
+        const bool may_replace = planned.read && in_doubt(transaction.start, planned_shape(planned));
         if (!may_replace || !replaces(transaction.asked, alternatives_to(planned)))
             return "the range of the claimed request";
         ++recoveries_["read_replaced"];
@@ -122,7 +136,7 @@ std::optional<std::string> LineJudge::doubt_read(Transaction& transaction) {
         if (device.may_be_dead()) return std::nullopt;
         return "no probe, the device answers";
     }
-    if (device.dead() && !in_doubt(transaction.device, transaction.start))
+    if (device.dead())
         complain("dead_costs_probes", transaction.start,
                  "only probes, " + device.model->name + " does not answer", describe(transaction));
     return transaction.purpose == Purpose::trigger ? doubt_triggered(transaction) : doubt_polled(transaction);
@@ -130,7 +144,7 @@ std::optional<std::string> LineJudge::doubt_read(Transaction& transaction) {
 
 std::optional<std::string> LineJudge::doubt_triggered(Transaction& transaction) {
     RequestState& request = requests_[*transaction.request];
-    const bool again = in_doubt(transaction.device, transaction.chosen);  // its response was ambiguous
+    const bool again = repeats_read(transaction);  // its response was ambiguous
     if (!again && (!request.edge || *request.edge > transaction.chosen))
         return "a trigger that rose since it was last served";
     transaction.expected = case_.project.locals[*request.plan->read_trigger].admission.has_value();
@@ -143,7 +157,7 @@ std::optional<std::string> LineJudge::doubt_polled(Transaction& transaction) {
     const Instant t = transaction.chosen;
     if (transaction.purpose == Purpose::repetition) {
         // A response may be ambiguous while an earlier one is owed: the read is repeated.
-        const bool ambiguous = in_doubt(transaction.device, t);
+        const bool ambiguous = repeats_read(transaction);
         if (!request.retry && !ambiguous) return "an attempt that failed before its repetition";
         if (!request.retry) request.failed_at = t;
         transaction.repeated = true;
@@ -164,7 +178,7 @@ std::optional<std::string> LineJudge::doubt_polled(Transaction& transaction) {
 bool LineJudge::sendable(std::size_t index, Instant since, Instant t) const {
     const DeviceState& device = devices_[index];
     if (since >= t || !device.enabled || device.may_be_dead() || device.clean_from >= since) return false;
-    if (in_doubt(index, t)) return false;
+    if (in_doubt(t, index)) return false;
     return std::ranges::none_of(
         transactions_, [&](const Transaction& other) { return !other.over && other.device == index; });
 }

@@ -62,7 +62,7 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
         note_excess({.t = t, .length = occupied, .device = {}, .bounded = transaction.client});
     else if (const auto more = beyond(transaction, occupied); more > Duration::zero())
         note_excess({t, more, {}});
-    else if (in_doubt(transaction.device, transaction.start))  // a further frame is waited for
+    else if (in_doubt(transaction))  // a further frame is waited for
         note_excess({.t = t, .length = transaction.failure, .device = transaction.device});
     DeviceState& device = devices_[transaction.device];
     if (failed || transaction.received.answer == Answer::exception)
@@ -166,9 +166,7 @@ void LineJudge::came_back(std::size_t index) {
 }
 
 void LineJudge::note_trouble(DeviceState& device, Instant until) {
-    constexpr Duration kRemembered = std::chrono::minutes(5);
     device.clean_from = std::max(device.clean_from, until);
-    device.doubtful_until = std::max(device.doubtful_until, until + kRemembered);
 }
 
 // At most eight time-outs after a late response, docs/guarantees.md, "Late responses".

@@ -39,7 +39,7 @@ void LineJudge::check_probe(Instant t, const Transaction& transaction, const Cla
     if (!device.enabled)
         complain("poll_enable_obeyed", t, "nothing sent to " + device.model->name + ", which is switched off",
                  describe(transaction));
-    if (!device.dead() || transaction.cut || in_doubt(transaction.device, t)) return;
+    if (!device.dead() || transaction.cut) return;
     if (claim.sending.early)
         check_early_probe(transaction, claim);
     else if (t < device.probe_not_before)
@@ -90,7 +90,7 @@ void LineJudge::check_length(Instant t, const std::vector<std::uint64_t>& ended)
         for (const Transaction& transaction : transactions_) {
             if (transaction.device != d) continue;
             // A further frame may be waited for where an earlier answer is owed.
-            const Duration longer = in_doubt(d, transaction.start) ? transaction.failure : Duration::zero();
+            const Duration longer = in_doubt(transaction) ? transaction.failure : Duration::zero();
             if (transaction.deadline + longer >= t)
                 ++may_be_open;
             else if (t > transaction.deadline && transaction.received.answer == Answer::none)

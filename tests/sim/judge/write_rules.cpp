@@ -73,7 +73,7 @@ void LineJudge::take_group(Transaction& transaction) {
     auto& group = requests_[r];
     const bool modifies = group.plan->read_modify_write;
     const bool asked = modifies ? group.modifying : asked_since(r) || group.repeat;
-    if (!asked) return complain_of_write(transaction, group.open);
+    if (!asked) return complain_of_write(transaction, group.open, group.members);
     transaction.expected = group.plan->admission.has_value() && !group.repeat;
     transaction.repeated = group.repeat;
     take_group_commands(transaction, modifies);
@@ -103,19 +103,15 @@ void LineJudge::take_group_commands(Transaction& transaction, bool were_modifyin
 }
 
 // A write that may be repeated, after a response that may have been that to an earlier one.
-bool LineJudge::repeats_ambiguous(const Transaction& transaction) const {
-    if (!in_doubt(transaction.device, transaction.start)) return false;
-    const auto safe = [&](VariableNumber v) { return variables_[v].model->safe_to_repeat; };
-    const auto command_safe = [&](value::CommandId id) {
-        const auto found = commands_.find(id);
-        return found != commands_.end() && safe(found->second.variable);
-    };
-    if (!transaction.request) return std::ranges::all_of(transaction.commands, command_safe);
-    return std::ranges::all_of(requests_[*transaction.request].members, safe);
+bool LineJudge::repeats_ambiguous(const Transaction& transaction,
+                                  std::span<const VariableNumber> written) const {
+    return in_doubt(transaction) && !written.empty() &&
+           std::ranges::all_of(written, [&](VariableNumber v) { return variables_[v].model->safe_to_repeat; });
 }
 
-void LineJudge::complain_of_write(const Transaction& transaction, bool open) {
-    if (repeats_ambiguous(transaction)) return;
+void LineJudge::complain_of_write(const Transaction& transaction, bool open,
+                                  std::span<const VariableNumber> written) {
+    if (repeats_ambiguous(transaction, written)) return;
     if (open)
         complain("unsafe_not_repeated", transaction.start,
                  "no repetition: it is not known whether it was done", describe(transaction));
@@ -150,12 +146,12 @@ bool LineJudge::writes_command(const Transaction& transaction, const Command& co
 
 void LineJudge::take_command(Transaction& transaction, value::CommandId id) {
     const auto found = commands_.find(id);
-    if (found == commands_.end()) return complain_of_write(transaction, false);
+    if (found == commands_.end()) return complain_of_write(transaction, false, {});
     Command& command = found->second;
     const bool modifies = modifies_alone(command);
     if (modifies ? !command.modifying : !command.waits)
-        return complain_of_write(transaction, command.sends > 0);
-    if (!writes_command(transaction, command)) return complain_of_write(transaction, false);
+        return complain_of_write(transaction, command.sends > 0, {&command.variable, 1});
+    if (!writes_command(transaction, command)) return complain_of_write(transaction, false, {});
     if (command.order.expires < transaction.chosen && !modifies)
         complain("write_done_exact", transaction.start,
                  "command " + std::to_string(id) + " not sent any more, it has expired",
@@ -185,7 +181,7 @@ void LineJudge::take_before(Transaction& transaction, const Claim& claim) {
     if (!transaction.request) {
         const auto found = commands_.find(*claim.sending.command);
         // An ambiguous response to the read is followed by another read.
-        const bool again = in_doubt(transaction.device, transaction.start) && found != commands_.end() &&
+        const bool again = in_doubt(transaction) && found != commands_.end() &&
                            found->second.modifying;
         if (found == commands_.end() || !(found->second.waits || again) || !modifies_alone(found->second) ||
             !reads(variables_[found->second.variable].model->start()))
@@ -198,7 +194,7 @@ void LineJudge::take_before(Transaction& transaction, const Claim& claim) {
     auto& group = requests_[*transaction.request];
     if (!group.plan->read_modify_write || !reads(group.plan->start) ||
         !(asked_since(*transaction.request) || group.repeat ||
-          (group.modifying && in_doubt(transaction.device, transaction.start))))
+          (group.modifying && in_doubt(transaction))))
         return wrong();
     transaction.expected = group.plan->admission.has_value() && !group.repeat;
     for (auto& [id, command] : commands_) {
@@ -222,7 +218,7 @@ void LineJudge::take_read_back(Transaction& transaction, const Claim& claim) {
         since = &found->second.read_back_since;
         transaction.commands.push_back(found->first);
     }
-    if (in_doubt(transaction.device, transaction.start) && since && !*since) return;  // it was ambiguous
+    if (in_doubt(transaction) && since && !*since) return;  // it was ambiguous
     if (!since || !*since)
         return complain("request_was_due", transaction.start,
                         "a write that was confirmed and is to be compared", describe(transaction));
