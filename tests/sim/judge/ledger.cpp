@@ -9,6 +9,8 @@ namespace {
 constexpr std::size_t kMostOwed = 4096;
 constexpr std::size_t kMostBytes = 600;  // longer than any frame
 constexpr std::size_t kDelays = 8;
+constexpr Duration kPause = std::chrono::milliseconds(5);  // between two frames, or pieces of one
+constexpr std::size_t kMostRefused = 64;
 constexpr std::size_t kPast = 16384;  // frames of minutes
 
 std::uint64_t hash_of(std::uint8_t unit, const ByteVector& pdu) {
@@ -47,7 +49,6 @@ void AnswerLedger::on_connection() {
     bytes_.clear();
     since_.clear();
     refused_.clear();
-    doubts_.clear();
     heard_.clear();
 }
 
@@ -57,6 +58,7 @@ void AnswerLedger::on_sent(Instant t, const Asked& asked) {
     settle_suspected(t, owed(t, asked));
     heard_.clear();
     since_.clear();
+    damaged_ = false;
     std::erase_if(owed_, [](const Owed& each) { return each.answered; });
     while (!owed_.empty() && t - owed_.front().t > 2 * kForgotten) owed_.pop_front();
     const auto shifted = shifted_.find(asked.unit);
@@ -69,7 +71,10 @@ void AnswerLedger::on_sent(Instant t, const Asked& asked) {
 void AnswerLedger::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     if (framing_ == wire::Framing::tcp) return;
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    if (t - heard_at_ > kPause) since_.clear();
+    heard_at_ = t;
     if (since_.size() < 2 * kMostBytes) since_.insert(since_.end(), bytes.begin(), bytes.end());
+    damaged_ = damaged_ || (!owed_.empty() && begins_like_last());
     std::size_t parsed = 0;
     for (const FoundFrame& frame : find_frames(framing_, bytes_, parsed)) take(t, frame);
     parsed = std::max(parsed, bytes_.size() - std::min(bytes_.size(), kMostBytes));
@@ -92,7 +97,6 @@ void AnswerLedger::take(Instant t, const FoundFrame& frame) {
             found = &each;
     if (!found) return;
     found->answered = true;
-    forget(*found);
     settle_refused();
     lateness_[frame.unit] = std::max(lateness_[frame.unit], t - found->t);
     if (found->unfollowed < 2 && (found->overtaken || last_is_answered()))
@@ -108,7 +112,10 @@ void AnswerLedger::take_exception(Instant t, const FoundFrame& frame) {
         may_be.push_back(each.number);
         found = &each;
     }
-    if (may_be.size() > 1) refused_.push_back(std::move(may_be));
+    if (may_be.size() > 1) {
+        if (refused_.size() == kMostRefused) refused_.pop_front();
+        refused_.push_back(std::move(may_be));
+    }
     if (!found || found->answered || may_be.size() != 1) return;
     found->answered = true;
     if (found == &owed_.back()) pass_others(*found);
@@ -117,7 +124,8 @@ void AnswerLedger::take_exception(Instant t, const FoundFrame& frame) {
 
 void AnswerLedger::settle_refused() {
     const auto find = [&](std::uint64_t number) {
-        return std::ranges::find_if(owed_, [&](const Owed& e) { return e.number == number && !e.answered; });
+        const auto each = std::ranges::lower_bound(owed_, number, {}, &Owed::number);
+        return each != owed_.end() && each->number == number && !each->answered ? each : owed_.end();
     };
     bool again = true;
     while (std::exchange(again, false))
@@ -154,7 +162,8 @@ void AnswerLedger::settle_last(Instant t) {
     }
     remember(t, last, came);
     if (came == 0) {
-        if (!last.answered) last.answered = came_damaged();
+        const bool other = std::ranges::any_of(heard_, [&](const Heard& e) { return e.unit == last.unit; });
+        if (!last.answered) last.answered = damaged_ && !other;
         return settle_refused();
     }
     const bool undoubted = last_is_answered();
@@ -164,7 +173,6 @@ void AnswerLedger::settle_last(Instant t) {
         for (Owed& each : owed_)
             if (came > 1 && !each.answered && has_passed(each) == gone && same_shape(each, last)) {
                 each.answered = true;
-                forget(each);
                 lateness_[last.unit] = std::max(lateness_[last.unit], last_came - each.t);
                 --came;
             }
@@ -189,7 +197,7 @@ void AnswerLedger::pass_others(const Owed& answered) {
 }
 
 // Bytes that begin like the answer to the last request and are as many, with a wrong checksum.
-bool AnswerLedger::came_damaged() const {
+bool AnswerLedger::begins_like_last() const {
     const Owed& last = owed_.back();
     const std::size_t length = frame_characters(framing_, last.length);
     if (since_.size() < length) return false;
@@ -239,15 +247,7 @@ void AnswerLedger::remember(Instant t, const Owed& request, std::size_t came) {
     if (came == 1 && known == doubts_.end()) return;
     Doubt& doubt = known == doubts_.end() ? doubts_[shape] : known->second;
     doubt.several = came > 1;
-    if (came == 0) {
-        ++doubt.missing;
-        doubt.until = t + kForgotten + kHeld;
-    }
-}
-
-void AnswerLedger::forget(const Owed& request) {
-    const auto known = doubts_.find({request.unit, request.function, request.length});
-    if (known != doubts_.end() && known->second.missing > 0) --known->second.missing;
+    if (came == 0) doubt.until = t + kForgotten + kHeld;
 }
 
 bool AnswerLedger::in_doubt(Instant t, const Shape& shape) const {
@@ -255,7 +255,7 @@ bool AnswerLedger::in_doubt(Instant t, const Shape& shape) const {
          each != doubts_.end() && each->first.unit == shape.unit; ++each) {
         if (shape.function != 0 && each->first.function != shape.function) break;
         if (shape.length != 0 && each->first.length != shape.length) continue;
-        if (each->second.several || (each->second.missing > 0 && t < each->second.until)) return true;
+        if (each->second.several || t < each->second.until) return true;
     }
     return false;
 }
@@ -277,15 +277,20 @@ std::vector<ByteVector> AnswerLedger::candidates(const Asked& asked) const {
     return found;
 }
 
+std::optional<Instant> AnswerLedger::last_candidate(const Asked& asked) const {
+    const Owed own = owed({}, asked);
+    std::optional<Instant> last;
+    for (const Heard& each : heard_)
+        if (matches(own, {0, each.unit, each.pdu})) last = each.t;
+    return last;
+}
+
 std::optional<std::string_view> AnswerLedger::exemption(Instant t, Instant sent, const Asked& asked,
                                                         const ByteVector& published) const {
     const auto came = candidates(asked);
     if (std::ranges::find(came, published) == came.end()) return std::nullopt;
     const Owed own = owed(sent, asked);
-    Instant last_came;
-    for (const Heard& each : heard_)
-        if (matches(own, {0, each.unit, each.pdu})) last_came = each.t;
-    const bool unfollowed = t - last_came >= usual_delay(own.unit);
+    const bool unfollowed = t - last_candidate(asked).value_or(t) >= usual_delay(own.unit);
     std::size_t open = 0;
     bool passed = false;
     bool expired = false;

@@ -81,6 +81,9 @@ public:
     /// Frames since the last request that could be the answer to `asked`.
     [[nodiscard]] std::vector<ByteVector> candidates(const Asked& asked) const;
 
+    /// When the last of them came.
+    [[nodiscard]] std::optional<Instant> last_candidate(const Asked& asked) const;
+
     /// The exemption for a wrong value, from a frame that could be the answer to the request of `sent`.
     [[nodiscard]] std::optional<std::string_view> exemption(Instant t, Instant sent, const Asked& asked,
                                                             const ByteVector& published) const;
@@ -119,8 +122,7 @@ private:
     [[nodiscard]] bool has_passed(const Owed& each) const { return each.passed(!reordered(each.unit)); }
     void settle_refused();
     void remember(Instant t, const Owed& request, std::size_t came);
-    void forget(const Owed& request);
-    [[nodiscard]] bool came_damaged() const;
+    [[nodiscard]] bool begins_like_last() const;
     void settle_last(Instant t);
     void pass_others(const Owed& answered);
     [[nodiscard]] bool last_is_answered() const;
@@ -133,13 +135,14 @@ private:
     wire::Framing framing_;
     std::deque<Owed> owed_;                                // in the order of sending
     ByteVector bytes_;                                     // not yet parsed
-    ByteVector since_;                                     // the bytes since the last request
-    std::vector<std::vector<std::uint64_t>> refused_;      // of each: one was refused, by number
+    ByteVector since_;                                     // since the last request and the last pause
+    Instant heard_at_ = Instant::min();
+    bool damaged_ = false;  // bytes like the answer to the last request came
+    std::deque<std::vector<std::uint64_t>> refused_;       // of each: one was refused, by number
     std::uint64_t last_number_ = 0;
     struct Doubt {
-        Instant until;         // a request had no answer: its answer is remembered until then
-        unsigned missing = 0;  // answers
-        bool several = false;  // to the last request
+        Instant until = Instant::min();  // a request had no answer: it is remembered until then
+        bool several = false;            // answers to the last request
     };
     std::map<Shape, Doubt> doubts_;
     std::deque<Heard> heard_;                              // since the last request; not yet settled

@@ -282,7 +282,7 @@ private:
     [[nodiscard]] bool in_doubt(Instant t, std::size_t device) const {
         return in_doubt(t, {.unit = devices_[device].model->address.value});
     }
-    [[nodiscard]] AnswerLedger::Shape planned_shape(const plan::Request& request) const;
+    [[nodiscard]] bool may_be_replaced(const plan::Request& request, Instant t) const;
     [[nodiscard]] bool repeats_read(const Transaction& transaction) const;
     [[nodiscard]] plan::ReadAlternatives alternatives_to(const plan::Request& request) const;
     [[nodiscard]] bool writes_range_of(const Asked& asked, const plan::Request& request) const;

@@ -39,13 +39,10 @@ plan::ReadAlternatives LineJudge::alternatives_to(const plan::Request& request) 
     return reads.of(request);
 }
 
-AnswerLedger::Shape LineJudge::planned_shape(const plan::Request& request) const {
+// While an answer to its function is missing: of several lengths one may be refused, which one is not known.
+bool LineJudge::may_be_replaced(const plan::Request& request, Instant t) const {
     const auto function = static_cast<std::uint8_t>(*request.read);
-    const std::size_t data =
-        *request.read == wire::Function::read_coils || *request.read == wire::Function::read_discrete_inputs
-            ? (request.quantity + 7U) / 8U
-            : 2U * request.quantity;
-    return {line_.devices[request.device].address.value, function, 2 + data};
+    return in_doubt(t, {.unit = line_.devices[request.device].address.value, .function = function});
 }
 
 // After an ambiguous response: a read of that function.
@@ -122,10 +119,11 @@ std::optional<std::string> LineJudge::doubt_read(Transaction& transaction) {
     if (!transaction.request) return "the range of the claimed request";
     const plan::Request& planned = *requests_[*transaction.request].plan;
     if (!reads_range_of(transaction.asked, planned)) {
-        const bool may_replace = planned.read && in_doubt(transaction.start, planned_shape(planned));
+        const bool may_replace = planned.read && may_be_replaced(planned, transaction.start);
         if (!may_replace || !replaces(transaction.asked, alternatives_to(planned)))
             return "the range of the claimed request";
         ++recoveries_["read_replaced"];
+        transaction.replaces = true;
         const unsigned end = unsigned{transaction.asked.read_start} + transaction.asked.read_count;
         transaction.partial = transaction.asked.read_start > planned.start ||
                               end < unsigned{planned.start} + planned.quantity ||

@@ -88,11 +88,11 @@ void LineJudge::settle_request(Transaction& transaction, Instant t) {
     const bool refused = transaction.received.answer == Answer::exception;
     if (transaction.purpose == Purpose::trigger) request.trigger_failed = failed || refused;
     const bool learns = devices_[transaction.device].model->gaps == model::Gaps::learn;
-    if ((failed || transaction.partial || (refused && learns)) && transaction.purpose == Purpose::trigger)
+    const bool again = failed || transaction.partial || (refused && (learns || transaction.replaces));
+    if (again && transaction.purpose == Purpose::trigger)
         request.edge = request.edge.value_or(transaction.start);
     else if (transaction.polls() || transaction.purpose == Purpose::probe)
-        request.retry = failed || transaction.partial ||
-                        (refused && devices_[transaction.device].model->gaps == model::Gaps::learn);
+        request.retry = again;
     // The master may recognise at once that received bytes are no answer. A waiting repetition is not
     // shortened by a triggered read in between.
     if (transaction.purpose != Purpose::trigger || !request.retry) {

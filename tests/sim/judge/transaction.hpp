@@ -33,6 +33,7 @@ struct Transaction {
     Instant chosen;                          ///< before `start` where the line was busy
     std::optional<Instant> due_since;        ///< of what is polled: since when it waits
     bool repeated = false;                   ///< the attempt before failed
+    bool replaces = false;                   ///< another read than the planned one
     bool partial = false;                    ///< a part of the planned read, or another one instead
     std::optional<std::size_t> request;      ///< of the plan
     std::vector<value::CommandId> commands;  ///< that it carries out

@@ -388,8 +388,10 @@ void LineJudge::finish(Instant t, const value::Store& store, std::uint32_t first
         if (!variable.model->read || !variable.model->used || !devices_[variable.device].enabled ||
             answers_too_late(t, devices_[variable.device]) || std::ranges::none_of(requests_, polls))
             continue;
-        // A late answer may still hold it back.
-        if (slot.quality != value::Quality::good && devices_[variable.device].clean_from <= t)
+        // A late answer may still hold it back, or be mistaken for its own.
+        const bool doubted = in_doubt(t, {.unit = devices_[variable.device].model->address.value,
+                                          .function = static_cast<std::uint8_t>(*variable.model->read)});
+        if (slot.quality != value::Quality::good && devices_[variable.device].clean_from <= t && !doubted)
             complain("recovers", t, name_of(v) + " is good again, all faults are over",
                      std::string(name(slot.quality)) + ", reason " +
                          std::to_string(static_cast<int>(slot.reason)));
