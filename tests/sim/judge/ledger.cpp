@@ -93,14 +93,22 @@ void AnswerLedger::take(Instant t, const FoundFrame& frame) {
     Owed* found = nullptr;
     for (Owed& each : owed_)
         if (!each.answered && matches(each, frame) &&
-            (!found || (has_passed(*found) && !has_passed(each))))
+            (!found || (has_passed(*found, t) && !has_passed(each, t))))
             found = &each;
     if (!found) return;
     found->answered = true;
     settle_refused();
-    lateness_[frame.unit] = std::max(lateness_[frame.unit], t - found->t);
-    if (found->unfollowed < 2 && (found->overtaken || last_is_answered()))
+    note_late(*found, t);
+    const bool copy = std::ranges::count(past_, hash_of(frame.unit, frame.pdu)) > 1;
+    if (!copy && found->unfollowed < 2 && (found->overtaken || last_is_answered(t)))
         reordered_[frame.unit / 64] |= std::uint64_t{1} << (frame.unit % 64);
+}
+
+// From its request, or from the late answer of the unit before it.
+void AnswerLedger::note_late(const Owed& answered, Instant t) {
+    const Instant before = std::exchange(last_late_[answered.unit], t);
+    Duration& longest = lateness_[answered.unit];
+    longest = std::max(longest, t - std::max(answered.t, before));
 }
 
 void AnswerLedger::take_exception(Instant t, const FoundFrame& frame) {
@@ -108,7 +116,7 @@ void AnswerLedger::take_exception(Instant t, const FoundFrame& frame) {
     Owed* found = nullptr;
     for (Owed& each : owed_) {
         if (each.answered || each.unit != frame.unit || (each.function | 0x80U) != frame.pdu[0]) continue;
-        if (has_passed(each) && each.number != last_number_) continue;
+        if (has_passed(each, t) && each.number != last_number_) continue;
         may_be.push_back(each.number);
         found = &each;
     }
@@ -119,7 +127,7 @@ void AnswerLedger::take_exception(Instant t, const FoundFrame& frame) {
     if (!found || found->answered || may_be.size() != 1) return;
     found->answered = true;
     if (found == &owed_.back()) pass_others(*found);
-    lateness_[frame.unit] = std::max(lateness_[frame.unit], t - found->t);
+    note_late(*found, t);
 }
 
 void AnswerLedger::settle_refused() {
@@ -140,12 +148,12 @@ void AnswerLedger::settle_refused() {
 }
 
 // By one frame, and no other answer of its shape is owed.
-bool AnswerLedger::last_is_answered() const {
+bool AnswerLedger::last_is_answered(Instant t) const {
     const Owed& last = owed_.back();
     const auto came = std::ranges::count_if(
         heard_, [&](const Heard& each) { return matches(last, {0, each.unit, each.pdu}); });
     return came == 1 && std::none_of(owed_.begin(), owed_.end() - 1, [&](const Owed& each) {
-               return !each.answered && same_shape(each, last) && !each.passed(!reordered(last.unit));
+               return !each.answered && same_shape(each, last) && !has_passed(each, t);
            });
 }
 
@@ -166,14 +174,14 @@ void AnswerLedger::settle_last(Instant t) {
         if (!last.answered) last.answered = damaged_ && !other;
         return settle_refused();
     }
-    const bool undoubted = last_is_answered();
+    const bool undoubted = last_is_answered(t);
     const bool several = came > 1;
     last.answered = true;
     for (const bool gone : {false, true})
         for (Owed& each : owed_)
-            if (came > 1 && !each.answered && has_passed(each) == gone && same_shape(each, last)) {
+            if (came > 1 && !each.answered && has_passed(each, t) == gone && same_shape(each, last)) {
                 each.answered = true;
-                lateness_[last.unit] = std::max(lateness_[last.unit], last_came - each.t);
+                note_late(each, last_came);
                 --came;
             }
     settle_refused();
@@ -217,6 +225,12 @@ bool AnswerLedger::begins_like_last() const {
 
 void AnswerLedger::note_exempt(const Asked& asked) {
     shifted_[asked.unit] = owed({}, asked);
+}
+
+bool AnswerLedger::has_passed(const Owed& each, Instant t) const {
+    constexpr int kExpected = 2;
+    if (each.passed(!reordered(each.unit))) return true;
+    return (each.overtaken || each.unfollowed > 0) && t - each.t > kExpected * lateness(each.unit);
 }
 
 Duration AnswerLedger::lateness(std::uint8_t unit) const {
@@ -298,7 +312,7 @@ std::optional<std::string_view> AnswerLedger::exemption(Instant t, Instant sent,
         if (each.answered || !same_shape(each, own) || each.t >= sent) continue;
         if (t - each.t > kForgotten)
             expired = true;
-        else if (has_passed(each) || (each.unfollowed == 1 && unfollowed))
+        else if (has_passed(each, t) || (each.unfollowed == 1 && unfollowed))
             passed = true;
         else
             ++open;
@@ -325,7 +339,7 @@ std::string AnswerLedger::describe(Instant t, Instant sent, const Asked& asked) 
         if (each.answered || !same_shape(each, own) || each.t >= sent) continue;
         text += text.empty() ? "; an answer of its shape is owed since " : ", ";
         text += std::to_string((t - each.t) / std::chrono::milliseconds(1)) + " ms";
-        if (has_passed(each)) text += " (passed)";
+        if (has_passed(each, t)) text += " (passed)";
     }
     if (reordered(own.unit)) text += "; the unit has answered out of order";
     return text;

@@ -22,8 +22,10 @@
 // - when its unit has answered two later ones of its shape, and no further frame of the shape followed either
 //   answer for as long as the unit has usually taken to answer (the median of its last answers), before the
 //   next request of the shape;
-// - when its unit has answered a later request of another shape, and has never answered out of order.
-// A unit has answered out of order when a frame comes that it owes only for a request that has passed.
+// - when its unit has answered a later request of another shape, and has never answered out of order;
+// - when its unit has answered a later request, and twice its longest lateness has passed since the request.
+// A unit has answered out of order when a frame comes that it owes only for a request that has passed, and the
+// same frame was not received before.
 //
 // An answer has come, too, when bytes with a wrong checksum begin like it and are as many. An exception shows
 // its function only: of several unanswered requests that have not passed it refuses one that is not known. When
@@ -119,13 +121,14 @@ private:
     [[nodiscard]] static bool same_shape(const Owed& a, const Owed& b);
     void take(Instant t, const FoundFrame& frame);
     void take_exception(Instant t, const FoundFrame& frame);
-    [[nodiscard]] bool has_passed(const Owed& each) const { return each.passed(!reordered(each.unit)); }
+    [[nodiscard]] bool has_passed(const Owed& each, Instant t) const;
+    void note_late(const Owed& answered, Instant t);
     void settle_refused();
     void remember(Instant t, const Owed& request, std::size_t came);
     [[nodiscard]] bool begins_like_last() const;
     void settle_last(Instant t);
     void pass_others(const Owed& answered);
-    [[nodiscard]] bool last_is_answered() const;
+    [[nodiscard]] bool last_is_answered(Instant t) const;
     void settle_suspected(Instant t, const Owed& next);
     [[nodiscard]] Duration usual_delay(std::uint8_t unit) const;
     [[nodiscard]] bool reordered(std::uint8_t unit) const {
@@ -149,6 +152,7 @@ private:
     std::map<std::uint8_t, std::deque<Duration>> delays_;  // by unit: of its last answers
     std::map<std::uint8_t, Owed> shifted_;                 // by unit: a request whose wrong answer was exempt
     std::map<std::uint8_t, Duration> lateness_;            // by unit
+    std::map<std::uint8_t, Instant> last_late_;            // by unit
     std::vector<std::uint64_t> past_;                      // hashes of the last frames
     std::size_t next_past_ = 0;
     std::uint64_t reordered_[4] = {};  // bits by unit: has answered out of order
