@@ -69,9 +69,6 @@ public:
         std::size_t length = 0;
         auto operator<=>(const Shape&) const = default;
     };
-    [[nodiscard]] static Shape shape_of(const Asked& asked) {
-        return {asked.unit, asked.function, asked.normal_answer};
-    }
     /// Whether the master may still expect an answer of that shape (docs/guarantees.md, "Late responses"): in
     /// the last 5 minutes a request of it had no answer, or the last one had several. So a request of that
     /// shape may be held, replaced, confirmed and repeated. Length 0: of any length. Function 0: of any.

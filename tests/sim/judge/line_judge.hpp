@@ -272,18 +272,19 @@ private:
     [[nodiscard]] Duration hold_of(const DeviceState& device) const;
     [[nodiscard]] bool repeats_ambiguous(const Transaction& transaction,
                                          std::span<const VariableNumber> written) const;
-    /// An earlier answer of that shape, or of the device, may still come. See ledger.hpp.
+    /// An earlier answer of that shape, of the function, or of the device may still come. Of several lengths one
+    /// may have been refused, and which one is not known. See ledger.hpp.
     [[nodiscard]] bool in_doubt(Instant t, const AnswerLedger::Shape& shape) const {
         return one_at_a_time() && ledger_.in_doubt(t, shape);
     }
     [[nodiscard]] bool in_doubt(const Transaction& transaction) const {
-        return in_doubt(transaction.start, AnswerLedger::shape_of(transaction.asked));
+        return in_doubt(transaction.start,
+                        {.unit = transaction.asked.unit, .function = transaction.asked.function});
     }
     [[nodiscard]] bool in_doubt(Instant t, std::size_t device) const {
         return in_doubt(t, {.unit = devices_[device].model->address.value});
     }
     [[nodiscard]] bool may_be_replaced(const plan::Request& request, Instant t) const;
-    [[nodiscard]] bool repeats_read(const Transaction& transaction) const;
     [[nodiscard]] plan::ReadAlternatives alternatives_to(const plan::Request& request) const;
     [[nodiscard]] bool writes_range_of(const Asked& asked, const plan::Request& request) const;
     void check_group(const Transaction& transaction, const RequestState& group);

@@ -39,15 +39,10 @@ plan::ReadAlternatives LineJudge::alternatives_to(const plan::Request& request) 
     return reads.of(request);
 }
 
-// While an answer to its function is missing: of several lengths one may be refused, which one is not known.
 bool LineJudge::may_be_replaced(const plan::Request& request, Instant t) const {
-    const auto function = static_cast<std::uint8_t>(*request.read);
+    auto function = static_cast<std::uint8_t>(*request.read);
+    if (*request.read == wire::Function::read_write_multiple_registers) function = 0x03;  // is sent alone
     return in_doubt(t, {.unit = line_.devices[request.device].address.value, .function = function});
-}
-
-// After an ambiguous response: a read of that function.
-bool LineJudge::repeats_read(const Transaction& transaction) const {
-    return in_doubt(transaction.start, {.unit = transaction.asked.unit, .function = transaction.asked.function});
 }
 
 std::optional<Instant> LineJudge::release_before(const RequestState& request, Instant t) const {
@@ -142,7 +137,7 @@ std::optional<std::string> LineJudge::doubt_read(Transaction& transaction) {
 
 std::optional<std::string> LineJudge::doubt_triggered(Transaction& transaction) {
     RequestState& request = requests_[*transaction.request];
-    const bool again = repeats_read(transaction);  // its response was ambiguous
+    const bool again = in_doubt(transaction);  // its response was ambiguous
     if (!again && (!request.edge || *request.edge > transaction.chosen))
         return "a trigger that rose since it was last served";
     transaction.expected = case_.project.locals[*request.plan->read_trigger].admission.has_value();
@@ -155,7 +150,7 @@ std::optional<std::string> LineJudge::doubt_polled(Transaction& transaction) {
     const Instant t = transaction.chosen;
     if (transaction.purpose == Purpose::repetition) {
         // A response may be ambiguous while an earlier one is owed: the read is repeated.
-        const bool ambiguous = repeats_read(transaction);
+        const bool ambiguous = in_doubt(transaction);
         if (!request.retry && !ambiguous) return "an attempt that failed before its repetition";
         if (!request.retry) request.failed_at = t;
         transaction.repeated = true;

@@ -181,7 +181,7 @@ void LineJudge::take_before(Transaction& transaction, const Claim& claim) {
     if (!transaction.request) {
         const auto found = commands_.find(*claim.sending.command);
         // An ambiguous response to the read is followed by another read.
-        const bool again = repeats_read(transaction) && found != commands_.end() &&
+        const bool again = in_doubt(transaction) && found != commands_.end() &&
                            found->second.modifying;
         if (found == commands_.end() || !(found->second.waits || again) || !modifies_alone(found->second) ||
             !reads(variables_[found->second.variable].model->start()))
@@ -194,7 +194,7 @@ void LineJudge::take_before(Transaction& transaction, const Claim& claim) {
     auto& group = requests_[*transaction.request];
     if (!group.plan->read_modify_write || !reads(group.plan->start) ||
         !(asked_since(*transaction.request) || group.repeat ||
-          (group.modifying && repeats_read(transaction))))
+          (group.modifying && in_doubt(transaction))))
         return wrong();
     transaction.expected = group.plan->admission.has_value() && !group.repeat;
     for (auto& [id, command] : commands_) {
@@ -218,7 +218,7 @@ void LineJudge::take_read_back(Transaction& transaction, const Claim& claim) {
         since = &found->second.read_back_since;
         transaction.commands.push_back(found->first);
     }
-    if (repeats_read(transaction) && since && !*since) return;  // it was ambiguous
+    if (in_doubt(transaction) && since && !*since) return;  // it was ambiguous
     if (!since || !*since)
         return complain("request_was_due", transaction.start,
                         "a write that was confirmed and is to be compared", describe(transaction));
