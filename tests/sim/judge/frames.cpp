@@ -300,6 +300,15 @@ std::vector<FoundFrame> find_frames(Framing framing, Span bytes, std::size_t& pa
     return found;
 }
 
+namespace {
+
+// Behind a frame that only has its unit and function the answer may follow.
+bool undecided(const Received& received) {
+    return received.answer == Answer::none || received.answer == Answer::odd;
+}
+
+}  // namespace
+
 // Usually the answer is everything received. Otherwise other bytes precede or follow it.
 Received find_answer(Framing framing, const Asked& asked, Span received) {
     if (framing == Framing::tcp) return find_in_stream(asked, received);
@@ -308,12 +317,14 @@ Received find_answer(Framing framing, const Asked& asked, Span received) {
     Received found = judge_frame(asked, unframe(received));
     for (const std::size_t pdu : {asked.normal_answer, std::size_t{2}}) {
         const std::size_t length = frame_characters(framing, pdu);
-        for (std::size_t from = 0; found.answer == Answer::none && from + length <= received.size(); ++from) {
+        for (std::size_t from = 0; undecided(found) && from + length <= received.size(); ++from) {
             const bool begins =
                 rtu ? received[from] == asked.unit && (received[from + 1] & 0x7FU) == asked.function
                     : received[from] == ':';
             if (!begins) continue;
-            found = judge_frame(asked, unframe(received.subspan(from, length)));
+            Received other = judge_frame(asked, unframe(received.subspan(from, length)));
+            if (other.answer == Answer::none) continue;
+            found = std::move(other);
             found.among_others = received.size() != length;
         }
     }

@@ -58,7 +58,8 @@ void AnswerLedger::on_sent(Instant t, const Asked& asked) {
     settle_suspected(t, owed(t, asked));
     heard_.clear();
     since_.clear();
-    damaged_ = false;
+    received_ = 0;
+    damaged_ = paused_ = false;
     std::erase_if(owed_, [](const Owed& each) { return each.answered; });
     while (!owed_.empty() && t - owed_.front().t > 2 * kForgotten) owed_.pop_front();
     const auto shifted = shifted_.find(asked.unit);
@@ -71,7 +72,11 @@ void AnswerLedger::on_sent(Instant t, const Asked& asked) {
 void AnswerLedger::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     if (framing_ == wire::Framing::tcp) return;
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-    if (t - heard_at_ > kPause) since_.clear();
+    received_ += bytes.size();
+    if (t - heard_at_ > kPause) {
+        paused_ = paused_ || received_ > bytes.size();
+        since_.clear();
+    }
     heard_at_ = t;
     if (since_.size() < 2 * kMostBytes) since_.insert(since_.end(), bytes.begin(), bytes.end());
     damaged_ = damaged_ || (!owed_.empty() && begins_like_last());
@@ -255,13 +260,15 @@ void AnswerLedger::settle_suspected(Instant t, const Owed& next) {
     }
 }
 
+// The master may have missed an answer in pieces or among other bytes.
 void AnswerLedger::remember(Instant t, const Owed& request, std::size_t came) {
+    const bool clear = came == 1 && !paused_ && received_ == frame_characters(framing_, request.length);
     const Shape shape{request.unit, request.function, request.length};
     const auto known = doubts_.find(shape);
-    if (came == 1 && known == doubts_.end()) return;
+    if (clear && known == doubts_.end()) return;
     Doubt& doubt = known == doubts_.end() ? doubts_[shape] : known->second;
     doubt.several = came > 1;
-    if (came == 0) doubt.until = t + kForgotten + kHeld;
+    if (!clear) doubt.until = t + kForgotten + kHeld;
 }
 
 bool AnswerLedger::in_doubt(Instant t, const Shape& shape) const {

@@ -137,7 +137,9 @@ private:
     ByteVector bytes_;                                     // not yet parsed
     ByteVector since_;                                     // since the last request and the last pause
     Instant heard_at_ = Instant::min();
-    bool damaged_ = false;  // bytes like the answer to the last request came
+    std::size_t received_ = 0;  // bytes since the last request
+    bool paused_ = false;       // between them
+    bool damaged_ = false;      // bytes like the answer to the last request came
     std::deque<std::vector<std::uint64_t>> refused_;       // of each: one was refused, by number
     std::uint64_t last_number_ = 0;
     struct Doubt {

@@ -83,6 +83,8 @@ Duration LineJudge::lost_since(Instant from) const {
     Duration lost{};
     for (const Excess& excess : excess_)
         if (!excess.bounded && excess.t + excess.length >= from) lost += excess.length + excess.hold;
+    for (const Transaction& transaction : transactions_)  // a further frame may be waited for
+        if (!transaction.over && in_doubt(transaction)) lost += transaction.failure;
     return lost;
 }
 
