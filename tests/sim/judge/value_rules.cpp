@@ -83,8 +83,6 @@ Duration LineJudge::lost_since(Instant from) const {
     Duration lost{};
     for (const Excess& excess : excess_)
         if (!excess.bounded && excess.t + excess.length >= from) lost += excess.length + excess.hold;
-    for (const Transaction& transaction : transactions_)  // a further frame may be waited for
-        if (!transaction.over && in_doubt(transaction)) lost += transaction.failure;
     return lost;
 }
 
@@ -169,6 +167,8 @@ void LineJudge::note_found(Transaction& transaction) {
     transaction.received.among_others = false;
     if (!transaction.over) note_event_end(transaction, transaction.heard_at);
     transaction.over = true;
+    if (in_doubt(transaction))  // a further frame was waited for
+        note_excess({.t = transaction.heard_at, .length = transaction.failure, .device = transaction.device});
     device.answers();
     if (!transaction.request || !transaction.is_its_read()) return;
     RequestState& request = requests_[*transaction.request];
@@ -328,6 +328,8 @@ std::optional<Duration> LineJudge::bound(VariableNumber v, Instant t) const {
             count({t, t - transaction.start, {}});
         else if (const auto more = beyond(transaction, t - transaction.start); more > Duration::zero())
             count({t, more, {}});
+        else if (in_doubt(transaction))  // a further frame is waited for
+            count({.t = t, .length = transaction.failure, .device = transaction.device});
     }
     if (lost == Duration::zero()) return age;
     constexpr double kFull = 0.95;
