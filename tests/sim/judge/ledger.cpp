@@ -43,7 +43,9 @@ AnswerLedger::AnswerLedger(wire::Framing framing) : framing_(framing) {
     if (framing != wire::Framing::tcp) past_.reserve(kPast);
 }
 
-void AnswerLedger::on_connection() {
+void AnswerLedger::on_connection(Instant t) {
+    if (framing_ == wire::Framing::tcp) return;
+    settle_last(t);
     owed_.clear();
     shifted_.clear();
     bytes_.clear();

@@ -55,8 +55,9 @@ public:
 
     void on_sent(Instant t, const Asked& asked);
     void on_heard(Instant t, std::span<const std::uint8_t> bytes);
-    /// A new connection: what was owed on the old one never comes.
-    void on_connection();
+    /// A new connection: what was owed on the old one never comes. The master may still expect it, because it
+    /// does not know whether a serial line is behind a gateway.
+    void on_connection(Instant t);
 
     /// Whether an answer to an earlier request than the last one may still come and could be taken for the
     /// answer to `asked`, as far as the bytes show.

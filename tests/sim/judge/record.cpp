@@ -142,7 +142,7 @@ std::optional<std::size_t> LineJudge::device_of(std::uint8_t unit) const {
 
 void LineJudge::on_link(Instant t, bool up) {
     if (up == up_) return;
-    if (!serial()) ledger_.on_connection();
+    if (!serial()) ledger_.on_connection(t);
     settle_answered();
     up_ = up;
     received_.clear();

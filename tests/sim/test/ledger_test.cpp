@@ -160,7 +160,7 @@ TEST(Ledger, FramesAreFoundInPiecesAndBetweenOtherBytes) {
 TEST(Ledger, ANewConnectionOwesNothing) {
     Line line;
     line.read(0ms, 0);
-    line.ledger.on_connection();
+    line.ledger.on_connection(line.now);
     line.read(200ms, 1);
     EXPECT_FALSE(line.ledger.doubtful(line.last));
 }
