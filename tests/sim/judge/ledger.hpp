@@ -24,12 +24,12 @@
 //   next request of the shape;
 // - when its unit has answered a later request of another shape, and has never answered out of order;
 // - when its unit has answered a later request, and twice its longest lateness has passed since the request.
-// A unit has answered out of order when a frame comes that it owes only for a request that has passed, and the
-// same frame was not received before.
+// A unit has answered out of order when a frame comes that it owes only for a request that has passed, and
+// the same frame was not received before.
 //
 // An answer has come, too, when bytes with a wrong checksum begin like it and are as many. An exception shows
-// its function only: of several unanswered requests that have not passed it refuses one that is not known. When
-// all of them but one have been answered, it was that one.
+// its function only: of several unanswered requests that have not passed it refuses one that is not known.
+// When all of them but one have been answered, it was that one.
 #pragma once
 
 #include <cstdint>
@@ -134,14 +134,14 @@ private:
     }
 
     wire::Framing framing_;
-    std::deque<Owed> owed_;                                // in the order of sending
-    ByteVector bytes_;                                     // not yet parsed
-    ByteVector since_;                                     // since the last request and the last pause
+    std::deque<Owed> owed_;  // in the order of sending
+    ByteVector bytes_;       // not yet parsed
+    ByteVector since_;       // since the last request and the last pause
     Instant heard_at_ = Instant::min();
-    std::size_t received_ = 0;  // bytes since the last request
-    bool paused_ = false;       // between them
-    bool damaged_ = false;      // bytes like the answer to the last request came
-    std::deque<std::vector<std::uint64_t>> refused_;       // of each: one was refused, by number
+    std::size_t received_ = 0;                        // bytes since the last request
+    bool paused_ = false;                             // between them
+    bool damaged_ = false;                            // bytes like the answer to the last request came
+    std::deque<std::vector<std::uint64_t>> refused_;  // of each: one was refused, by number
     std::uint64_t last_number_ = 0;
     struct Doubt {
         Instant until = Instant::min();  // a request had no answer: it is remembered until then

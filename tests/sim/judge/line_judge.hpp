@@ -89,12 +89,12 @@ private:
         unsigned possible = 0;  // with the answers that the master need not have found
         unsigned probes = 0;    // that failed since it counts as not answering
         Instant probe_not_before = Instant::min();
-        Instant last_read = Instant::min();   // its start
-        Instant clean_from = Instant::min();  // nothing that was asked of it before can hold anything back
-        std::uint64_t sent = 0;                   // transactions
-        std::uint64_t ended = 0;                  // of them, by the engine
-        bool has_reads = false;                   // else it is not probed
-        std::optional<Instant> answered_late;     // the last time that its answer came after the deadline
+        Instant last_read = Instant::min();    // its start
+        Instant clean_from = Instant::min();   // nothing that was asked of it before can hold anything back
+        std::uint64_t sent = 0;                // transactions
+        std::uint64_t ended = 0;               // of them, by the engine
+        bool has_reads = false;                // else it is not probed
+        std::optional<Instant> answered_late;  // the last time that its answer came after the deadline
         [[nodiscard]] bool dead() const { return failures >= model->attempts; }
         [[nodiscard]] bool may_be_dead() const { return possible >= model->attempts; }
         void answers() { failures = possible = probes = 0; }
@@ -263,7 +263,8 @@ private:
     void settle_read_back(const Transaction& transaction, Instant t);
     [[nodiscard]] Transaction* written_by(const sim::DeviceItems& items);
     [[nodiscard]] bool modifies_alone(const Command& command) const;
-    void complain_of_write(const Transaction& transaction, bool open, std::span<const VariableNumber> written);
+    void complain_of_write(const Transaction& transaction, bool open,
+                           std::span<const VariableNumber> written);
     [[nodiscard]] std::optional<Instant> asked_since(std::size_t group) const;
     [[nodiscard]] bool changes_only(const Transaction& transaction, unsigned bit) const;
     void note_admitted(const Transaction& transaction);
@@ -272,8 +273,8 @@ private:
     [[nodiscard]] Duration hold_of(const DeviceState& device) const;
     [[nodiscard]] bool repeats_ambiguous(const Transaction& transaction,
                                          std::span<const VariableNumber> written) const;
-    /// An earlier answer of that shape, of the function, or of the device may still come. Of several lengths one
-    /// may have been refused, and which one is not known. See ledger.hpp.
+    /// An earlier answer of that shape, of the function, or of the device may still come. Of several lengths
+    /// one may have been refused, and which one is not known. See ledger.hpp.
     [[nodiscard]] bool in_doubt(Instant t, const AnswerLedger::Shape& shape) const {
         return one_at_a_time() && ledger_.in_doubt(t, shape);
     }

@@ -173,10 +173,12 @@ bool LineJudge::sendable(std::size_t index, Instant since, Instant t) const {
     if (since >= t || !device.enabled || device.may_be_dead() || device.clean_from >= since) return false;
     if (in_doubt(t, index)) return false;
     // A broadcast keeps its place behind commands of devices that are held back.
-    const bool behind = device.model->address == kBroadcast && std::ranges::any_of(commands_, [&](const auto& entry) {
-        const std::size_t other = variables_[entry.second.variable].device;
-        return entry.second.waits && other != index && (in_doubt(t, other) || devices_[other].clean_from >= since);
-    });
+    const bool behind =
+        device.model->address == kBroadcast && std::ranges::any_of(commands_, [&](const auto& entry) {
+            const std::size_t other = variables_[entry.second.variable].device;
+            return entry.second.waits && other != index &&
+                   (in_doubt(t, other) || devices_[other].clean_from >= since);
+        });
     if (behind) return false;
     return std::ranges::none_of(
         transactions_, [&](const Transaction& other) { return !other.over && other.device == index; });

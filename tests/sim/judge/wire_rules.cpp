@@ -92,7 +92,8 @@ void LineJudge::check_length(Instant t, const std::vector<std::uint64_t>& ended)
             // A further frame may be waited for where an earlier answer is owed, after each of them.
             Instant end = transaction.deadline;
             if (in_doubt(transaction))
-                end = std::max(end, ledger_.last_candidate(transaction.asked).value_or(end)) + transaction.failure;
+                end = std::max(end, ledger_.last_candidate(transaction.asked).value_or(end)) +
+                      transaction.failure;
             if (end >= t)
                 ++may_be_open;
             else if (t > transaction.deadline && transaction.received.answer == Answer::none)

@@ -105,8 +105,9 @@ void LineJudge::take_group_commands(Transaction& transaction, bool were_modifyin
 // A write that may be repeated, after a response that may have been that to an earlier one.
 bool LineJudge::repeats_ambiguous(const Transaction& transaction,
                                   std::span<const VariableNumber> written) const {
-    return in_doubt(transaction) && !written.empty() &&
-           std::ranges::all_of(written, [&](VariableNumber v) { return variables_[v].model->safe_to_repeat; });
+    return in_doubt(transaction) && !written.empty() && std::ranges::all_of(written, [&](VariableNumber v) {
+               return variables_[v].model->safe_to_repeat;
+           });
 }
 
 void LineJudge::complain_of_write(const Transaction& transaction, bool open,
@@ -181,8 +182,7 @@ void LineJudge::take_before(Transaction& transaction, const Claim& claim) {
     if (!transaction.request) {
         const auto found = commands_.find(*claim.sending.command);
         // An ambiguous response to the read is followed by another read.
-        const bool again = in_doubt(transaction) && found != commands_.end() &&
-                           found->second.modifying;
+        const bool again = in_doubt(transaction) && found != commands_.end() && found->second.modifying;
         if (found == commands_.end() || !(found->second.waits || again) || !modifies_alone(found->second) ||
             !reads(variables_[found->second.variable].model->start()))
             return wrong();
@@ -193,8 +193,7 @@ void LineJudge::take_before(Transaction& transaction, const Claim& claim) {
     }
     auto& group = requests_[*transaction.request];
     if (!group.plan->read_modify_write || !reads(group.plan->start) ||
-        !(asked_since(*transaction.request) || group.repeat ||
-          (group.modifying && in_doubt(transaction))))
+        !(asked_since(*transaction.request) || group.repeat || (group.modifying && in_doubt(transaction))))
         return wrong();
     transaction.expected = group.plan->admission.has_value() && !group.repeat;
     for (auto& [id, command] : commands_) {
