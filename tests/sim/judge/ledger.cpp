@@ -198,6 +198,7 @@ void AnswerLedger::settle_last(Instant t) {
         shifted_.erase(last.unit);
         return;
     }
+    if (seen_before(last)) shifted_[last.unit] = last;
     auto& delays = delays_[last.unit];
     delays.push_back(last_came - last.t);
     if (delays.size() > kDelays) delays.pop_front();
@@ -228,6 +229,14 @@ bool AnswerLedger::begins_like_last() const {
     }
     const auto last_begin = since_.end() - static_cast<std::ptrdiff_t>(length - begin.size());
     return std::search(since_.begin(), last_begin, begin.begin(), begin.end()) != last_begin;
+}
+
+// A copy of an earlier frame instead of its answer, which may follow.
+bool AnswerLedger::seen_before(const Owed& request) const {
+    return std::ranges::any_of(heard_, [&](const Heard& each) {
+        return matches(request, {0, each.unit, each.pdu}) &&
+               std::ranges::count(past_, hash_of(each.unit, each.pdu)) > 1;
+    });
 }
 
 void AnswerLedger::note_exempt(const Asked& asked) {

@@ -10,7 +10,8 @@
 //   passed      the unanswered requests of that shape have passed, see below. So their answers count as lost.
 //   reordered   as many frames of the shape came as were owed, and the last one is published. The unit has
 //               never answered out of order. So the last answer belongs to the last request.
-//   shifted     an answer of the unit was exempt before, and since then each request of the unit had the same
+//   shifted     an answer of the unit was exempt before, or a frame that was received before, and since then
+//   each request of the unit had the same
 //               shape and exactly one frame. So each answer may belong to the request before.
 //   expired     the unanswered requests of that shape are older than kForgotten.
 //
@@ -125,6 +126,7 @@ private:
     void remember(Instant t, const Owed& request, std::size_t came);
     [[nodiscard]] bool begins_like_last() const;
     void settle_last(Instant t);
+    [[nodiscard]] bool seen_before(const Owed& request) const;
     void pass_others(const Owed& answered);
     [[nodiscard]] bool last_is_answered(Instant t) const;
     void settle_suspected(Instant t, const Owed& next);
