@@ -198,7 +198,11 @@ void AnswerLedger::settle_last(Instant t) {
         shifted_.erase(last.unit);
         return;
     }
-    if (seen_before(last)) shifted_[last.unit] = last;
+    const Shape shape{last.unit, last.function, last.length};
+    if (seen_before(last))
+        copied_.insert(shape);
+    else
+        copied_.erase(shape);
     auto& delays = delays_[last.unit];
     delays.push_back(last_came - last.t);
     if (delays.size() > kDelays) delays.pop_front();
@@ -346,8 +350,9 @@ std::optional<std::string_view> AnswerLedger::exemption(Instant t, Instant sent,
     const auto heard_now = std::ranges::count(came, published);
     if (heard_before > heard_now) return "exempt_copy";
     const auto shifted = shifted_.find(own.unit);
-    const bool one_behind = shifted != shifted_.end() && same_shape(shifted->second, own) && came.size() == 1;
-    return one_behind ? std::optional<std::string_view>("exempt_shifted") : std::nullopt;
+    const bool one_behind = (shifted != shifted_.end() && same_shape(shifted->second, own)) ||
+                            copied_.contains({own.unit, own.function, own.length});
+    return one_behind && came.size() == 1 ? std::optional<std::string_view>("exempt_shifted") : std::nullopt;
 }
 
 std::string AnswerLedger::describe(Instant t, Instant sent, const Asked& asked) const {

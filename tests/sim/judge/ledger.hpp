@@ -10,9 +10,9 @@
 //   passed      the unanswered requests of that shape have passed, see below. So their answers count as lost.
 //   reordered   as many frames of the shape came as were owed, and the last one is published. The unit has
 //               never answered out of order. So the last answer belongs to the last request.
-//   shifted     an answer of the unit was exempt before, or a frame that was received before, and since then
-//   each request of the unit had the same
-//               shape and exactly one frame. So each answer may belong to the request before.
+//   shifted     an answer of the unit was exempt before, and since then each request of the unit had the same
+//               shape and exactly one frame. So each answer may belong to the request before. Or the last
+//               answer of that shape was a frame received before, and its own one may follow now.
 //   expired     the unanswered requests of that shape are older than kForgotten.
 //
 // In all other cases the master knew that an answer of that shape was owed, and a wrong good value is a
@@ -37,6 +37,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -150,7 +151,8 @@ private:
         bool several = false;            // answers to the last request
     };
     std::map<Shape, Doubt> doubts_;
-    std::deque<Heard> heard_;                              // since the last request; not yet settled
+    std::set<Shape> copied_;   // whose last answer was a frame that was received before
+    std::deque<Heard> heard_;  // since the last request; not yet settled
     std::map<std::uint8_t, std::deque<Duration>> delays_;  // by unit: of its last answers
     std::map<std::uint8_t, Owed> shifted_;                 // by unit: a request whose wrong answer was exempt
     std::map<std::uint8_t, Duration> lateness_;            // by unit
