@@ -315,9 +315,10 @@ Received find_answer(Framing framing, const Asked& asked, Span received) {
     const bool rtu = framing == Framing::rtu;
     const auto unframe = rtu ? unframe_rtu : unframe_ascii;
     Received found = judge_frame(asked, unframe(received));
-    for (const std::size_t pdu : {asked.normal_answer, std::size_t{2}}) {
-        const std::size_t length = frame_characters(framing, pdu);
-        for (std::size_t from = 0; undecided(found) && from + length <= received.size(); ++from) {
+    for (std::size_t from = 0; undecided(found) && from < received.size(); ++from)
+        for (const std::size_t pdu : {asked.normal_answer, std::size_t{2}}) {
+            const std::size_t length = frame_characters(framing, pdu);
+            if (!undecided(found) || from + length > received.size()) continue;
             const bool begins =
                 rtu ? received[from] == asked.unit && (received[from + 1] & 0x7FU) == asked.function
                     : received[from] == ':';
@@ -327,7 +328,6 @@ Received find_answer(Framing framing, const Asked& asked, Span received) {
             found = std::move(other);
             found.among_others = received.size() != length;
         }
-    }
     return found;
 }
 

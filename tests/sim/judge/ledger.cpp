@@ -9,6 +9,7 @@ namespace {
 constexpr std::size_t kMostOwed = 4096;
 constexpr std::size_t kMostBytes = 600;  // longer than any frame
 constexpr std::size_t kDelays = 8;
+constexpr std::size_t kLateOnes = 3;
 constexpr Duration kPause = std::chrono::milliseconds(5);  // between two frames, or pieces of one
 constexpr std::size_t kMostRefused = 64;
 constexpr std::size_t kPast = 16384;  // frames of minutes
@@ -113,9 +114,12 @@ void AnswerLedger::take(Instant t, const FoundFrame& frame) {
 
 // From its request, or from the late answer of the unit before it.
 void AnswerLedger::note_late(const Owed& answered, Instant t) {
-    const Instant before = std::exchange(last_late_[answered.unit], t);
-    Duration& longest = lateness_[answered.unit];
-    longest = std::max(longest, t - std::max(answered.t, before));
+    const Instant before = std::exchange(late_at_[answered.unit], t);
+    const Duration delay = t - std::max(answered.t, before);
+    lateness_[answered.unit] = std::max(lateness_[answered.unit], delay);
+    auto& last = last_late_[answered.unit];
+    last.push_back(delay);
+    if (last.size() > kLateOnes) last.pop_front();
 }
 
 void AnswerLedger::take_exception(Instant t, const FoundFrame& frame) {
@@ -248,9 +252,20 @@ void AnswerLedger::note_exempt(const Asked& asked) {
 }
 
 bool AnswerLedger::has_passed(const Owed& each, Instant t) const {
-    constexpr int kExpected = 2;
     if (each.passed(!reordered(each.unit))) return true;
-    return (each.overtaken || each.unfollowed > 0) && t - each.t > kExpected * lateness(each.unit);
+    return (each.overtaken || each.unfollowed > 0) && t - each.t > expected(each.unit);
+}
+
+// Twice the median of the last three late delays, and at least as long as responses are confirmed.
+Duration AnswerLedger::expected(std::uint8_t unit) const {
+    constexpr int kFactor = 2;
+    constexpr int kConfirmed = 8;
+    const Duration least = kConfirmed * usual_delay(unit);
+    const auto found = last_late_.find(unit);
+    if (found == last_late_.end() || found->second.size() < kLateOnes) return least;
+    auto sorted = found->second;
+    std::ranges::sort(sorted);
+    return std::max(least, kFactor * sorted[kLateOnes / 2]);
 }
 
 Duration AnswerLedger::lateness(std::uint8_t unit) const {

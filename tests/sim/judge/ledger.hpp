@@ -24,7 +24,9 @@
 //   answer for as long as the unit has usually taken to answer (the median of its last answers), before the
 //   next request of the shape;
 // - when its unit has answered a later request of another shape, and has never answered out of order;
-// - when its unit has answered a later request, and twice its longest lateness has passed since the request.
+// - when its unit has answered a later request, and twice its usual lateness (the median of the last three
+// late
+//   answers) has passed since the request, but at least 8 of its usual delays.
 // A unit has answered out of order when a frame comes that it owes only for a request that has passed, and
 // the same frame was not received before.
 //
@@ -122,6 +124,7 @@ private:
     void take(Instant t, const FoundFrame& frame);
     void take_exception(Instant t, const FoundFrame& frame);
     [[nodiscard]] bool has_passed(const Owed& each, Instant t) const;
+    [[nodiscard]] Duration expected(std::uint8_t unit) const;
     void note_late(const Owed& answered, Instant t);
     void settle_refused();
     void remember(Instant t, const Owed& request, std::size_t came);
@@ -156,8 +159,9 @@ private:
     std::map<std::uint8_t, std::deque<Duration>> delays_;  // by unit: of its last answers
     std::map<std::uint8_t, Owed> shifted_;                 // by unit: a request whose wrong answer was exempt
     std::map<std::uint8_t, Duration> lateness_;            // by unit
-    std::map<std::uint8_t, Instant> last_late_;            // by unit
-    std::vector<std::uint64_t> past_;                      // hashes of the last frames
+    std::map<std::uint8_t, Instant> late_at_;              // by unit: its last late answer
+    std::map<std::uint8_t, std::deque<Duration>> last_late_;  // by unit: the delays of the last ones
+    std::vector<std::uint64_t> past_;                         // hashes of the last frames
     std::size_t next_past_ = 0;
     std::uint64_t reordered_[4] = {};  // bits by unit: has answered out of order
 };
