@@ -219,7 +219,7 @@ bool LineJudge::shows_false_history(Instant t, VariableNumber v, const value::Sl
         ++recoveries_[*exempt];
         ledger_.note_exempt(last.asked);
         last.served = true;
-        last.served_at = last.end;
+        last.served_at = std::max(last.end, last.heard_at);  // some time between the two
         last.values = values;
         note_found(last);
         variables_[v].good = true;
