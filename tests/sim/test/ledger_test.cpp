@@ -169,5 +169,57 @@ TEST(Ledger, ANewConnectionOwesNothing) {
     EXPECT_FALSE(line.ledger.doubtful(line.last));
 }
 
+TEST(Ledger, BytesThatBeginLikeTheAnswerAndAreAsManyHaveComeDespiteTheirChecksum) {
+    for (const bool whole : {true, false}) {
+        Line line;
+        line.read(0ms, 0);
+        ByteVector damaged = framed({5, 3, 2, 0, 9});
+        damaged.back() ^= 1U;
+        if (!whole) damaged.erase(damaged.begin() + 3);
+        line.ledger.on_heard(Line::at(10ms), damaged);
+        line.read(200ms, 1);
+        EXPECT_NE(line.ledger.doubtful(line.last), whole);
+    }
+}
+
+TEST(Ledger, OfTwoRequestsTheOneThatIsNotAnsweredWasRefused) {
+    Line line;
+    line.read(0ms, 0);
+    line.read(200ms, 1, 2);
+    line.hear(210ms, {0x83, 2});
+    line.read(300ms, 0);
+    EXPECT_TRUE(line.ledger.doubtful(line.last)) << "which one is not known";
+    line.one(310ms, 7);
+    line.one(320ms, 8);
+    line.read(400ms, 1, 2);
+    EXPECT_FALSE(line.ledger.doubtful(line.last)) << "the first one was answered";
+}
+
+TEST(Ledger, AFunctionIsInDoubtWhileTheMasterMayExpectAnAnswer) {
+    Line line;
+    line.exchange(0ms, 1);
+    line.read(100ms, 0);
+    const AnswerLedger::Shape reads{.unit = 5, .function = 3};
+    EXPECT_FALSE(line.ledger.in_doubt(line.now, reads)) << "it may still be answered";
+    line.exchange(300ms, 2);
+    EXPECT_TRUE(line.ledger.in_doubt(line.now, reads));
+    EXPECT_TRUE(line.ledger.in_doubt(line.now, {.unit = 5}));
+    EXPECT_FALSE(line.ledger.in_doubt(line.now, {.unit = 5, .function = 4}));
+    EXPECT_FALSE(line.ledger.in_doubt(line.now, {.unit = 6, .function = 3}));
+    EXPECT_FALSE(line.ledger.in_doubt(Line::at(7min), reads));
+}
+
+TEST(Ledger, TheOwnAnswerMayFollowACopyAsTheNextOne) {
+    Line line;
+    line.exchange(0ms, 7);
+    line.exchange(100ms, 7);
+    line.read(200ms, 1);
+    line.one(210ms, 8);
+    EXPECT_EQ(line.exempt(8), "exempt_shifted");
+    line.read(300ms, 1);
+    line.one(310ms, 9);
+    EXPECT_EQ(line.exempt(9), "");
+}
+
 }  // namespace
 }  // namespace takt::judge
