@@ -145,7 +145,8 @@ Instant TransactionCore::busy_limit() const {
 
 Instant TransactionCore::earliest_start(UnitId unit, const AnswerShape& shape) const {
     const Instant quiet = std::min(silence_end(), busy_limit());
-    const Instant after_late_ones = numbered() ? Instant::min() : outstanding_.earliest(unit, shape);
+    const bool identified = numbered() || unit == kBroadcast;  // which has no response
+    const Instant after_late_ones = identified ? Instant::min() : outstanding_.earliest(unit, shape);
     return std::max({quiet, last_start_ + config_.request_gap, blocked_until_, after_late_ones});
 }
 

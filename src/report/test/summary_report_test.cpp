@@ -88,7 +88,7 @@ TEST(SummaryReport, TextInEveryLanguage) {
         const auto exceptions = of_code("1", "?") + ", " + of_code("2", "2");
         EXPECT_EQ(lines[1],
                   ' ' + texts("app.summary.availability", {{"available", "100.00 %"}, {"down", "0.0 s"}}));
-        EXPECT_EQ(lines[3], " Котёл " + texts("app.state.not_answering") + " 20 9 10 " + exceptions +
+        EXPECT_EQ(lines[3], " Котёл " + texts("app.state.not_answering") + " 20 9 15 " + exceptions +
                                 " 5 3.0 s 70.00 %");
         EXPECT_EQ(lines[4],
                   ' ' + texts("app.delays.response_timeout",
@@ -96,7 +96,7 @@ TEST(SummaryReport, TextInEveryLanguage) {
         const auto key = request_text(snapshot.lines[0].plan->requests[0]);
         EXPECT_EQ(lines[5], ' ' + texts("app.noise.byte", {{"where", "Котёл"}}));
         EXPECT_EQ(lines[8],
-                  " Котёл " + key + " 20 9 4 6 " + exceptions + " 20.0 ms 30.0 ms " + texts("app.on_demand"));
+                  " Котёл " + key + " 20 9 4 11 " + exceptions + " 20.0 ms 30.0 ms " + texts("app.on_demand"));
     }
 }
 
