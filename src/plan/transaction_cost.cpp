@@ -5,14 +5,11 @@
 #include <algorithm>
 
 #include "takt/plan/guarantee.hpp"
+#include "takt/wire/broadcast.hpp"
 #include "takt/wire/silence.hpp"
 
 namespace takt::plan {
 namespace {
-
-// A broadcast has no answer; every device gets this long to take it in (MODBUS over Serial Line V1.02,
-// section 2.4.1).
-constexpr Duration kBroadcastTurnaround = std::chrono::milliseconds(100);
 
 bool is_broadcast(const model::Line& line, const model::Device& device) {
     return line.framing != wire::Framing::tcp && device.address == kBroadcast;
@@ -93,7 +90,7 @@ RequestCosts TransactionCosts::costs(const Request& request, const Transactions&
 
 TransactionCost TransactionCosts::cost(const model::Device& device, const FrameLengths& frames) const {
     const Duration turnaround = is_broadcast(line_, device)
-                                    ? kBroadcastTurnaround
+                                    ? wire::kBroadcastTurnaround
                                     : device.expected_turnaround().value_or(device.response_timeout);
     const std::size_t answer = is_broadcast(line_, device) ? 0 : frames.response;
     const ExactTime request = bus_times_.characters(frames.request);

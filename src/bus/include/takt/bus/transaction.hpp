@@ -8,6 +8,7 @@
 
 #include "takt/base/numbers.hpp"
 #include "takt/base/time.hpp"
+#include "takt/wire/broadcast.hpp"
 #include "takt/wire/frame.hpp"
 #include "takt/wire/line_timing.hpp"
 #include "takt/wire/prepared_request.hpp"
@@ -29,8 +30,8 @@ struct LineConfig {
     Duration frame_gap{};    ///< the least silence before a request, if longer than t3.5
     Duration request_gap{};  ///< least time from the start of one request to the start of the next
     Duration margin = std::chrono::milliseconds(2);  ///< added to every deadline
-    /// The silence after a broadcast (MODBUS over Serial Line V1.02, section 2.4.1: 100..200 ms).
-    Duration broadcast_turnaround = std::chrono::milliseconds(100);
+    /// The silence after a broadcast.
+    Duration broadcast_turnaround = wire::kBroadcastTurnaround;
     /// RTU: the pause that ends a received frame, and after which bytes with a wrong CRC are dropped. The
     /// length of a response is known, so no response waits for it. Zero: the longer of 30 ms and t3.5,
     /// because adapters deliver bytes in bursts; over a stream 50 ms. ASCII: the longest pause between two
