@@ -92,9 +92,9 @@ model::MeasuredTimes DelayLearner::measured() const {
 
 model::LearntTimes DelayLearner::learnt() const {
     model::LearntTimes made{.measured = measured(), .counts = {}};
-    for (std::size_t i = 0; i < timing::CompactHistogram::kBuckets; ++i)
+    for (std::size_t i = 0; i < CompactHistogram::kBuckets; ++i)
         if (const auto bucket = times_.histogram().bucket(i); bucket.count > 0)
-            made.counts.push_back({std::min(bucket.upper, timing::CompactHistogram::kLimit), bucket.count});
+            made.counts.push_back({std::min(bucket.upper, CompactHistogram::kLimit), bucket.count});
     return made;
 }
 

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <optional>
 
+#include "compact_times.hpp"
 #include "takt/base/time.hpp"
 #include "takt/model/device.hpp"
 #include "takt/poll/delay_finding.hpp"
-#include "takt/timing/latency_statistics.hpp"
 
 namespace takt::poll {
 
@@ -72,7 +72,7 @@ private:
     bool news_ = false;
     std::uint8_t slow_ones_ = 0;     // the last eight responses, one bit each: later than the turnaround
     model::MeasuredTimes measured_;  // attempts, late, lateness; the rest is in times_
-    timing::CompactLatencyStatistics times_;
+    CompactLatencyStatistics times_;
     std::optional<DelayFinding> finding_;
 };
 

@@ -38,56 +38,14 @@ TEST(Histogram, BucketsAreNarrow) {
     }
 }
 
-TEST(Histogram, ACompactOneCoversAllDurationsInNarrowBuckets) {
-    const CompactHistogram histogram;
-    EXPECT_EQ(histogram.bucket(0).lower, 0ns);
-    for (std::size_t i = 1; i < CompactHistogram::kBuckets; ++i)
-        ASSERT_EQ(histogram.bucket(i).lower, histogram.bucket(i - 1).upper + 1ns) << i;
-    EXPECT_EQ(histogram.bucket(CompactHistogram::kBuckets - 1).lower, CompactHistogram::kLimit);
-    for (std::size_t i = 0; i + 1 < CompactHistogram::kBuckets; ++i) {
-        const auto [lower, upper, count] = histogram.bucket(i);
-        ASSERT_TRUE((upper - lower) * 8 <= lower || upper - lower < 1us) << i;
-    }
-}
-
-TEST(Histogram, ACompactOneIsSmall) {
-    EXPECT_LE(sizeof(CompactHistogram), std::size_t{48});
-    constexpr std::size_t kOctave = 64;
-    CountRange<CompactHistogram::kBuckets> counts;
-    EXPECT_EQ(counts.allocated_bytes(), 0U);
-    counts.add(100, 1);
-    counts.add(103, 1);
-    EXPECT_EQ(counts.allocated_bytes(), kOctave);
-    counts.add(104, 1);
-    counts.add(95, 1);
-    EXPECT_EQ(counts.allocated_bytes(), 3 * kOctave);
-}
-
-RC_GTEST_PROP(Histogram, ACompactOneCountsEachSampleInItsBucket, ()) {
-    const auto samples = *rc::gen::container<std::vector<Duration>>(durations());
-    const auto others = *rc::gen::container<std::vector<Duration>>(durations());
-    CompactHistogram histogram;
-    CompactHistogram other;
-    for (const Duration sample : samples) histogram.record(sample * 60);
-    for (const Duration sample : others) other.record(sample * 60);
-    histogram.merge(other);
-    RC_ASSERT(histogram.count() == samples.size() + others.size());
-    for (std::size_t i = 0; i < CompactHistogram::kBuckets; ++i) {
-        const auto [lower, upper, count] = histogram.bucket(i);
-        const auto inside = [&](Duration sample) { return lower <= sample * 60 && sample * 60 <= upper; };
-        RC_ASSERT(count == static_cast<std::uint64_t>(std::ranges::count_if(samples, inside) +
-                                                      std::ranges::count_if(others, inside)));
-    }
-}
-
 TEST(Histogram, ASampleCountsAsOftenAsItIsGiven) {
-    CompactHistogram once;
-    CompactHistogram often;
+    Histogram once;
+    Histogram often;
     for (int i = 0; i < 7; ++i) once.record(3ms);
     often.record(3ms, 7);
     EXPECT_EQ(often.count(), 7U);
     EXPECT_EQ(often.value_at_rank(7), once.value_at_rank(7));
-    for (std::size_t i = 0; i < CompactHistogram::kBuckets; ++i)
+    for (std::size_t i = 0; i < Histogram::kBuckets; ++i)
         ASSERT_EQ(often.bucket(i).count, once.bucket(i).count) << i;
 }
 

@@ -47,7 +47,7 @@ TEST(LatencyStatistics, DescribesTheMeasuredExchanges) {
 }
 
 TEST(LatencyStatistics, ASampleCountsAsOftenAsItIsGiven) {
-    CompactLatencyStatistics statistics;
+    LatencyStatistics statistics;
     statistics.record(2ms, 999);
     statistics.record(7ms, 1);
     statistics.record(9ms, 0);

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "takt/base/time.hpp"
 
@@ -21,25 +20,6 @@ private:
     std::array<std::uint64_t, buckets> counts_{};
 };
 
-/// The counts from the least bucket that has one to the greatest, in steps of kStep buckets. add() allocates
-/// where the bucket lies outside of them.
-template <std::size_t buckets>
-class CountRange {
-public:
-    static constexpr std::size_t kStep = 8;
-
-    void add(std::size_t bucket, std::uint64_t times);
-    [[nodiscard]] std::uint64_t operator[](std::size_t bucket) const {
-        return bucket >= first_ && bucket - first_ < counts_.size() ? counts_[bucket - first_] : 0;
-    }
-    /// Of the counts, beside the object.
-    [[nodiscard]] std::size_t allocated_bytes() const { return counts_.capacity() * sizeof counts_[0]; }
-
-private:
-    std::size_t first_ = 0;  // a multiple of kStep
-    std::vector<std::uint64_t> counts_;
-};
-
 /// A log-linear histogram as in HdrHistogram: each octave is divided into 2^precision_bits buckets of equal
 /// width, from a unit of `unit_ns` up.
 ///
@@ -48,7 +28,8 @@ private:
 /// share the last bucket, for which the bound does not hold. Only record() and merge() allocate, where Counts
 /// does. One owner, one thread.
 ///
-/// Counts: FixedCounts or CountRange.
+/// Counts: FixedCounts, or another class with add() and operator[]. histogram_definitions.hpp has the member
+/// functions, for a source file that instantiates it.
 template <int precision_bits, int limit_bits, std::int64_t unit_ns, template <std::size_t> class Counts>
 class BasicHistogram {
 public:
@@ -87,11 +68,7 @@ private:
 
 /// Within 1/128 (0.8 %) from 1 ns to 18 minutes; about 35 KiB.
 using Histogram = BasicHistogram<7, 40, 1, FixedCounts>;
-/// Within 1/8 (12.5 %) from 1 us to 67 s, for one of many devices. It takes 64 bytes for each power of two
-/// between the least and the greatest sample.
-using CompactHistogram = BasicHistogram<3, 26, 1000, CountRange>;
 
 extern template class BasicHistogram<7, 40, 1, FixedCounts>;
-extern template class BasicHistogram<3, 26, 1000, CountRange>;
 
 }  // namespace takt::timing

@@ -12,6 +12,7 @@ namespace takt::timing {
 ///
 /// Negative durations count as zero. The mean is exact while the sum of all samples stays below 584 years.
 /// Without samples every duration is zero. Allocates where H does. One owner, one thread.
+/// latency_statistics_definitions.hpp has the member functions.
 template <class H>
 class BasicLatencyStatistics {
 public:
@@ -45,9 +46,7 @@ private:
 };
 
 using LatencyStatistics = BasicLatencyStatistics<Histogram>;
-using CompactLatencyStatistics = BasicLatencyStatistics<CompactHistogram>;
 
 extern template class BasicLatencyStatistics<Histogram>;
-extern template class BasicLatencyStatistics<CompactHistogram>;
 
 }  // namespace takt::timing
