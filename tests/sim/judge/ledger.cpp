@@ -76,7 +76,7 @@ void AnswerLedger::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     if (framing_ == wire::Framing::tcp) return;
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     received_ += bytes.size();
-    if (t - heard_at_ > kPause) {
+    if (t > heard_at_ + kPause) {
         paused_ = paused_ || received_ > bytes.size();
         since_.clear();
     }

@@ -270,7 +270,7 @@ void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     bytes = without_echo(t, bytes);
     if (bytes.empty()) return;
     // A frame in pieces with pauses may not be a frame for the master.
-    paused_ = one_at_a_time() && !received_.empty() && (paused_ || t - heard_at_ > kPause);
+    paused_ = one_at_a_time() && !received_.empty() && (paused_ || t > heard_at_ + kPause);
     heard_at_ = t;
     busy_until_ = std::max(busy_until_, t);
     heard_since_ = true;
