@@ -7,7 +7,8 @@
 namespace takt::bus {
 namespace {
 
-constexpr int kRecentResponses = 16;  // over which the longest delay decays
+constexpr int kRecentResponses = 16;   // over which the longest delay decays
+constexpr int kDoubtfulResponses = 4;  // over which it grows if they may be late ones
 constexpr int kLatenessFactor = 2;
 constexpr int kLongestHold = 8;  // response time-outs
 
@@ -23,12 +24,14 @@ Duration response_delay(const LineConfig& config, const Outcome& outcome) {
     return outcome.ended_at - length - outcome.request_end;
 }
 
-// A unit that has become slower must not stay in doubt. A delay seems short if the response is that to the
-// request before.
+// A delay seems short if the response is that to the request before. It seems long if it is that to an
+// earlier one; but a unit that has become slower must not stay in doubt.
 void UnitTimes::on_response(Duration delay, bool certain) {
     const Duration longest = longest_delay.value_or(delay);
-    const Duration decayed = certain ? longest - (longest - delay) / kRecentResponses : longest;
-    longest_delay = std::max(delay, decayed);
+    if (!certain)
+        longest_delay = longest + std::max(delay - longest, Duration::zero()) / kDoubtfulResponses;
+    else
+        longest_delay = std::max(delay, longest - (longest - delay) / kRecentResponses);
 }
 
 void UnitTimes::on_late(const LateResponse& late) {

@@ -24,7 +24,8 @@ struct UnitTimes {
     bool in_order = true;                   ///< it answers requests in their order
 
     /// A response in time.
-    /// @param certain  it answers the last request: no other response of the unit is missing
+    /// @param certain  it answers the last request: no other response of the unit is missing. Others shorten
+    ///                 nothing, and lengthen slowly
     void on_response(Duration delay, bool certain);
     void on_late(const LateResponse& late);
 
