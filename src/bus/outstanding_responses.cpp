@@ -186,11 +186,15 @@ void OutstandingResponses::answered(Instant t, UnitId unit, const std::optional<
     }
 }
 
-void OutstandingResponses::confirmed(Instant t, UnitId unit, const AnswerShape& shape, Instant request_end) {
+void OutstandingResponses::confirmed(Instant t, UnitId unit, const AnswerShape& shape, Instant request_end,
+                                     bool in_doubt) {
     for (auto& entry : all()) {
         if (!entry.may_be(unit, shape)) continue;
         entry.check_at = t + kCheckInterval;
-        if (entry.phase == Phase::passed) continue;
+        if (entry.phase == Phase::passed) {
+            if (in_doubt) entry.confirm_until = std::max(entry.confirm_until, t + kConfirmed * entry.wait);
+            continue;
+        }
         entry.end = request_end;
         // One length does not show that the response of another one was lost.
         const bool one_length = entry.other_length == entry.shape.pdu_length;

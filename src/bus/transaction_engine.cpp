@@ -17,7 +17,6 @@ using wire::Function;
 constexpr Duration kAdapterSilence = 30ms;  // longer than the latency timer of USB adapters (16 ms)
 constexpr Duration kStreamSilence = 50ms;
 constexpr Duration kLeastBusyLimit = 1s;
-constexpr int kConfirmed = 8;  // time-outs
 constexpr Duration kRemembered = 5min;
 constexpr int kLatenessFactor = 2;
 constexpr int kSuspicionFactor = 2;
@@ -250,7 +249,7 @@ void TransactionCore::give_up(Instant t, Slot& slot, Status status) {
 
 // A unit that does not keep the order is expected to answer late as long as it may take without being known.
 Duration TransactionCore::expected_time(const Slot& slot) {
-    const Duration least = slot.in_order ? Duration::zero() : kConfirmed * slot.wait;
+    const Duration least = slot.in_order ? Duration::zero() : OutstandingResponses::kConfirmed * slot.wait;
     return std::clamp<Duration>(kLatenessFactor * slot.lateness, least, std::max(least, kLongestExpected));
 }
 
@@ -263,7 +262,7 @@ void TransactionCore::expect_response(Instant t, const Slot& slot, Instant hold_
          .expired_at = t,
          .hold_until = hold_until,
          .expected_until = t + expected_time(slot),
-         .confirm_until = t + kConfirmed * slot.wait,
+         .confirm_until = t + OutstandingResponses::kConfirmed * slot.wait,
          .forget_at = std::max(hold_until, t + kRemembered),
          .hold = hold_until > t ? std::max(kSuspicionFactor * slot.wait, slot.late_limit) : Duration::zero(),
          .wait = slot.wait});

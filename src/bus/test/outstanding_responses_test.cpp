@@ -25,7 +25,8 @@ struct Outstanding {
                        .hold_until = until,
                        .confirm_until = until + 1s,
                        .forget_at = until + 10s,
-                       .hold = 50ms});
+                       .hold = 50ms,
+                       .wait = 100ms});
     }
     [[nodiscard]] Ambiguity at_time(Duration t, const AnswerShape& shape) const {
         const Ambiguity ambiguity = responses.ambiguity(at(t), kUnit, shape);
@@ -98,13 +99,25 @@ TEST(OutstandingResponses, PassWhenTheirUnitAnswersADistinguishableRequest) {
 TEST(OutstandingResponses, AreSuspectedAndPassWhenNothingFollowsAResponseThatLooksAlike) {
     Outstanding late;
     late.expect(kUnit, kRead2, at(200ms));
-    late.responses.confirmed(at(310ms), kUnit, kRead2, at(300ms));
+    late.responses.confirmed(at(310ms), kUnit, kRead2, at(300ms), true);
     EXPECT_EQ(late.at_time(359ms, kRead2), Ambiguity::held);
     EXPECT_EQ(late.at_time(360ms, kRead2), Ambiguity::suspected);
-    late.responses.confirmed(at(410ms), kUnit, kRead2, at(400ms));
+    late.responses.confirmed(at(410ms), kUnit, kRead2, at(400ms), true);
     EXPECT_EQ(late.at_time(400ms, kRead2), Ambiguity::passed);
     ASSERT_TRUE(late.settle("03 04 00 01 00 02", 500ms));
     EXPECT_EQ(late.responses.take_late()->delay, 100ms) << "the response to the last request";
+}
+
+// The response was the one that had passed, as it seems: then that to its request is missing.
+TEST(OutstandingResponses, OnesThatHavePassedAreConfirmedLongerAfterAResponseInDoubt) {
+    for (const bool in_doubt : {false, true}) {
+        Outstanding late;
+        late.expect(kUnit, kRead2, at(200ms));
+        late.responses.answered(at(1150ms), kUnit, kRead4);
+        EXPECT_EQ(late.at_time(1199ms, kRead2), Ambiguity::passed);
+        late.responses.confirmed(at(1199ms), kUnit, kRead2, at(1190ms), in_doubt);
+        EXPECT_EQ(late.at_time(1900ms, kRead2), in_doubt ? Ambiguity::passed : Ambiguity::none);
+    }
 }
 
 TEST(OutstandingResponses, AnAmbiguousExceptionLeavesEitherResponse) {

@@ -116,6 +116,7 @@ struct OutstandingResponse {
 class OutstandingResponses {
 public:
     static constexpr std::size_t kAlike = 4;
+    static constexpr int kConfirmed = 8;  ///< time-outs for which responses that look alike are confirmed
 
     explicit OutstandingResponses(std::span<OutstandingResponse> memory) : memory_(memory) {}
 
@@ -147,7 +148,9 @@ public:
     /// A response of `shape` was received and no further one followed. Those that look alike are suspected
     /// now, or have passed; the one that is missing may be that to the last request, which ended at
     /// `request_end`.
-    void confirmed(Instant t, UnitId unit, const AnswerShape& shape, Instant request_end);
+    /// @param in_doubt  it may be one that has passed. Then that to the last request is missing instead, and
+    ///                  responses that look alike are confirmed as long again
+    void confirmed(Instant t, UnitId unit, const AnswerShape& shape, Instant request_end, bool in_doubt);
 
     /// Whether an exception to `function` could be a late one.
     [[nodiscard]] bool ambiguous(UnitId unit, std::uint8_t function) const;
