@@ -1,4 +1,4 @@
-// Invariant: whatever changes the entry of a read in the queue goes through change().
+// Invariant: each change of a read that concerns the queue is made through change().
 #include "read_schedule.hpp"
 
 #include <algorithm>
