@@ -20,4 +20,20 @@ bool Health::failed(Instant t) {
     return was_answering;
 }
 
+Duration Health::probe_period(Duration period) const {
+    return period > Duration::zero() ? period : backoff_.first();
+}
+
+std::optional<Instant> Health::early_probe_at(Instant last, Duration period) const {
+    const Duration distance = probe_period(period);
+    if (distance >= probe_wait_) return std::nullopt;
+    return after(last, distance);
+}
+
+bool Health::probes_early(Instant t, Duration period) {
+    const bool early = !answering() && t < probe_at_;
+    if (early) probe_at_ = std::max(probe_at_, after(t, probe_period(period)));
+    return early;
+}
+
 }  // namespace takt::bus

@@ -17,14 +17,15 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLongestTimeout{65535};
 constexpr std::chrono::seconds kCheckInterval{1};
 
-bool same_length(std::size_t a, std::size_t b) {
+bool same_length(unsigned a, unsigned b) {
     return a == 0 || b == 0 || a == b;
 }
 
 }  // namespace
 
 AnswerShape frame_shape(Bytes pdu) {
-    return {wire::requested_function(pdu[0]), wire::is_exception(pdu[0]) ? 0 : pdu.size()};
+    const std::size_t length = wire::is_exception(pdu[0]) ? 0 : pdu.size();
+    return {wire::requested_function(pdu[0]), static_cast<std::uint16_t>(length)};
 }
 
 Duration advised_timeout(Duration delay) {
@@ -192,7 +193,8 @@ void OutstandingResponses::confirmed(Instant t, UnitId unit, const AnswerShape& 
         if (!entry.may_be(unit, shape)) continue;
         entry.check_at = t + kCheckInterval;
         if (entry.phase == Phase::passed) {
-            if (in_doubt) entry.confirm_until = std::max(entry.confirm_until, t + kConfirmed * entry.wait);
+            if (in_doubt)
+                entry.confirm_until = std::max(entry.confirm_until, t + confirmation_time(entry.wait));
             continue;
         }
         entry.end = request_end;

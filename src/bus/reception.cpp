@@ -36,12 +36,8 @@ void TransactionCore::on_tick(Instant t) {
     outstanding_.expire(t);
 }
 
-Duration TransactionCore::length_of(std::size_t characters) const {
-    return config_.is_serial() ? wire::transmission_time(config_.format, characters) : Duration::zero();
-}
-
 void TransactionCore::note_activity(Instant t, std::size_t bytes) {
-    const Duration length = length_of(bytes);
+    const Duration length = config_.characters_time(bytes);
     if (t - length >= silence_end()) activity_since_ = t - length;
     last_activity_ = std::max(last_activity_, t);
 }
@@ -137,8 +133,8 @@ void TransactionCore::on_fault(Instant t, const wire::FramerStep& step) {
 // A damaged echo that looks like a damaged response. Where bytes take time, the response is complete later.
 bool TransactionCore::may_be_echo(Instant t, const Slot& slot, std::size_t bytes) const {
     if (!echo_.may_come()) return false;
-    const std::size_t expected = wire::frame_length(config_.framing, slot.request.response_length);
-    if (config_.echo == Echo::automatic) return t < slot.request_end + length_of(expected);
+    if (config_.echo == Echo::automatic)
+        return t < slot.request_end + config_.frame_time(slot.request.response_length);
     return bytes <= outgoing_.size();
 }
 
@@ -177,7 +173,7 @@ void TransactionCore::note_other_unit(const wire::Frame& frame) {
 Lateness TransactionCore::settle_late(Instant end, UnitId unit, const AnswerShape& shape,
                                       std::uint16_t wire_id) {
     const std::size_t length = shape.pdu_length == 0 ? kExceptionPdu : shape.pdu_length;
-    const Instant begin = end - length_of(wire::frame_length(config_.framing, length));
+    const Instant begin = end - config_.frame_time(length);
     const Lateness lateness =
         outstanding_.settle(unit, shape, numbered() ? std::optional(wire_id) : std::nullopt, begin, end);
     if (lateness != Lateness::none) note_late(end, unit, lateness);
@@ -242,7 +238,7 @@ void TransactionCore::take_response(Instant t, Slot& slot, const wire::Frame& fr
 // Later than the unit usually answers, while a response that looks alike is missing: it may be that one.
 bool TransactionCore::unusual(Instant t, const Slot& slot, Bytes pdu) const {
     if (numbered() || !outstanding_.remembers(slot.unit, slot.shape())) return false;
-    const Duration frame = length_of(wire::frame_length(config_.framing, pdu.size()));
+    const Duration frame = config_.frame_time(pdu.size());
     return t - frame - slot.request_end > slot.longest_delay + config_.margin;
 }
 
@@ -268,7 +264,7 @@ void TransactionCore::confirm(Instant t, Slot& slot, Bytes pdu) {
 Instant TransactionCore::confirmation_end(Instant t, const Slot& slot) const {
     const Ambiguity left = ambiguity(t, slot.unit, slot.shape());
     if (left == Ambiguity::none) return t;
-    const Duration frame = length_of(wire::frame_length(config_.framing, outgoing_.size()));
+    const Duration frame = config_.frame_time(outgoing_.size());
     const bool independent = left == Ambiguity::passed && config_.is_serial();
     const Instant from =
         independent ? std::max(t, slot.request_end + slot.longest_delay) : t + slot.longest_delay;

@@ -1,6 +1,19 @@
 #include "takt/bus/transaction.hpp"
 
+#include <algorithm>
+
+#include "takt/wire/silence.hpp"
+
 namespace takt::bus {
+
+Duration LineConfig::characters_time(std::size_t characters) const {
+    return is_serial() ? wire::transmission_time(format, characters) : Duration::zero();
+}
+
+Duration LineConfig::silence_before_request() const {
+    return std::max(wire::frame_silence(framing, format), frame_gap);
+}
+
 std::string_view name(Status status) {
     switch (status) {
         case Status::ok: return "ok";

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "takt/base/assert.hpp"
+#include "takt/bus/failure_time.hpp"
 #include "takt/wire/broadcast.hpp"
 #include "takt/wire/silence.hpp"
 
@@ -18,31 +19,22 @@ constexpr Duration kAdapterSilence = 30ms;  // longer than the latency timer of 
 constexpr Duration kStreamSilence = 50ms;
 constexpr Duration kLeastBusyLimit = 1s;
 constexpr Duration kRemembered = 5min;
-constexpr int kLatenessFactor = 2;
 constexpr int kSuspicionFactor = 2;
 constexpr Duration kLongestExpected = 30s;
 
 // An adapter may deliver two frames together; the silence between them is then lost.
 constexpr bool kFramesFollow = true;
 
-Duration silence_before_request(const LineConfig& config) {
-    return std::max(wire::frame_silence(config.framing, config.format), config.frame_gap);
-}
-
 Duration silence_inside_frame(const LineConfig& config) {
     if (config.frame_silence > Duration::zero()) return config.frame_silence;
     return config.is_serial() ? std::max(wire::t3_5(config.format), kAdapterSilence) : kStreamSilence;
-}
-
-Duration characters_time(const LineConfig& config, std::size_t characters) {
-    return config.is_serial() ? wire::transmission_time(config.format, characters) : Duration::zero();
 }
 
 wire::FramerConfig framer_config(const LineConfig& config) {
     wire::FramerConfig made{.framing = config.framing,
                             .side = wire::Side::master,
                             .silence = silence_inside_frame(config),
-                            .character = characters_time(config, 1)};
+                            .character = config.characters_time(1)};
     if (config.frame_silence > Duration::zero()) made.ascii_pause = config.frame_silence;
     return made;
 }
@@ -59,7 +51,7 @@ TransactionCore::TransactionCore(const LineConfig& config, const TransactionStor
       slots_(storage.slots),
       longest_pdu_(storage.longest_pdu),
       outgoing_(storage.sending.first(TransactionStorage::sending_size(config.framing, storage.longest_pdu))),
-      silence_(silence_before_request(config)),
+      silence_(config.silence_before_request()),
       frame_silence_(silence_inside_frame(config)) {
     TAKT_ASSERT(!slots_.empty() && storage.pdus.size() >= slots_.size() * longest_pdu_);
     TAKT_ASSERT(numbered() || (!storage.outstanding.empty() && longest_pdu_ == wire::kMaxPdu));
@@ -139,7 +131,7 @@ Instant TransactionCore::silence_end() const {
 // A line is busy when it had no silence for longer than two of the longest frames.
 Instant TransactionCore::busy_limit() const {
     return activity_since_ + silence_ +
-           std::max(kLeastBusyLimit, 2 * characters_time(config_, wire::kMaxAsciiFrame));
+           std::max(kLeastBusyLimit, 2 * config_.characters_time(wire::kMaxAsciiFrame));
 }
 
 Instant TransactionCore::earliest_start(UnitId unit, const AnswerShape& shape) const {
@@ -170,15 +162,13 @@ Bytes TransactionCore::send(Instant t, Slot& slot) {
     while (numbered() &&
            outstanding_.expects(slot.wire_id));  // after 65536 requests its late response would be taken
     outgoing_.assign(wire::encode_frame(config_.framing, unit, slot.wire_id, slot.content()).span());
-    const Instant request_end = t + characters_time(config_, outgoing_.size());
+    const auto times = attempt_times(config_, slot.pdu_size, slot.request.response_length, slot.wait);
+    const Instant request_end = t + times.request;
     slot.state = State::sent;
     slot.sent_once = true;
     slot.sent_at = t;
     slot.request_end = request_end;
-    slot.deadline = slot.broadcast
-                        ? request_end + config_.broadcast_turnaround
-                        : request_end + wire::response_wait(config_.framing, config_.format, slot.wait) +
-                              response_time(slot) + config_.margin;
+    slot.deadline = request_end + (slot.broadcast ? config_.broadcast_turnaround : times.time_out());
     if (slot.broadcast) blocked_until_ = slot.deadline;
     last_start_ = t;
     if (config_.framing != Framing::tcp) {
@@ -197,15 +187,10 @@ Bytes TransactionCore::send(Instant t, Slot& slot) {
         const bool repeats_itself =
             slot.request.decoded &&
             wire::decode_response(slot.request, slot.content(), slot.content()).has_value();
-        echo_.arm(outgoing_.span(), repeats_itself, request_end + characters_time(config_, outgoing_.size()));
+        echo_.arm(outgoing_.span(), repeats_itself, request_end + times.request);
     }
     if (observer_) observer_->on_frame(t, wire::Direction::sent, unit, slot.content(), outgoing_.span());
     return outgoing_.span();
-}
-
-Duration TransactionCore::response_time(const Slot& slot) const {
-    if (!config_.is_serial()) return Duration::zero();
-    return characters_time(config_, wire::frame_length(config_.framing, slot.request.response_length));
 }
 
 Instant TransactionCore::next_wakeup() const {
@@ -249,7 +234,8 @@ void TransactionCore::give_up(Instant t, Slot& slot, Status status) {
 
 // A unit that does not keep the order is expected to answer late as long as it may take without being known.
 Duration TransactionCore::expected_time(const Slot& slot) {
-    const Duration least = slot.in_order ? Duration::zero() : OutstandingResponses::kConfirmed * slot.wait;
+    const Duration least =
+        slot.in_order ? Duration::zero() : OutstandingResponses::confirmation_time(slot.wait);
     return std::clamp<Duration>(kLatenessFactor * slot.lateness, least, std::max(least, kLongestExpected));
 }
 
@@ -262,7 +248,7 @@ void TransactionCore::expect_response(Instant t, const Slot& slot, Instant hold_
          .expired_at = t,
          .hold_until = hold_until,
          .expected_until = t + expected_time(slot),
-         .confirm_until = t + OutstandingResponses::kConfirmed * slot.wait,
+         .confirm_until = t + OutstandingResponses::confirmation_time(slot.wait),
          .forget_at = std::max(hold_until, t + kRemembered),
          .hold = hold_until > t ? std::max(kSuspicionFactor * slot.wait, slot.late_limit) : Duration::zero(),
          .wait = slot.wait});

@@ -9,8 +9,7 @@ namespace {
 
 constexpr int kRecentResponses = 16;   // over which the longest delay decays
 constexpr int kDoubtfulResponses = 4;  // over which it grows if they may be late ones
-constexpr int kLatenessFactor = 2;
-constexpr int kLongestHold = 8;  // response time-outs
+constexpr int kLongestHold = 8;        // response time-outs
 
 }  // namespace
 
@@ -18,10 +17,7 @@ constexpr int kLongestHold = 8;  // response time-outs
 Duration response_delay(const LineConfig& config, const Outcome& outcome) {
     const std::size_t pdu =
         outcome.response.empty() ? outcome.request.response_length : outcome.response.pdu().size();
-    const std::size_t characters = wire::frame_length(config.framing, pdu);
-    const Duration length =
-        config.is_serial() ? wire::transmission_time(config.format, characters) : Duration::zero();
-    return outcome.ended_at - length - outcome.request_end;
+    return outcome.ended_at - config.frame_time(pdu) - outcome.request_end;
 }
 
 // A delay seems short if the response is that to the request before. It seems long if it is that to an

@@ -14,6 +14,7 @@
 #include "one_line.hpp"
 #include "takt/model/item_ranges.hpp"
 #include "takt/plan/guarantee.hpp"
+#include "takt/plan/request_job.hpp"
 
 namespace takt::plan {
 namespace {
@@ -202,7 +203,7 @@ model::Project without_learning(const model::Project& project) {
     for (auto& line : made.lines)
         for (auto& device : line.devices) {
             if (device.turnaround || !device.measured_turnaround() || device.response_timeout_set) continue;
-            device.response_timeout = device.wait(project.derive_timeouts);
+            device.response_timeout = device.wait(project.derive_timeouts && requests_in_flight(line) == 1);
             device.response_timeout_set = true;
         }
     return made;

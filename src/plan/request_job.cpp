@@ -87,7 +87,8 @@ std::optional<RequestJob> job_of(const model::Project& project, const model::Lin
         job.function = planned_read(request).function;
         job.costs = costs.of_read(request);
     }
-    job.response_length = wire::response_pdu_length(job.function, request.quantity);
+    job.response_length =
+        static_cast<std::uint16_t>(wire::response_pdu_length(job.function, request.quantity));
     return job;
 }
 
@@ -110,6 +111,13 @@ Duration polling_deadline(const model::Device& device, const Request& request) {
 
 const model::Backoff& backoff_of(const model::Project& project, const model::Device& device) {
     return device.backoff ? *device.backoff : project.backoff;
+}
+
+std::size_t requests_in_flight(const model::Line& line) {
+    std::size_t most = 1;
+    if (line.framing == wire::Framing::tcp)
+        for (const auto& device : line.devices) most = std::max<std::size_t>(most, device.in_flight);
+    return most;
 }
 
 // 0x17 reads holding registers; where nothing is written, 0x03 reads the same.

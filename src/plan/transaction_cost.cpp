@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "takt/plan/guarantee.hpp"
+#include "takt/wire/attempt_times.hpp"
 #include "takt/wire/broadcast.hpp"
 #include "takt/wire/silence.hpp"
 
@@ -17,12 +18,8 @@ bool is_broadcast(const model::Line& line, const model::Device& device) {
 
 }  // namespace
 
-// Behind a gateway an answer waits for the answers to the requests in flight before it.
 Duration answer_wait(const model::Project& project, const model::Line& line, const model::Device& device) {
-    const bool one_at_a_time =
-        line.framing != wire::Framing::tcp ||
-        std::ranges::all_of(line.devices, [](const model::Device& each) { return each.in_flight <= 1; });
-    const Duration wait = device.wait(project.derive_timeouts && one_at_a_time);
+    const Duration wait = device.wait(project.derive_timeouts && requests_in_flight(line) == 1);
     return line.is_serial() ? wire::response_wait(line.framing, line.format, wait) : wait;
 }
 
@@ -93,18 +90,18 @@ TransactionCost TransactionCosts::cost(const model::Device& device, const FrameL
                                     ? wire::kBroadcastTurnaround
                                     : device.expected_turnaround().value_or(device.response_timeout);
     const std::size_t answer = is_broadcast(line_, device) ? 0 : frames.response;
-    const ExactTime request = bus_times_.characters(frames.request);
-    const ExactTime response = bus_times_.characters(answer);
-    const ExactTime silence = std::max(bus_times_.silence(), bus_times_.of(line_.frame_gap));
+    const wire::AttemptTimes<ExactTime> attempt{
+        .request = bus_times_.characters(frames.request),
+        .wait = bus_times_.of(answer_wait(project_, line_, device)),
+        .response = bus_times_.characters(answer),
+        .margin = bus_times_.of(project_.timeout_margin),
+        .silence = std::max(bus_times_.silence(), bus_times_.of(line_.frame_gap))};
     const ExactTime wait = std::max(bus_times_.of(turnaround), bus_times_.silence());
     const ExactTime overhead = bus_times_.of(project_.host.overhead);
-    const ExactTime time =
-        std::max(request + wait + response + silence + overhead, bus_times_.of(line_.request_gap));
-    const Microseconds time_out =
-        bus_times_.microseconds_up(bus_times_.of(answer_wait(project_, line_, device)) + response +
-                                   bus_times_.of(project_.timeout_margin));
-    const ExactTime failure =
-        request + bus_times_.of(std::chrono::microseconds(time_out)) + silence + overhead;
+    const ExactTime time = std::max(attempt.request + wait + attempt.response + attempt.silence + overhead,
+                                    bus_times_.of(line_.request_gap));
+    const std::chrono::microseconds time_out(bus_times_.microseconds_up(attempt.time_out()));
+    const ExactTime failure = attempt.failure(bus_times_.of(time_out)) + overhead;
     const Microseconds transaction = bus_times_.microseconds_up(time);
     return {transaction, std::max(transaction, bus_times_.microseconds_up(failure))};
 }

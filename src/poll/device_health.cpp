@@ -69,19 +69,8 @@ DeviceVerdict DeviceHealth::ended(Instant sent_at, Instant t, const OutcomeClass
 
 // ---- probes
 
-Duration DeviceHealth::probe_period(Duration period) const {
-    return period > Duration::zero() ? period : backoff_.first;
-}
-
-std::optional<Instant> DeviceHealth::early_probe_at(Instant last, Duration period) const {
-    const Duration distance = probe_period(period);
-    if (distance >= probe_wait()) return std::nullopt;
-    return after(last, distance);
-}
-
 void DeviceHealth::read_started(Instant t, Duration period) {
-    probes_early_ = !answering() && t < probe_at();
-    if (probes_early_) health_.postpone_probe(after(t, probe_period(period)));
+    probes_early_ = health_.probes_early(t, period);
 }
 
 }  // namespace takt::poll

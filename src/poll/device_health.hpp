@@ -81,20 +81,16 @@ public:
     /// While it does not answer: when the next probe may be sent, and the back-off before it.
     [[nodiscard]] Instant probe_at() const { return health_.probe_at(); }
     [[nodiscard]] Duration probe_wait() const { return health_.probe_wait(); }
-    /// While it does not answer: when an early probe may be sent. At most one is sent per period; without a
-    /// period the first back-off takes its place.
-    /// @param last    start of the last read of the device
-    /// @param period  of the read that probes
-    /// @returns nothing: the back-off is as short
-    [[nodiscard]] std::optional<Instant> early_probe_at(Instant last, Duration period) const;
+    /// See bus::Health.
+    [[nodiscard]] std::optional<Instant> early_probe_at(Instant last, Duration period) const {
+        return health_.early_probe_at(last, period);
+    }
     /// A read is sent. While the device does not answer, it is a probe.
     void read_started(Instant t, Duration period);
     /// The probe in flight is an early one.
     [[nodiscard]] bool probes_early() const { return probes_early_; }
 
 private:
-    [[nodiscard]] Duration probe_period(Duration period) const;
-
     std::uint16_t attempts_;
     bool enabled_;
     bool has_reads_ = false;

@@ -24,15 +24,14 @@ const plan::ReadAlternative* LinePoller::Run::alternative_to(Instant t, std::siz
         request.read->distinct = HeapOptional(DistinctRead(device.alternatives->of(*request.plan)));
     }
     return request.read->distinct->choose(planned, [&](wire::Function read, std::uint16_t quantity) {
-        return engine_.ambiguity(t, unit,
-                                 {static_cast<std::uint8_t>(read), response_pdu_length(read, quantity)});
+        return engine_.ambiguity(t, unit, bus::answer_shape(read, quantity));
     });
 }
 
 bus::AnswerShape LinePoller::Run::shape_to_send(Instant t, std::size_t index) {
     const auto* instead = alternative_to(t, index);
     if (!instead) return requests_[index].read->shape();
-    return {static_cast<std::uint8_t>(instead->read), response_pdu_length(instead->read, instead->quantity)};
+    return bus::answer_shape(instead->read, instead->quantity);
 }
 
 wire::PreparedRead LinePoller::Run::read_to_send(Instant t, std::size_t index) {

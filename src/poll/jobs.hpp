@@ -73,8 +73,8 @@ struct ReadJob {
 };
 
 /// The shape of the answer to a write of one register.
-constexpr bus::AnswerShape written_shape(wire::Function function) {
-    return {static_cast<std::uint8_t>(function), 5};
+inline bus::AnswerShape written_shape(wire::Function function) {
+    return bus::answer_shape(function, 1);
 }
 
 }  // namespace takt::poll

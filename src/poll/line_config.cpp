@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "takt/plan/request_job.hpp"
 #include "takt/poll/line_poller.hpp"
 
 namespace takt::poll {
@@ -16,9 +17,7 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
         if (config.is_serial())
             config.frame_silence = std::max(config.frame_silence, wire::t3_5(config.format));
     }
-    if (line.framing == wire::Framing::tcp)
-        for (const auto& device : line.devices)
-            config.in_flight = std::max<std::size_t>(config.in_flight, device.in_flight);
+    config.in_flight = plan::requests_in_flight(line);
     config.echo = line.transport == model::Transport::serial ? bus::Echo::automatic : bus::Echo::absent;
     return config;
 }

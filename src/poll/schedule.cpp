@@ -179,8 +179,8 @@ void LinePoller::Run::consider_early_probes(Instant t) {
             continue;
         }
         const auto& read = request.read->request;
-        const Duration lost = bus::failure_time(engine_.config(), engine_.silence(), read.pdu().size(),
-                                                read.shape().response_length, device.wait);
+        const Duration lost =
+            bus::failure_time(engine_.config(), read.pdu().size(), read.shape().response_length, device.wait);
         if (after(t, lost) > next_due) continue;
         offer_probe(t, device, *index, t);
     }

@@ -116,25 +116,18 @@ void Executor::consider_early_probes(Instant t) {
     for (std::uint32_t d = 0; d < devices_.size(); ++d) {
         const auto index = probe_of(d);
         if (!index) continue;
-        const Duration period = probe_period(*index);
-        if (period >= devices_[d].health.probe_wait()) continue;  // the back-off is the pace
-        const Instant from = after(last_read(d), period);
-        if (from > t) {
-            arbiter_.wake_at(from);
+        const auto planned = entry(*index);
+        const auto from = devices_[d].health.early_probe_at(last_read(d), Duration(planned.period));
+        if (!from) continue;
+        if (*from > t) {
+            arbiter_.wake_at(*from);
             continue;
         }
-        const auto planned = entry(*index);
         const auto response = wire::response_pdu_length(wire::Function{planned.read}, planned.quantity);
-        const Duration lost = bus::failure_time(engine_.config(), engine_.silence(), kReadRequestLength,
-                                                response, Duration(device(d).wait));
+        const Duration lost =
+            bus::failure_time(engine_.config(), kReadRequestLength, response, Duration(device(d).wait));
         if (after(t, lost) <= next_due) offer_probe(t, *index, t);
     }
-}
-
-// Without a period the first back-off takes its place.
-Duration Executor::probe_period(std::uint32_t index) const {
-    const auto planned = entry(index);
-    return Duration(planned.period > 0 ? planned.period : view_.device(planned.device).backoff_first);
 }
 
 Instant Executor::last_read(std::uint32_t index) const {
@@ -167,8 +160,7 @@ void Executor::start_read(Instant t, std::uint32_t index, bool by_trigger) {
     state.by_trigger = by_trigger;
     state.last_start = t;
     auto& owner = devices_[device_of(planned)];
-    owner.probed_early = !owner.health.answering() && t < owner.health.probe_at();
-    if (owner.probed_early) owner.health.postpone_probe(after(t, probe_period(index)));
+    owner.probed_early = owner.health.probes_early(t, Duration(planned.period));
     if (by_trigger) {
         state.read_triggered = false;
     } else {

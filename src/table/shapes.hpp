@@ -8,11 +8,11 @@
 namespace takt::table {
 
 inline bus::AnswerShape read_shape(const EntryRecord& entry) {
-    return {entry.read, wire::response_pdu_length(wire::Function{entry.read}, entry.quantity)};
+    return bus::answer_shape(wire::Function{entry.read}, entry.quantity);
 }
 
 inline bus::AnswerShape written_shape(const EntryRecord& entry) {
-    return {entry.write, wire::response_pdu_length(wire::Function{entry.write}, entry.quantity)};
+    return bus::answer_shape(wire::Function{entry.write}, entry.quantity);
 }
 
 }  // namespace takt::table

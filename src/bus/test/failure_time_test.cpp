@@ -24,16 +24,17 @@ Duration measured(const LineConfig& config, Duration wait) {
 TEST(FailureTime, IsWhatTheEngineTakes) {
     LineConfig gap = kLine;
     gap.request_gap = 400ms;
+    LineConfig spaced = kLine;
+    spaced.frame_gap = 80ms;
     LineConfig ascii = kLine;
     ascii.framing = wire::Framing::ascii;
     LineConfig stream = kLine;
     stream.format.baud = 0;
     LineConfig tcp = kLine;
     tcp.framing = wire::Framing::tcp;
-    for (const auto& config : {kLine, gap, ascii, stream, tcp})
+    for (const auto& config : {kLine, gap, spaced, ascii, stream, tcp})
         for (const Duration wait : {Duration(0), Duration(1ms), Duration(50ms), Duration(300ms)}) {
-            const TransactionEngine engine(config);
-            EXPECT_EQ(failure_time(config, engine.silence(), 5, 6, wait), measured(config, wait))
+            EXPECT_EQ(failure_time(config, 5, 6, wait), measured(config, wait))
                 << wire::name(config.framing) << ", " << wait.count();
         }
 }

@@ -169,18 +169,23 @@ TEST(OutstandingResponses, AnExceptionSettlesNoneOfDifferentLengths) {
     EXPECT_EQ(late.at_time(100ms, kRead4), Ambiguity::held);
 }
 
+/// The shape of the response to a read of that many registers.
+AnswerShape read_of(std::size_t registers) {
+    return {3, static_cast<std::uint16_t>(2 + 2 * registers)};
+}
+
 TEST(OutstandingResponses, BeyondTheCapacityThoseThatHavePassedAreForgotten) {
     Outstanding late;
     late.expect(kUnit, kRead2, at(200ms));
     late.responses.answered(at(120ms), kUnit, kRead4);
-    for (std::size_t i = 0; i < late.memory.size(); ++i) late.expect(UnitId{2}, {3, 2 + 2 * i}, at(300ms));
+    for (std::size_t i = 0; i < late.memory.size(); ++i) late.expect(UnitId{2}, read_of(i), at(300ms));
     EXPECT_FALSE(late.responses.remembers(kUnit));
     EXPECT_EQ(late.responses.earliest(UnitId{2}, {3, 0x1234}), Instant::min());
 }
 
 TEST(OutstandingResponses, BeyondTheCapacityTwoOfOneUnitShareAnEntryThatMatchesAllLengths) {
     Outstanding late;
-    for (std::size_t i = 0; i <= late.memory.size(); ++i) late.expect(kUnit, {3, 2 + 2 * i}, at(200ms));
+    for (std::size_t i = 0; i <= late.memory.size(); ++i) late.expect(kUnit, read_of(i), at(200ms));
     EXPECT_EQ(late.responses.earliest(kUnit, {3, 0x1234}), at(200ms));
     EXPECT_EQ(late.responses.earliest(UnitId{2}, kRead2), Instant::min());
     EXPECT_TRUE(late.settle("03 02 00 01"));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 
 #include "takt/base/time.hpp"
 
@@ -19,6 +20,7 @@ public:
         return wait;
     }
     constexpr void reset() { next_ = first_; }
+    [[nodiscard]] constexpr Duration first() const { return first_; }
 
 private:
     Duration first_;
@@ -53,14 +55,23 @@ public:
 
     [[nodiscard]] bool answering() const { return failures_ < attempts_; }
 
-    /// While not answering: no probe is sent before `t`.
-    void postpone_probe(Instant t) { probe_at_ = std::max(probe_at_, t); }
-
     /// While not answering: when the next probe may be sent, and the back-off before it.
     [[nodiscard]] Instant probe_at() const { return probe_at_; }
     [[nodiscard]] Duration probe_wait() const { return probe_wait_; }
 
+    /// While not answering: when a probe may be sent before its back-off has passed, because no other request
+    /// needs the line. At most one is sent per period; without a period the first back-off takes its place.
+    /// @param last    start of the last read of the device
+    /// @param period  of the read that probes; zero: none
+    /// @returns nothing: the back-off is as short
+    [[nodiscard]] std::optional<Instant> early_probe_at(Instant last, Duration period) const;
+    /// A read is sent; while not answering it is a probe. An early one postpones the next one by its period.
+    /// @returns whether it is an early one: its failure does not count
+    [[nodiscard]] bool probes_early(Instant t, Duration period);
+
 private:
+    [[nodiscard]] Duration probe_period(Duration period) const;
+
     std::uint16_t attempts_;
     std::uint16_t failures_ = 0;  // not counted beyond attempts_
     Instant probe_at_ = Instant::min();

@@ -31,6 +31,9 @@ struct LateResponse {
 /// The shape of a received response of at least one byte; an exception has the length 0.
 [[nodiscard]] AnswerShape frame_shape(Bytes pdu);
 
+/// Late responses are waited for and expected this many times as long as they were late before.
+inline constexpr int kLatenessFactor = 2;
+
 /// A time-out for a device that answers after `delay`: at least a fifth longer, rounded up to 1, 1.5, 2, 3,
 /// 4, 5, 6 or 8 times a power of ten in milliseconds; at most 65535 ms.
 [[nodiscard]] Duration advised_timeout(Duration delay);
@@ -63,18 +66,18 @@ struct OutstandingResponse {
     std::uint16_t count = 1;    ///< such responses; the times are those of the last one
     bool out_of_order = false;  ///< Phase::came
     AnswerShape shape;
-    std::size_t other_length = 0;  ///< of another response that it may be instead; that of `shape`: none
-    Instant end;                   ///< of the request, or of the last answer of the unit before its own
-    Instant expired_at;            ///< when its transaction ended
-    Instant hold_until;            ///< requests that look alike wait until then
-    Instant expected_until;        ///< until then two others in doubt do not prove that it was lost
-    Instant confirm_until;         ///< Phase::passed: until then responses that look alike are confirmed
-    Instant check_at;              ///< Phase::passed: the next response after that is confirmed too
-    Instant forget_at;             ///< the response is not expected to come at all after that
-    Duration hold{};               ///< Phase::suspected: requests that look alike wait so long again
-    Duration wait{};               ///< Transaction::wait
-    Duration delay{};              ///< Phase::came
-    Instant came_at;               ///< Phase::came
+    std::uint16_t other_length = 0;  ///< of another response that it may be instead; that of `shape`: none
+    Instant end;                     ///< of the request, or of the last answer of the unit before its own
+    Instant expired_at;              ///< when its transaction ended
+    Instant hold_until;              ///< requests that look alike wait until then
+    Instant expected_until;          ///< until then two others in doubt do not prove that it was lost
+    Instant confirm_until;           ///< Phase::passed: until then responses that look alike are confirmed
+    Instant check_at;                ///< Phase::passed: the next response after that is confirmed too
+    Instant forget_at;               ///< the response is not expected to come at all after that
+    Duration hold{};                 ///< Phase::suspected: requests that look alike wait so long again
+    Duration wait{};                 ///< Transaction::wait
+    Duration delay{};                ///< Phase::came
+    Instant came_at;                 ///< Phase::came
 
     [[nodiscard]] bool outstanding() const { return phase != Phase::came; }
     [[nodiscard]] bool may_be(UnitId of, const AnswerShape& frame) const;
@@ -116,7 +119,9 @@ struct OutstandingResponse {
 class OutstandingResponses {
 public:
     static constexpr std::size_t kAlike = 4;
-    static constexpr int kConfirmed = 8;  ///< time-outs for which responses that look alike are confirmed
+    /// For how long responses that look alike are confirmed, after a failure or a response in doubt.
+    /// @param wait  Transaction::wait
+    [[nodiscard]] static constexpr Duration confirmation_time(Duration wait) { return 8 * wait; }
 
     explicit OutstandingResponses(std::span<OutstandingResponse> memory) : memory_(memory) {}
 

@@ -42,6 +42,14 @@ struct LineConfig {
 
     /// Whether characters take time, unlike in a byte stream.
     [[nodiscard]] bool is_serial() const { return framing != wire::Framing::tcp && format.baud != 0; }
+    /// The time that so many characters take on the line; zero over a stream.
+    [[nodiscard]] Duration characters_time(std::size_t characters) const;
+    /// The time that the frame of a PDU of that length takes on the line.
+    [[nodiscard]] Duration frame_time(std::size_t pdu_length) const {
+        return characters_time(wire::frame_length(framing, pdu_length));
+    }
+    /// The least silence before a request: max(t3.5, frame_gap) for RTU on a serial line, else frame_gap.
+    [[nodiscard]] Duration silence_before_request() const;
 };
 
 inline constexpr std::size_t kMaxInFlight = 16;
@@ -104,13 +112,19 @@ struct Outcome {
 /// The properties that identify a response on a serial line. A frame carries nothing else of its request.
 struct AnswerShape {
     std::uint8_t function = 0;
-    std::size_t pdu_length = 0;  ///< of the normal response; 0: the request does not fix it
+    std::uint16_t pdu_length = 0;  ///< of the normal response; 0: the request does not fix it
     friend bool operator==(const AnswerShape&, const AnswerShape&) = default;
 };
 
 /// The shape of the normal response to a request.
 constexpr AnswerShape answer_shape(const wire::RequestShape& request) {
-    return {request.function, request.fixed_length ? request.response_length : std::size_t{0}};
+    const std::size_t length = request.fixed_length ? request.response_length : 0;
+    return {request.function, static_cast<std::uint16_t>(length)};
+}
+/// Of a read or a write of so many items.
+inline AnswerShape answer_shape(wire::Function function, std::size_t quantity) {
+    return {static_cast<std::uint8_t>(function),
+            static_cast<std::uint16_t>(wire::response_pdu_length(function, quantity))};
 }
 
 }  // namespace takt::bus

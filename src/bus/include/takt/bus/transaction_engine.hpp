@@ -226,8 +226,6 @@ private:
     [[nodiscard]] Instant busy_limit() const;
     [[nodiscard]] std::size_t occupied() const;
     [[nodiscard]] bool anything_sent() const;
-    [[nodiscard]] Duration response_time(const Slot& slot) const;
-    [[nodiscard]] Duration length_of(std::size_t characters) const;
 
     LineConfig config_;
     wire::TrafficObserver* observer_;

@@ -50,8 +50,8 @@ struct RequestJob {
     std::optional<wire::ReadRequest> read_back;  ///< verifies what was written
     /// Of the normal response to the first transaction. A 0x17 that only reads is sent as 0x03.
     wire::Function function = wire::Function::read_holding_registers;
-    std::size_t response_length = 0;  ///< PDU bytes
-    RequestCosts costs;               ///< with the proved turnaround; see TransactionCosts
+    std::uint16_t response_length = 0;  ///< PDU bytes
+    RequestCosts costs;                 ///< with the proved turnaround; see TransactionCosts
 };
 
 /// @returns nothing if the request does not have that cause
@@ -67,6 +67,10 @@ struct RequestJob {
 
 /// The back-off of a device: its own, else that of the project.
 [[nodiscard]] const model::Backoff& backoff_of(const model::Project& project, const model::Device& device);
+
+/// The most requests in flight on the connection of a line: 1, more only with Framing::tcp. With several, a
+/// response waits for those to the requests before it: time-outs are then not derived from turnarounds.
+[[nodiscard]] std::size_t requests_in_flight(const model::Line& line);
 
 /// The read that a request sends for its period or its trigger. It has a read.
 [[nodiscard]] wire::ReadRequest planned_read(const Request& request);

@@ -179,7 +179,6 @@ private:
     void consider_early_probes(Instant t);
     [[nodiscard]] std::optional<std::uint32_t> probe_of(std::uint32_t device) const;
     void offer_probe(Instant t, std::uint32_t index, Instant since);
-    [[nodiscard]] Duration probe_period(std::uint32_t index) const;
     [[nodiscard]] Instant last_read(std::uint32_t device) const;
     [[nodiscard]] bus::PolledRead polled_read(std::uint32_t index, const EntryRecord& entry) const;
     void start_read(Instant t, std::uint32_t index, bool by_trigger);
