@@ -30,7 +30,7 @@ void LinePoller::Run::make_ages() {
     for (std::size_t v = 0; v < variables_.size(); ++v) {
         if (readers[v].empty() || !variables_[v].model->used) continue;
         if (const auto bound = greatest_age(v))
-            watched.push_back({v, *bound, splits_.has(v), std::move(readers[v])});
+            watched.push_back({v, *bound, publisher_.splits().has(v), std::move(readers[v])});
     }
     if (!ages_) ages_.emplace(store_, value::SlotId{first_slot_});
     ages_->watch(variables_.size(), watched);

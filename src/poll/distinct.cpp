@@ -9,21 +9,13 @@ namespace takt::poll {
 using value::Quality;
 using value::Reason;
 
-// Computed when they are needed for the first time: a line without failures needs none.
 const plan::ReadAlternative* LinePoller::Run::alternative_to(Instant t, std::size_t index) {
-    if (!distinct_reads_ || !engine_.any_ambiguity(t)) return nullptr;
-    auto& request = requests_[index];
-    auto& device = devices_[request.device];
-    const UnitId unit = device.model->address;
+    if (!sends_distinct_ || !engine_.any_ambiguity(t)) return nullptr;
+    const auto& request = requests_[index];
+    const UnitId unit = devices_[request.device].model->address;
     const auto planned = engine_.ambiguity(t, unit, request.read->shape());
     if (planned == bus::Ambiguity::none) return nullptr;
-    if (!request.read->distinct) {
-        if (!device.alternatives)
-            device.alternatives =
-                HeapOptional(plan::AlternativeReads(project_, line_, *device.model, plan_->requests));
-        request.read->distinct = HeapOptional(DistinctRead(device.alternatives->of(*request.plan)));
-    }
-    return request.read->distinct->choose(planned, [&](wire::Function read, std::uint16_t quantity) {
+    return distinct_reads_.choose(index, planned, [&](wire::Function read, std::uint16_t quantity) {
         return engine_.ambiguity(t, unit, bus::answer_shape(read, quantity));
     });
 }
@@ -35,33 +27,24 @@ bus::AnswerShape LinePoller::Run::shape_to_send(Instant t, std::size_t index) {
 }
 
 wire::PreparedRead LinePoller::Run::read_to_send(Instant t, std::size_t index) {
-    auto& read = *requests_[index].read;
     const auto* instead = alternative_to(t, index);
-    if (read.distinct) read.distinct->send(instead);
-    if (!instead) return read.request;
+    distinct_reads_.send(index, instead);
+    if (!instead) return requests_[index].read->request;
     return prepared({instead->read, DataAddress{instead->start}, instead->quantity});
 }
 
 // @returns whether the read that was sent instead is settled by this
 bool LinePoller::Run::on_part(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
-                              RequestRun& request) {
-    auto& distinct = *request.read->distinct;
-    const auto* sent = distinct.sent();
-    const bool whole = distinct.whole();
-    if (outcome_class.reason == Reason::ok && whole) distinct.on_answered();
-    if (!sent || outcome_class.transient()) return false;
-    if (outcome_class.reason != Reason::ok) {
-        distinct.on_refused();
-    } else if (whole) {
-        return false;
-    } else {
-        distinct.on_part_answered();
-        if (sent->kind == plan::ReadAlternative::Kind::part) {
-            take_values(outcome.ended_at, request, outcome.request, outcome.response);
-            ages_->note_updates(updates_, outcome.sent_at, outcome.ended_at);
-        }
+                              std::size_t index) {
+    using Ended = DistinctReads::Ended;
+    const bool ok = outcome_class.reason == Reason::ok;
+    const Ended ended = distinct_reads_.ended(index, ok, outcome_class.transient());
+    if (ended == Ended::planned) return false;
+    if (ended == Ended::part) {
+        publisher_.take(outcome.ended_at, index, outcome.request, outcome.response);
+        ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
     }
-    read_again(outcome.ended_at, request);
+    read_again(outcome.ended_at, requests_[index]);
     return true;
 }
 
@@ -75,7 +58,7 @@ void LinePoller::Run::degrade_shifted(const DeviceRun& device, const bus::LateRe
     for (const auto r : device.requests) {
         const auto& read = requests_[r].read;
         if (read && read->shape() == late.shape && read->last_start >= *late.out_of_order_since)
-            degrade(late.at, requests_[r].variables, Quality::uncertain, Reason::ambiguous, false);
+            publisher_.degrade(late.at, requests_[r].variables, Quality::uncertain, Reason::ambiguous, false);
     }
 }
 

@@ -8,8 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "distinct_read.hpp"
-#include "heap_optional.hpp"
 #include "takt/base/time.hpp"
 #include "takt/base/token_bucket.hpp"
 #include "takt/bus/counters.hpp"
@@ -62,11 +60,10 @@ struct RateLimitedEvent {
 /// The read half of a request of the plan; ReadSchedule has its schedule.
 struct ReadJob {
     wire::PreparedRead request;
-    std::size_t rank = 0;                 // among all jobs of the line, in the order of the plan
-    Duration deadline{};                  // relative to the release
-    bool polled = false;                  // by period
-    HeapOptional<DistinctRead> distinct;  // since a response to it could be mistaken for the first time
-    unsigned refusals = 0;                // in a row, of a read across gaps
+    std::size_t rank = 0;   // among all jobs of the line, in the order of the plan
+    Duration deadline{};    // relative to the release
+    bool polled = false;    // by period
+    unsigned refusals = 0;  // in a row, of a read across gaps
     Instant last_start = Instant::min();
 
     [[nodiscard]] bus::AnswerShape shape() const { return bus::answer_shape(request.shape()); }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "candidate.hpp"
+#include "heap_optional.hpp"
 #include "jobs.hpp"
 #include "read_queue.hpp"
 #include "split.hpp"

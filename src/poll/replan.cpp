@@ -46,11 +46,9 @@ void LinePoller::Run::swap_plan(Instant t) {
                           .schedule = reads_.take_reads({variables_, devices_, old}),
                           .reasons = statuses_.of_requests(),
                           .meters = periods_.requests()};
-    splits_.clear();
     for (auto& device : devices_) {
         device.requests.clear();
         device.health.set_reads(false);
-        device.alternatives = {};
     }
     const auto old_groups = write_groups_.take_groups();
     add_requests();

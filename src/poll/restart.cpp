@@ -13,9 +13,9 @@ void LinePoller::Run::restart_device(Instant t, std::size_t index, bool at_once)
     for (const auto r : devices_[index].requests) {
         if (!requests_[r].read) continue;
         periods_.interrupt(r);
-        for (const auto v : requests_[r].variables) splits_.forget(v);
+        publisher_.forget_parts(requests_[r].variables);
     }
-    if (at_once) reads_.release_at_once(t, index, splits_);
+    if (at_once) reads_.release_at_once(t, index, publisher_.splits());
 }
 
 void LinePoller::Run::set_device_state(Instant t, std::size_t device, DeviceState state) {

@@ -65,9 +65,11 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan,
       commands_(written_values_, kMaxCommands),
       reads_({variables_, devices_, requests_}, arrivals_),
       write_groups_(written_values_, commands_, arrivals_),
+      distinct_reads_(project, line_, {variables_, devices_, requests_}),
+      publisher_({variables_, devices_, requests_}, reads_, written_values_, store),
       statuses_({variables_, devices_, requests_}, slots, store),
       periods_({variables_, devices_, requests_}),
-      distinct_reads_(options.distinct_reads),
+      sends_distinct_(options.distinct_reads),
       proved_ages_(&plan.ages),
       arbiter_(line_.commands.burst, line_.commands.min_interval, line_.order == model::PollOrder::address) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
@@ -119,6 +121,8 @@ void LinePoller::Run::add_requests() {
         if (const auto write = job_of(plan::Cause::write)) add_write(index, *write);
     }
     keep_queue();
+    publisher_.set_requests();
+    distinct_reads_.set_requests(plan_->requests);
     make_ages();
     statuses_.set_requests();
     periods_.set_requests();
@@ -141,24 +145,6 @@ void LinePoller::Run::add_read(std::size_t index, const std::optional<plan::Requ
     }
     reads_.add(index, period, std::move(trigger));
     device.health.set_reads(true);
-    add_parts(index);
-}
-
-void LinePoller::Run::add_parts(std::size_t index) {
-    const auto& run = requests_[index];
-    const auto& read = run.read->request;
-    const std::uint32_t start = read.start().value;
-    const std::uint32_t end = start + read.quantity();
-    if (wire::counts_bits(read.function())) return;
-    for (const auto v : run.variables) {
-        const auto& variable = variables_[v];
-        const std::uint32_t first = variable.model->start();
-        const std::uint32_t last = first + variable.model->items();
-        const bool whole = first >= start && last <= end;
-        if (whole || first >= end || last <= start) continue;
-        const std::uint32_t from = std::max(first, start);
-        splits_.add_part(v, variable.model->items(), index, from - first, std::min(last, end) - from);
-    }
 }
 
 void LinePoller::Run::add_write(std::size_t index, const plan::RequestJob& planned) {

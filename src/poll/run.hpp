@@ -13,6 +13,7 @@
 #include "age_watch.hpp"
 #include "candidate.hpp"
 #include "command_queue.hpp"
+#include "distinct_reads.hpp"
 #include "engine_buffers.hpp"
 #include "eventful_requests.hpp"
 #include "gap_learner.hpp"
@@ -25,13 +26,13 @@
 #include "period_watch.hpp"
 #include "read_schedule.hpp"
 #include "relay_slot.hpp"
-#include "split.hpp"
 #include "statuses.hpp"
 #include "tables.hpp"
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/plan/request_job.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "transfer.hpp"
+#include "value_publisher.hpp"
 #include "write_groups.hpp"
 #include "write_job.hpp"
 
@@ -71,6 +72,8 @@ public:
     ArrivalCounter arrivals_;
     ReadSchedule reads_;
     WriteGroups write_groups_;
+    DistinctReads distinct_reads_;
+    ValuePublisher publisher_;
     Statuses statuses_;
     PeriodWatch periods_;
     LinkWatch link_;
@@ -78,7 +81,7 @@ public:
     AvailabilityMeter availability_;
     std::unique_ptr<GapLearner> learner_;  // if the line learns
     std::uint64_t plan_revision_ = 0;      // grows with each swap_plan()
-    bool distinct_reads_;                  // Options
+    bool sends_distinct_;                  // Options::distinct_reads
     bool held_ = false;                    // nothing is polled any more
     std::unique_ptr<RelaySlot> relay_;     // if the line is shared
 
@@ -98,7 +101,6 @@ private:
     void add_read(std::size_t request, const std::optional<plan::RequestJob>& polled,
                   const std::optional<plan::RequestJob>& triggered);
     void add_write(std::size_t request, const plan::RequestJob& planned);
-    void add_parts(std::size_t request);
 
     // restart.cpp
     void restart_device(Instant t, std::size_t device, bool at_once);
@@ -198,7 +200,7 @@ private:
     [[nodiscard]] wire::PreparedRead read_to_send(Instant t, std::size_t request);
     /// How long a response of the device is waited for.
     void set_times(const DeviceRun& device, bus::Transaction& transaction) const;
-    bool on_part(const bus::Outcome& outcome, const OutcomeClass& outcome_class, RequestRun& request);
+    bool on_part(const bus::Outcome& outcome, const OutcomeClass& outcome_class, std::size_t request);
     /// The values that may come from late responses, because the device does not answer in order.
     void degrade_shifted(const DeviceRun& device, const bus::LateResponse& late);
 
@@ -208,18 +210,9 @@ private:
     void count_outcome(DeviceRun& device, const bus::Outcome& outcome);
     void note_busy(const bus::Outcome& outcome);
     void on_read(const bus::Outcome& outcome, std::size_t request);
-    void take_values(Instant t, RequestRun& request, const wire::RequestShape& sent,
-                     const wire::ResponseView& response);
     void on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class, RequestRun& request);
-    void take_value(RequestRun& request, const wire::RequestShape& sent, const wire::ResponseView& response,
-                    std::size_t variable);
-    void take_part(RequestRun& request, DataAddress start, const wire::ResponseView& response,
-                   std::size_t variable);
-    void note_value(VariableRun& variable, const Result<value::Value>& value);
     void fail_read(Instant t, RequestRun& request, value::Reason reason);
     void read_again(Instant t, RequestRun& request);
-    void degrade(Instant t, std::span<const std::size_t> variables, value::Quality quality,
-                 value::Reason reason, bool to_default);
     void degrade_device(Instant t, std::size_t device, value::Reason reason, bool to_default);
 
     // delays.cpp
@@ -237,7 +230,6 @@ private:
     void set_write_status(Instant t, const WriteJob& write, value::Reason reason);
     void settle_write(Instant t, WriteJob write, const OutcomeClass& outcome_class, const WriteResult& what);
     void finish_write(Instant t, WriteJob write, value::CommandResult result, value::Reason reason);
-    void show_written(Instant t, std::span<const std::size_t> variables);
     [[nodiscard]] Result<std::size_t> writable(value::SlotId slot) const;
     [[nodiscard]] std::size_t index_in_device(std::size_t variable) const;
     bool group_ready(Instant t, std::size_t request);
@@ -261,9 +253,7 @@ private:
     EventfulRequests eventful_;  // with a queue of reads
     ModifySequence modify_;
     bus::Arbiter arbiter_;
-    SplitValues splits_;
-    std::vector<value::Update> updates_;          // scratch, so that a transaction allocates nothing
-    std::vector<std::size_t> settled_variables_;  // likewise
+    std::vector<std::size_t> settled_variables_;  // scratch, so that a transaction allocates nothing
 };
 
 }  // namespace takt::poll

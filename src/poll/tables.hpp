@@ -9,11 +9,9 @@
 
 #include "delay_learner.hpp"
 #include "device_health.hpp"
-#include "heap_optional.hpp"
 #include "jobs.hpp"
 #include "takt/bus/unit_times.hpp"
 #include "takt/plan/plan.hpp"
-#include "takt/plan/read_alternatives.hpp"
 #include "takt/poll/line_poller.hpp"
 #include "takt/poll/statistics.hpp"
 #include "takt/value/command.hpp"
@@ -39,9 +37,8 @@ struct DeviceRun {
     DelayLearner delay_learner;
     std::uint32_t least_noise = std::numeric_limits<std::uint32_t>::max();  // bytes before a noisy response
     std::uint32_t most_noise = 0;
-    bus::UnitTimes times;                               // in this run; its lateness also in earlier ones
-    HeapOptional<plan::AlternativeReads> alternatives;  // since a response was missing for the first time
-    std::uint16_t in_flight = 0;                        // transactions
+    bus::UnitTimes times;         // in this run; its lateness also in earlier ones
+    std::uint16_t in_flight = 0;  // transactions
     std::uint16_t most_in_flight = 1;
     bool writing = false;       // one of them writes; writes keep their order
     bool relayed_last = false;  // a relayed request was sent to it after the last polled one

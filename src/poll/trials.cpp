@@ -123,7 +123,7 @@ bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, RequestRun&
     if (gaps.empty()) return false;
     const Instant t = outcome.ended_at;
     auto& read = *request.read;
-    degrade(t, request.variables, Quality::uncertain, reason, false);
+    publisher_.degrade(t, request.variables, Quality::uncertain, reason, false);
     read_again(t, request);
     if (++read.refusals < kRefusalsToDoubt) return true;
     read.refusals = 0;

@@ -18,20 +18,15 @@ void LinePoller::Run::consider_read_back(Instant t, std::size_t index, const Rea
     consider(t, device.model->address, shape, due, candidate);
 }
 
-// The values read back are published like those of any other read.
 bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const WriteJob& write) {
     const auto& back = *write.read_back();
     const std::size_t device = write.device();
-    updates_.clear();
+    publisher_.begin();
     bool same = true;
     for (const auto v : write.written()) {
-        auto& variable = variables_[v];
-        const auto& model = *variable.model;
+        const auto& model = *variables_[v].model;
         const auto read = value_in(outcome.response, back.request.start(), model);
-        if (!model.read)
-            updates_.push_back({variable.slot, read ? std::optional(*read) : std::nullopt});
-        else if (model.read == back.request.function() && !splits_.has(v))
-            note_value(variable, read);
+        publisher_.read_back(v, back.request.function(), read);
         if (!model.verify) continue;
         const value::Value& sent = written_values_.sent(v);
         const bool equal = read && value::same(*read, sent);
@@ -42,8 +37,8 @@ bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const WriteJob
                                         *read);
     }
     if (devices_[device].health.enabled()) {  // else it has no values
-        store_.apply(outcome.ended_at, updates_);
-        ages_->note_updates(updates_, outcome.sent_at, outcome.ended_at);
+        publisher_.publish(outcome.ended_at);
+        ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
     }
     auto& statistics = devices_[device].statistics;
     ++(same ? statistics.verified : statistics.differed);
@@ -65,7 +60,8 @@ void LinePoller::Run::on_read_back(const bus::Outcome& outcome, const OutcomeCla
     const bool same = take_read_back(outcome, write);
     if (shows) set_write_status(t, write, same ? Reason::ok : Reason::differs);
     if (same) {
-        if (!write.of_group()) show_written(t, write.written());  // also while its device is switched off
+        if (!write.of_group())
+            publisher_.show_written(t, write.written());  // also while its device is switched off
         return finish_write(t, write, CommandResult::done, Reason::ok);
     }
     write.note_differs();

@@ -85,7 +85,7 @@ void LinePoller::Run::settle_write(Instant t, WriteJob write, const OutcomeClass
                                    const WriteResult& what) {
     const auto& device = devices_[write.device()];
     if (what.again && reachable(device) && write.retry(t, outcome_class, device.model->attempts)) return;
-    if (what.result == CommandResult::done) show_written(t, write.written());
+    if (what.result == CommandResult::done) publisher_.show_written(t, write.written());
     finish_write(t, write, what.result, outcome_class.reason);
 }
 
@@ -97,15 +97,6 @@ void LinePoller::Run::finish_write(Instant t, WriteJob write, CommandResult resu
     const auto trigger = requests_[write.index()].plan->write_trigger;
     observer_->on_group_settled(t, {plan_->line, write.device(), settled_variables_, result, reason,
                                     settled.by_trigger ? trigger : std::nullopt});
-}
-
-// A variable that is not read shows the value last written.
-void LinePoller::Run::show_written(Instant t, std::span<const std::size_t> variables) {
-    for (const auto v : variables) {
-        if (variables_[v].model->read) continue;
-        const value::Update update{variables_[v].slot, written_values_.sent(v)};
-        store_.apply(t, {&update, 1});
-    }
 }
 
 }  // namespace takt::poll
