@@ -9,19 +9,38 @@
 namespace takt::poll {
 
 template <std::size_t buckets>
-void CountRange<buckets>::add(std::size_t bucket, std::uint64_t times) {
+void CountRange<buckets>::resize(std::size_t before, std::size_t size) {
+    const auto move_to = [&](Words& words) {
+        Words moved(size);
+        std::ranges::copy(words, moved.begin() + static_cast<std::ptrdiff_t>(before));
+        words = std::move(moved);
+    };
+    move_to(low_);
+    if (high_) move_to(*high_);
+}
+
+template <std::size_t buckets>
+void CountRange<buckets>::include(std::size_t bucket) {
     const std::size_t step = bucket - bucket % kStep;
-    if (counts_.empty()) first_ = step;
+    if (low_.empty()) first_ = step;
     if (step < first_) {
-        std::vector<std::uint64_t> counts(first_ - step + counts_.size());
-        std::ranges::copy(counts_, counts.begin() + static_cast<std::ptrdiff_t>(first_ - step));
-        counts_ = std::move(counts);
+        resize(first_ - step, first_ - step + low_.size());
         first_ = step;
-    } else if (const std::size_t size = step - first_ + kStep; size > counts_.size()) {
-        counts_.reserve(size);
-        counts_.resize(size);
+    } else if (const std::size_t size = step - first_ + kStep; size > low_.size()) {
+        resize(0, size);
     }
-    counts_[bucket - first_] += times;
+}
+
+template <std::size_t buckets>
+void CountRange<buckets>::add(std::size_t bucket, std::uint64_t times) {
+    if (bucket < first_ || bucket - first_ >= low_.size()) include(bucket);
+    auto& low = low_[bucket - first_];
+    const std::uint64_t sum = low + (times & UINT32_MAX);
+    low = static_cast<std::uint32_t>(sum);
+    const auto carry = static_cast<std::uint32_t>((times >> 32) + (sum >> 32));
+    if (carry == 0) return;
+    if (!high_) high_ = HeapOptional(Words(low_.size()));
+    (*high_)[bucket - first_] += carry;
 }
 
 }  // namespace takt::poll

@@ -36,7 +36,7 @@ TEST(CompactHistogram, CoversAllDurationsInNarrowBuckets) {
 
 TEST(CompactHistogram, IsSmall) {
     EXPECT_LE(sizeof(CompactHistogram), std::size_t{48});
-    constexpr std::size_t kOctave = 64;
+    constexpr std::size_t kOctave = 32;
     CountRange<CompactHistogram::kBuckets> counts;
     EXPECT_EQ(counts.allocated_bytes(), 0U);
     counts.add(100, 1);
@@ -45,6 +45,23 @@ TEST(CompactHistogram, IsSmall) {
     counts.add(104, 1);
     counts.add(95, 1);
     EXPECT_EQ(counts.allocated_bytes(), 3 * kOctave);
+}
+
+TEST(CompactHistogram, CountsBeyond32Bits) {
+    CountRange<CompactHistogram::kBuckets> counts;
+    constexpr std::uint64_t kMost = 0xFFFFFFFF;
+    counts.add(100, kMost);
+    counts.add(101, 5);
+    counts.add(100, 2);
+    EXPECT_EQ(counts[100], kMost + 2);
+    counts.add(90, 3 * kMost);
+    counts.add(120, 1);
+    const auto copy = counts;
+    EXPECT_EQ(copy[90], 3 * kMost);
+    EXPECT_EQ(copy[100], kMost + 2);
+    EXPECT_EQ(copy[101], 5U);
+    EXPECT_EQ(copy[120], 1U);
+    EXPECT_EQ(copy[121], 0U);
 }
 
 RC_GTEST_PROP(CompactHistogram, CountsEachSampleInItsBucket, ()) {
