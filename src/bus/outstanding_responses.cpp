@@ -53,6 +53,11 @@ Ambiguity OutstandingResponse::ambiguity(Instant t) const {
     return Ambiguity::none;
 }
 
+bool OutstandingResponses::have_memory() {
+    if (memory_.empty() && on_demand_) memory_ = on_demand_->lend();
+    return !memory_.empty();
+}
+
 void OutstandingResponses::erase(std::size_t index) {
     std::copy(memory_.begin() + static_cast<std::ptrdiff_t>(index) + 1,
               memory_.begin() + static_cast<std::ptrdiff_t>(size_),
@@ -100,7 +105,7 @@ bool OutstandingResponses::merge() {
 }
 
 void OutstandingResponses::add(const OutstandingResponse& response) {
-    if (memory_.empty()) return;
+    if (!have_memory()) return;
     const auto alike = [&](const OutstandingResponse& other) {
         return other.outstanding() && other.unit == response.unit && other.shape == response.shape;
     };
@@ -274,7 +279,8 @@ void OutstandingResponses::clear() {
 }
 
 void OutstandingResponses::take_over(const OutstandingResponses& other) {
-    const auto newest = other.all().last(std::min(other.size_, memory_.size()));
+    const std::size_t capacity = other.size_ > 0 && have_memory() ? memory_.size() : 0;
+    const auto newest = other.all().last(std::min(other.size_, capacity));
     size_ = newest.size();
     std::ranges::copy(newest, memory_.begin());
     all_wait_until_ = other.all_wait_until_;

@@ -47,14 +47,16 @@ TransactionCore::TransactionCore(const LineConfig& config, const TransactionStor
       observer_(observer),
       framer_(framer_config(config), storage.receiving, kFramesFollow),
       echo_(config.framing == Framing::tcp ? Echo::absent : config.echo),
-      outstanding_(storage.outstanding),
+      outstanding_(storage.outstanding, storage.on_demand),
       slots_(storage.slots),
       longest_pdu_(storage.longest_pdu),
       outgoing_(storage.sending.first(TransactionStorage::sending_size(config.framing, storage.longest_pdu))),
       silence_(config.silence_before_request()),
+      busy_limit_(silence_ + std::max(kLeastBusyLimit, 2 * config.characters_time(wire::kMaxAsciiFrame))),
       frame_silence_(silence_inside_frame(config)) {
     TAKT_ASSERT(!slots_.empty() && storage.pdus.size() >= slots_.size() * longest_pdu_);
-    TAKT_ASSERT(numbered() || (!storage.outstanding.empty() && longest_pdu_ == wire::kMaxPdu));
+    TAKT_ASSERT(numbered() || longest_pdu_ == wire::kMaxPdu);
+    TAKT_ASSERT(numbered() || storage.on_demand || !storage.outstanding.empty());
     for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].pdu = &storage.pdus[i * longest_pdu_];
     config_.in_flight =
         config.framing == Framing::tcp ? std::clamp<std::size_t>(config.in_flight, 1, slots_.size()) : 1;
@@ -130,8 +132,7 @@ Instant TransactionCore::silence_end() const {
 
 // A line is busy when it had no silence for longer than two of the longest frames.
 Instant TransactionCore::busy_limit() const {
-    return activity_since_ + silence_ +
-           std::max(kLeastBusyLimit, 2 * config_.characters_time(wire::kMaxAsciiFrame));
+    return activity_since_ + busy_limit_;
 }
 
 Instant TransactionCore::earliest_start(UnitId unit, const AnswerShape& shape) const {

@@ -1,7 +1,6 @@
 #include "engine_buffers.hpp"
 
 #include <algorithm>
-#include <span>
 
 #include "takt/wire/pdu.hpp"
 
@@ -18,14 +17,24 @@ EngineBuffers::EngineBuffers(const bus::LineConfig& config, std::size_t longest_
     // Over TCP they only measure delays; on a serial line several of each unit may be outstanding.
     constexpr std::size_t kFew = 8;
     constexpr std::size_t kOfUnit = 4;
-    outstanding_.resize(config.framing == wire::Framing::tcp ? kFew : kFew + kOfUnit * units);
+    most_outstanding_ = config.framing == wire::Framing::tcp ? kFew : kFew + kOfUnit * units;
 }
 
 bus::TransactionStorage EngineBuffers::storage() {
     const std::span bytes(bytes_);
     const std::size_t pdus = slots_.size() * longest_pdu_;
-    return {slots_,       bytes.first(pdus), bytes.subspan(pdus, sending_), bytes.subspan(pdus + sending_),
-            outstanding_, longest_pdu_};
+    return {.slots = slots_,
+            .pdus = bytes.first(pdus),
+            .sending = bytes.subspan(pdus, sending_),
+            .receiving = bytes.subspan(pdus + sending_),
+            .outstanding = {},
+            .longest_pdu = longest_pdu_,
+            .on_demand = this};
+}
+
+std::span<bus::OutstandingResponse> EngineBuffers::lend() {
+    outstanding_.resize(most_outstanding_);
+    return outstanding_;
 }
 
 }  // namespace takt::poll

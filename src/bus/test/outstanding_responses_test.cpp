@@ -202,5 +202,42 @@ TEST(OutstandingResponses, BeyondTheCapacityOfOnePerUnitEverythingWaits) {
     EXPECT_EQ(late.responses.earliest(UnitId{99}, kRead4), at(200ms));
 }
 
+// ---- memory
+
+struct Lender final : ResponseMemory {
+    std::span<OutstandingResponse> lend() override {
+        ++lent;
+        return memory;
+    }
+    std::array<OutstandingResponse, 2> memory;
+    int lent = 0;
+};
+
+TEST(OutstandingResponses, MemoryIsLentWhenTheFirstResponseIsMissing) {
+    const OutstandingResponse missing{
+        .unit = kUnit, .shape = kRead2, .hold_until = at(2s), .forget_at = at(9s)};
+    Lender lender;
+    OutstandingResponses responses({}, &lender);
+    EXPECT_EQ(responses.ambiguity(at(1s), kUnit, kRead2), Ambiguity::none);
+    EXPECT_EQ(responses.take_late(), std::nullopt);
+    responses.expire(at(1s));
+    responses.clear();
+    OutstandingResponses next({}, &lender);
+    next.take_over(responses);
+    EXPECT_EQ(lender.lent, 0);
+    responses.add(missing);
+    responses.add(missing);
+    EXPECT_EQ(lender.lent, 1);
+    EXPECT_EQ(responses.ambiguity(at(1s), kUnit, kRead2), Ambiguity::held);
+    Lender other;
+    OutstandingResponses continued({}, &other);
+    continued.take_over(responses);
+    EXPECT_EQ(other.lent, 1);
+    EXPECT_TRUE(continued.remembers(kUnit, kRead2));
+    OutstandingResponses none({});
+    none.add(missing);
+    EXPECT_FALSE(none.remembers(kUnit, kRead2));
+}
+
 }  // namespace
 }  // namespace takt::bus

@@ -85,6 +85,16 @@ struct OutstandingResponse {
     [[nodiscard]] Ambiguity ambiguity(Instant t) const;
 };
 
+/// Lends the memory of the responses that are missing. Most lines never need it.
+class ResponseMemory {
+public:
+    /// Called when the first response is missing. @returns at least one element
+    [[nodiscard]] virtual std::span<OutstandingResponse> lend() = 0;
+
+protected:
+    ~ResponseMemory() = default;
+};
+
 /// Decides which requests must wait, and which responses are in doubt, because a late response could be
 /// mistaken for theirs; recognises late responses and measures their delay.
 ///
@@ -123,7 +133,9 @@ public:
     /// @param wait  Transaction::wait
     [[nodiscard]] static constexpr Duration confirmation_time(Duration wait) { return 8 * wait; }
 
-    explicit OutstandingResponses(std::span<OutstandingResponse> memory) : memory_(memory) {}
+    /// @param on_demand  lends memory where `memory` is empty; nullptr: nothing is remembered then
+    explicit OutstandingResponses(std::span<OutstandingResponse> memory, ResponseMemory* on_demand = nullptr)
+        : memory_(memory), on_demand_(on_demand) {}
 
     void add(const OutstandingResponse& response);
 
@@ -184,6 +196,7 @@ private:
 
     [[nodiscard]] std::span<OutstandingResponse> all() { return memory_.first(size_); }
     [[nodiscard]] std::span<const OutstandingResponse> all() const { return memory_.first(size_); }
+    [[nodiscard]] bool have_memory();
     void erase(std::size_t index);
     void make_room(Instant now);
     bool merge();
@@ -192,6 +205,7 @@ private:
     [[nodiscard]] std::optional<std::size_t> oldest(Phase phase, Instant held_until) const;
 
     std::span<OutstandingResponse> memory_;
+    ResponseMemory* on_demand_;
     std::size_t size_ = 0;
     Instant all_wait_until_ = Instant::min();
 };

@@ -81,6 +81,7 @@ struct TransactionStorage {
     std::span<OutstandingResponse> outstanding;  ///< a few; on a serial line better a few for each unit
     /// The longest request or response PDU; only Framing::tcp allows less than wire::kMaxPdu.
     std::size_t longest_pdu = wire::kMaxPdu;
+    ResponseMemory* on_demand = nullptr;  ///< lends `outstanding` where it is empty; must outlive the engine
 
     static constexpr std::size_t sending_size(wire::Framing framing,
                                               std::size_t longest_pdu = wire::kMaxPdu) {
@@ -242,6 +243,7 @@ private:
     bool link_up_ = false;
     bool must_reconnect_ = false;
     Duration silence_{};                       // least silence before a request
+    Duration busy_limit_{};                    // the longest traffic without a silence
     Duration frame_silence_{};                 // silence that ends a received frame
     Instant last_activity_ = Instant::min();   // end of the last character on the line
     Instant activity_since_ = Instant::min();  // start of the traffic since the last silence
