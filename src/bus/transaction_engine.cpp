@@ -185,8 +185,9 @@ Bytes TransactionCore::send(Instant t, Slot& slot) {
                  .length = slot.request.fixed_length
                                ? wire::frame_length(config_.framing, slot.request.response_length)
                                : 0});
+        const bool as_long = !slot.request.fixed_length || slot.request.response_length == slot.pdu_size;
         const bool repeats_itself =
-            slot.request.decoded &&
+            as_long && slot.request.decoded &&
             wire::decode_response(slot.request, slot.content(), slot.content()).has_value();
         echo_.arm(outgoing_.span(), repeats_itself, request_end + times.request);
     }

@@ -38,6 +38,7 @@ void UnitTimes::on_late(const LateResponse& late) {
 }
 
 Duration UnitTimes::usual_lateness() const {
+    if (last_late.front() == Duration::zero()) return Duration::zero();  // most units were never late
     auto sorted = last_late;
     std::ranges::sort(sorted);
     return sorted.front() > Duration::zero() ? sorted[1] : Duration::zero();

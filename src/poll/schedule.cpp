@@ -88,7 +88,14 @@ bool LinePoller::Run::consider_polled(Instant t, std::size_t request) {
     const Instant due = reads_.due(request);
     if (due <= t && requests_[request].plan->period > Duration::zero()) arbiter_.keep_round();
     const UnitId unit = devices_[requests_[request].device].model->address;
-    return consider(t, unit, shape_to_send(t, request), due, arbiter_.polled(t, reads_.polled(request)));
+    const auto shape =
+        engine_.any_ambiguity(t) ? shape_to_send(t, request) : requests_[request].read->shape();
+    const Instant start = std::max(due, engine_.earliest_start(unit, shape));
+    if (start <= t)
+        arbiter_.offer(t, start, arbiter_.polled(t, reads_.polled(request)));
+    else
+        wake_at(start);  // its priority does not matter yet
+    return start <= t;
 }
 
 void LinePoller::Run::consider_write(Instant t, std::size_t request) {
