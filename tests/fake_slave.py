@@ -1,10 +1,10 @@
 """Slaves with scripted answers, on a serial port or as a TCP server."""
-import socket
 import threading
 
 import serial as pyserial
 
 from frames import request
+from peer_base import TcpPeer
 
 
 class SerialPeer:
@@ -58,40 +58,6 @@ def rtu_answers(table):
     """Answers by a table {request PDU as hex: response PDU as hex}, for any unit."""
     known = {bytes.fromhex(k): bytes.fromhex(v) for k, v in table.items()}
     return lambda frame: request("rtu", frame[0], known[frame[1:-2]]) if frame[1:-2] in known else None
-
-
-class TcpPeer:
-    """Listens on `port` (0: one of its own) while the context lasts; `_connected(peer)` starts what is to be done with each
-    connection, by `_begin(function, *arguments)` in threads of their own that end when `_stop` is set."""
-
-    def __init__(self, port=0):
-        self._listener = socket.create_server(("127.0.0.1", port))
-        self._listener.settimeout(0.02)
-        self.port = self._listener.getsockname()[1]
-        self._stop = threading.Event()
-        self._threads = []
-        self._begin(self._accept)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self._stop.set()
-        for thread in self._threads:
-            thread.join()
-        self._listener.close()
-
-    def _begin(self, function, *arguments):
-        self._threads.append(threading.Thread(target=function, args=arguments, daemon=True))
-        self._threads[-1].start()
-
-    def _accept(self):
-        while not self._stop.is_set():
-            try:
-                peer, _ = self._listener.accept()
-            except TimeoutError:
-                continue
-            self._connected(peer)
 
 
 class TcpSlave(TcpPeer):

@@ -22,15 +22,13 @@ import os
 import pathlib
 import random
 import select
-import socket
 import struct
 import sys
 import tempfile
-import threading
 import time
-import tty
 
 from frames import crc16
+from peer_base import PtyPeer, TcpPeer
 from program import takt
 
 BAUD = 19200
@@ -134,65 +132,36 @@ class Field:
                 self.take(data)
 
 
-class PtyField:
+class PtyField(PtyPeer):
     """A field on a pseudo-terminal; `line` is what the project says of it."""
 
     def __init__(self, lateness):
         self.field = Field(lateness)
-        self._stop = threading.Event()
 
-    def __enter__(self):
-        self._master, self._slave = os.openpty()
-        tty.setraw(self._slave)
-        self.line = f"transport: serial, port: {os.ttyname(self._slave)}, framing: rtu, baud: {BAUD}"
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_):
-        self._stop.set()
-        self._thread.join()
-        os.close(self._master)
-        os.close(self._slave)
+    @property
+    def line(self):
+        return f"transport: serial, port: {self.port}, framing: rtu, baud: {BAUD}"
 
     def _run(self):
-        self.field.run_until(self._stop.is_set, lambda s: select.select([self._master], [], [], s)[0],
-                             lambda: os.read(self._master, 300), lambda frame: os.write(self._master, frame))
+        self.field.run_until(self._stop.is_set, self._readable, lambda: os.read(self._master, 300),
+                             lambda frame: os.write(self._master, frame))
 
 
-class GatewayField:
-    """A field behind a gateway that passes RTU frames over TCP."""
+class GatewayField(TcpPeer):
+    """A field behind a gateway that passes RTU frames over TCP, one connection at a time."""
 
     def __init__(self, lateness):
         self.field = Field(lateness)
-        self._stop = threading.Event()
+        super().__init__()
+        self.line = f"transport: tcp, host: 127.0.0.1, tcp_port: {self.port}, framing: rtu"
 
-    def __enter__(self):
-        self._listener = socket.create_server(("127.0.0.1", 0))
-        self._listener.settimeout(0.02)
-        port = self._listener.getsockname()[1]
-        self.line = f"transport: tcp, host: 127.0.0.1, tcp_port: {port}, framing: rtu"
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_):
-        self._stop.set()
-        self._thread.join()
-        self._listener.close()
-
-    def _run(self):
-        while not self._stop.is_set():
+    def _connected(self, peer):
+        with peer:
             try:
-                peer = self._listener.accept()[0]
-            except TimeoutError:
-                continue
-            with peer:
-                try:
-                    self.field.run_until(self._stop.is_set, lambda s: select.select([peer], [], [], s)[0],
-                                         lambda: peer.recv(300) or None, peer.sendall)
-                except ConnectionError:
-                    continue
+                self.field.run_until(self._stop.is_set, lambda s: select.select([peer], [], [], s)[0],
+                                     lambda: peer.recv(300) or None, peer.sendall)
+            except ConnectionError:
+                pass
 
 
 TRANSPORTS = {"pty": PtyField, "tcp": GatewayField}

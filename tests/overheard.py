@@ -7,8 +7,8 @@ import socket
 import subprocess
 import threading
 
-from fake_slave import TcpPeer
 from frames import TcpCapture, crc16, pcap
+from peer_base import TcpPeer
 
 MBAP, RTU = 502, 5020  # the servers' ports in captures; frames of serial lines stand there as RTU over TCP, to have a direction
 OPTIONS = ["-o", f"mbtcp.tcp.port:{MBAP}", "-o", f"mbrtu.tcp.port:{RTU}", "-o", "mbrtu.crc_verification:TRUE"]

@@ -1,13 +1,11 @@
 """Slaves behind a pseudo-terminal that answer only at their bit rate: a pty keeps the settings of the program that opened it."""
 import os
-import select
 import struct
 import termios
-import threading
 import time
-import tty
 
 from frames import crc16
+from peer_base import PtyPeer
 
 BAUDS = {9600: termios.B9600, 19200: termios.B19200, 38400: termios.B38400, 57600: termios.B57600, 115200: termios.B115200}
 
@@ -42,32 +40,17 @@ class Device:
         return refuse(1)
 
 
-class PtyLine:
-    """Use as a context: `port` is the path to open, `asked` counts the received requests."""
+class PtyLine(PtyPeer):
+    """Devices on a serial line. `asked` counts the received requests."""
 
     def __init__(self, *devices):
         self.devices = devices
         self.asked = 0
-        self._stop = threading.Event()
-
-    def __enter__(self):
-        self._master, self._slave = os.openpty()
-        tty.setraw(self._slave)
-        self.port = os.ttyname(self._slave)
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_):
-        self._stop.set()
-        self._thread.join()
-        os.close(self._master)
-        os.close(self._slave)
 
     def _run(self):
         received = b""
         while not self._stop.is_set():
-            if not select.select([self._master], [], [], 0.02)[0]:
+            if not self._readable(0.02):
                 received = b""
                 continue
             received += os.read(self._master, 300)

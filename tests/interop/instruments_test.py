@@ -10,7 +10,8 @@ import pytest
 
 import endpoints
 from converter_test import Client
-from fake_slave import SerialPeer, TcpPeer
+from fake_slave import SerialPeer
+from peer_base import TcpPeer
 from program import start, takt, until
 
 PROJECT = """
