@@ -12,12 +12,13 @@ class SerialPeer:
     for a moment."""
 
     def __init__(self, port):
-        self._line = pyserial.Serial(port, timeout=0.02)
+        self._port = port
+
+    def __enter__(self):
+        self._line = pyserial.Serial(self._port, timeout=0.02)
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
-
-    def __enter__(self):
         return self
 
     def __exit__(self, *_):
@@ -28,6 +29,10 @@ class SerialPeer:
     def _run(self):
         while not self._stop.is_set():
             self._serve_once()
+
+    def send(self, data):
+        """Sends bytes that no request asked for."""
+        self._line.write(data)
 
 
 class SerialSlave(SerialPeer):
@@ -48,10 +53,6 @@ class SerialSlave(SerialPeer):
         answer = self._answers(frame)
         if answer:
             self._line.write(answer)
-
-    def send(self, data):
-        """Sends bytes that no request asked for."""
-        self._line.write(data)
 
 
 def rtu_answers(table):
@@ -133,36 +134,26 @@ class Device:
         return tcp_answer(adu, pdu.hex()) if pdu else None
 
 
-class RtuDevices:
+class RtuDevices(SerialPeer):
     """Devices by unit address on one serial port: every unit has its Device, all others are silent. `delay`: seconds before each
     answer. A broadcast reaches all and is not answered."""
 
     def __init__(self, port, devices, delay=0.0):
         self.devices, self.delay, self.seen = devices, delay, []
-        self._port, self._stop, self._thread = port, threading.Event(), None
+        super().__init__(port)
 
     def __enter__(self):
-        self._line = pyserial.Serial(self._port, timeout=0.02)
-        self._stop.clear()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
-        return self
+        self._held = b""
+        return super().__enter__()
 
-    def __exit__(self, *_):
-        self._stop.set()
-        self._thread.join()
-        self._line.close()
-
-    def _run(self):
-        held = b""
-        while not self._stop.is_set():
-            held += self._line.read(1) + self._line.read(self._line.in_waiting)
-            while len(held) >= 8:
-                length = 9 + held[6] if held[1] in (15, 16) else 8
-                if len(held) < length:
-                    break
-                self._take(held[:length])
-                held = held[length:]
+    def _serve_once(self):
+        self._held += self._line.read(1) + self._line.read(self._line.in_waiting)
+        while len(self._held) >= 8:
+            length = 9 + self._held[6] if self._held[1] in (15, 16) else 8
+            if len(self._held) < length:
+                break
+            frame, self._held = self._held[:length], self._held[length:]
+            self._take(frame)
 
     def _take(self, frame):
         self.seen.append(frame)
@@ -178,10 +169,6 @@ class RtuDevices:
         if self.delay:
             self._stop.wait(self.delay)
         self._line.write(request("rtu", frame[0], pdu))
-
-    def send(self, data):
-        """Sends bytes that no request asked for."""
-        self._line.write(data)
 
 
 def tcp_answer(adu, pdu, *, protocol=0, transaction=None):
