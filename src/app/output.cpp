@@ -1,10 +1,13 @@
 #include "output.hpp"
 
 #include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 
+#include "takt/report/word_wrap.hpp"
 #include "takt/text/escape.hpp"
 
 namespace takt::app {
@@ -20,6 +23,10 @@ void print(const std::string& text) {
     print_raw(text::escape_lines(text));
 }
 
+void print_wrapped(const std::string& text) {
+    print_raw(report::wrapped(text::escape_lines(text), columns_of(STDOUT_FILENO)));
+}
+
 void print_raw(const std::string& text) {
     const bool written =
         std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
@@ -27,7 +34,7 @@ void print_raw(const std::string& text) {
 }
 
 void print_status(const std::string& text) {
-    print_status_raw(text::escape_lines(text));
+    print_status_raw(report::wrapped(text::escape_lines(text), columns_of(STDERR_FILENO)));
 }
 
 void print_status_raw(const std::string& text) {
@@ -56,6 +63,10 @@ void note_lost_output(const std::string& path, int number) {
 
 const LostOutput& lost_output() {
     return g_lost_output;
+}
+
+std::size_t columns_of(int descriptor) {
+    return ::isatty(descriptor) == 1 ? screen_of(descriptor).columns : SIZE_MAX;
 }
 
 report::Screen screen_of(int descriptor) {

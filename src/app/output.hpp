@@ -1,6 +1,7 @@
 // Standard output and standard error of the program. Data goes to stdout, everything else to stderr.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "takt/console/messages.hpp"
@@ -12,7 +13,10 @@ namespace takt::app {
 /// first failure (a full disk, a closed pipe) is remembered for stdout_error().
 void print(const std::string& text);
 
-/// Writes `text` to stderr, escaped likewise.
+/// As print(), for sentences: on a terminal, long lines are broken at blanks.
+void print_wrapped(const std::string& text);
+
+/// Writes `text` to stderr, escaped and broken likewise.
 void print_status(const std::string& text);
 
 /// As print() and print_status(), for the bytes of a file format and for a display with escape sequences:
@@ -43,6 +47,9 @@ void note_lost_output(const std::string& path, int number);
 
 /// The failure that note_lost_output() kept; number 0: none.
 [[nodiscard]] const LostOutput& lost_output();
+
+/// The columns of the terminal behind `descriptor`; SIZE_MAX: it is no terminal.
+[[nodiscard]] std::size_t columns_of(int descriptor);
 
 /// The size of the terminal behind `descriptor`; 24 rows of 80 columns where it reports none.
 [[nodiscard]] report::Screen screen_of(int descriptor);

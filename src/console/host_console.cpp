@@ -61,12 +61,12 @@ Result<void> HostConsole::begin() {
 void HostConsole::make_view() {
     auto& out = environment_.out;
     view_ = options_.json ? make_json_view(environment_.started, texts_, out)
-            : options_.screen && !options_.quiet
+            : options_.in_place && !options_.quiet
                 ? make_live_view(*session_, texts_, out, options_.screen,
                                  {.device = options_.device,
                                   .takes_keys = options_.keys.has_value(),
                                   .has_devices = has_devices(session_->configuration()->project())})
-                : make_line_view(texts_, out);
+                : make_line_view(texts_, out, options_.screen);
     if (!options_.keys) return;
     keyboard_.emplace(environment_.loop, *options_.keys, [this](const Key& key) {
         if (!view_->on_key(key)) environment_.loop.stop();
@@ -81,7 +81,7 @@ bool HostConsole::is_shown(const host::Event& event) {
         const auto* const device = device_of(configuration, event);
         if (device ? device->name != options_.device : is_value) return false;
     }
-    const bool live = options_.screen && !options_.json;
+    const bool live = options_.in_place && !options_.json;
     if (!options_.quiet && !live) return true;
     const auto* const link = std::get_if<host::LinkChanged>(&event.body);
     if (!link) return !options_.quiet || !is_value;

@@ -10,6 +10,7 @@
 #include "takt/report/live_screen.hpp"
 #include "takt/report/panel.hpp"
 #include "takt/report/summary_report.hpp"
+#include "takt/report/word_wrap.hpp"
 
 namespace takt::console {
 namespace {
@@ -47,11 +48,14 @@ public:
     void end(const host::Snapshot& last) override {
         selection_.takes_keys = selection_.typing = false;
         draw(last);
-        out_.put_last('\n' + report::summary_text(texts_, last));
+        out_.put_last('\n' + report::summary_text(texts_, last, screen_().columns));
     }
 
 private:
-    void above_table(const std::string& text) { out_.put(panel_.above(screen_(), text)); }
+    void above_table(const std::string& text) {
+        const report::Screen size = screen_();
+        out_.put(panel_.above(size, report::wrapped(text, size.columns)));
+    }
 
     void draw(const host::Snapshot& now) {
         const report::Screen size = screen_();

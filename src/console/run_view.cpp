@@ -1,10 +1,12 @@
 #include "takt/console/run_view.hpp"
 
+#include <cstdint>
 #include <utility>
 
 #include "takt/console/clock_text.hpp"
 #include "takt/report/event_report.hpp"
 #include "takt/report/summary_report.hpp"
+#include "takt/report/word_wrap.hpp"
 
 namespace takt::console {
 namespace {
@@ -44,21 +46,25 @@ private:
 
 class LineView final : public RunView {
 public:
-    LineView(const Texts& texts, os::LineWriter& out) : texts_(texts), out_(out) {}
+    LineView(const Texts& texts, os::LineWriter& out, std::function<report::Screen()> screen)
+        : texts_(texts), out_(out), screen_(std::move(screen)) {}
 
     void on_event(const host::Configuration& configuration, const host::Event& event) override {
         const auto text = report::event_text(texts_, configuration, event);
-        if (!text.empty()) out_.put(iso_time(event.t) + ' ' + text + '\n');
+        if (!text.empty()) out_.put(report::wrapped(iso_time(event.t) + ' ' + text + '\n', columns()));
     }
     void on_missed(std::uint64_t events) override { out_.put(report::missed_text(texts_, events) + '\n'); }
     void on_answer(Instant, const Answer& answer) override { out_.put(answer.line); }
     void end(const host::Snapshot& last) override {
-        out_.put_last('\n' + report::summary_text(texts_, last));
+        out_.put_last('\n' + report::summary_text(texts_, last, columns()));
     }
 
 private:
+    [[nodiscard]] std::size_t columns() const { return screen_ ? screen_().columns : SIZE_MAX; }
+
     Texts texts_;
     os::LineWriter& out_;
+    std::function<report::Screen()> screen_;
 };
 
 std::string json_gap_line(std::uint64_t missed) {
@@ -80,8 +86,9 @@ std::unique_ptr<RunView> make_json_view(Instant started, const Texts& texts, os:
     return std::make_unique<JsonView>(started, texts, out);
 }
 
-std::unique_ptr<RunView> make_line_view(const Texts& texts, os::LineWriter& out) {
-    return std::make_unique<LineView>(texts, out);
+std::unique_ptr<RunView> make_line_view(const Texts& texts, os::LineWriter& out,
+                                        std::function<report::Screen()> screen) {
+    return std::make_unique<LineView>(texts, out, std::move(screen));
 }
 
 }  // namespace takt::console

@@ -68,12 +68,38 @@ std::string devices_text(const Texts& texts, const host::Snapshot& snapshot, std
     return text;
 }
 
-/// Lines with trouble first. At most `most` lines of text; those that have no room are counted.
+/// "late responses: Meter 3 (up to 412 ms); turnaround at most: Boiler 7.60 ms, Meter 9.10 ms". Empty if
+/// nothing was measured.
+std::string times_text(const Texts& texts, const host::Snapshot& snapshot, std::size_t index) {
+    const auto& devices = snapshot.configuration->project().lines[index].devices;
+    std::string late;
+    std::string turnaround;
+    for (std::size_t d = 0; d < devices.size(); ++d) {
+        const auto& measured = snapshot.lines[index].times[d];
+        if (measured.late > 0)
+            late += (late.empty() ? "" : ", ") +
+                    texts("app.live.late.device", {{"device", devices[d].name},
+                                                   {"late", std::to_string(measured.late)},
+                                                   {"lateness", milliseconds_text(measured.lateness)}});
+        if (measured.exchanges > 0)
+            turnaround += (turnaround.empty() ? "" : ", ") + devices[d].name + ' ' +
+                          milliseconds_text(measured.longest);
+    }
+    if (!late.empty()) late = texts("app.live.late", {{"devices", late}});
+    if (!turnaround.empty()) turnaround = texts("app.live.turnaround", {{"devices", turnaround}});
+    return late.empty() && turnaround.empty()   ? std::string()
+           : late.empty() || turnaround.empty() ? "  " + late + turnaround
+                                                : "  " + late + "; " + turnaround;
+}
+
+/// Lines with trouble first. At most `most` lines of text; those that have no room are counted. Response
+/// times are left out if they do not fit for every line.
 std::vector<std::string> header(const Texts& texts, const host::Snapshot& snapshot, std::size_t most) {
     std::vector<std::size_t> order(snapshot.lines.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::ranges::stable_partition(order, [&](std::size_t i) { return has_trouble(snapshot.lines[i]); });
     std::vector<std::string> lines;
+    const bool has_times = 3 * order.size() <= most;
     for (std::size_t i = 0; i < order.size(); ++i) {
         const bool last = i + 1 == order.size();
         if (lines.size() + (last ? 2 : 3) > most) {
@@ -87,6 +113,8 @@ std::vector<std::string> header(const Texts& texts, const host::Snapshot& snapsh
         lines.push_back(line_text(texts, snapshot, order[i]));
         if (auto devices = devices_text(texts, snapshot, order[i]); !devices.empty())
             lines.push_back(std::move(devices));
+        if (auto times = has_times ? times_text(texts, snapshot, order[i]) : std::string(); !times.empty())
+            lines.push_back(std::move(times));
     }
     return lines;
 }

@@ -137,7 +137,7 @@ std::string requests_text(const Texts& texts, const model::Project& project, con
                           const TableStyle& style) {
     const auto& line = project.lines[planned.line];
     const auto headings = figure_headings(texts, guarantee, style.figures);
-    std::vector<Align> columns{Align::left, Align::right, Align::left, Align::left};
+    std::vector<Align> columns{Align::left, Align::right, Align::whole, Align::left};
     columns.resize(columns.size() + headings.size(), Align::right);
     columns.push_back(Align::left);
     TextTable table(columns);

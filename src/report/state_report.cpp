@@ -314,7 +314,7 @@ std::string values_counted(const Texts& texts, const file::Json& counts) {
     return text.empty() ? "–" : text;
 }
 
-std::string line_text(const Texts& texts, const file::Json& line) {
+std::string line_text(const Texts& texts, const file::Json& line, std::size_t columns) {
     std::string text =
         texts("app.ctl.line", {{"line", string_of(line, "name")},
                                {"state", word_text(texts, "app.link.", string_of(line, "state"))},
@@ -336,7 +336,7 @@ std::string line_text(const Texts& texts, const file::Json& line) {
                    milliseconds_or_dash(device, "response_ms"), count_of(device, "sent"),
                    count_of(device, "failed"), count_of(device, "outages"),
                    percentage_or_dash(device, "availability_percent")});
-    text += table.render("  ");
+    text += table.render("  ", columns);
     for (const auto& device : array_of(line, "devices"))
         for (const auto* const key : {"delays", "noise", "turnaround", "late_responses"})
             if (const auto words = string_of(member(device, key), "text"); !words.empty())
@@ -470,14 +470,14 @@ file::Json get_json(const host::Configuration& configuration, const host::Outcom
     return object;
 }
 
-std::string status_text(const Texts& texts, const file::Json& status) {
+std::string status_text(const Texts& texts, const file::Json& status, std::size_t columns) {
     const auto uptime = time_of(status, "uptime_ms");
     std::string text =
         texts("app.ctl.status", {{"health", word_text(texts, "app.health.", string_of(status, "health"))},
                                  {"time", age_text(uptime.value_or(Duration{}))},
                                  {"values", values_counted(texts, member(status, "values"))}}) +
         '\n';
-    for (const auto& line : array_of(status, "lines")) text += '\n' + line_text(texts, line);
+    for (const auto& line : array_of(status, "lines")) text += '\n' + line_text(texts, line, columns);
     return text;
 }
 

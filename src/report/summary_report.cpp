@@ -2,20 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <initializer_list>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 #include "takt/report/event_report.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/response_times_report.hpp"
 #include "takt/report/text_table.hpp"
+#include "takt/report/word_wrap.hpp"
 
 namespace takt::report {
 namespace {
 
-using Align = report::TextTable::Align;
-
-std::string failures(const bus::TransactionCounters& counters) {
-    return std::to_string(counters.timeouts + counters.checksums + counters.unexpected + counters.ambiguous +
-                          counters.link_lost);
-}
+using Align = TextTable::Align;
 
 std::string exceptions(const bus::TransactionCounters& counters, const Texts& texts) {
     std::string text;
@@ -43,47 +45,124 @@ std::string period_text(const poll::RequestStatistics& request, const Texts& tex
                        measured_text(request.real_period.count() > 0, real), request.overrun ? " !" : "");
 }
 
-std::string requests_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line_index) {
+/// "time-outs: 3"; empty for 0.
+std::string counted(const Texts& texts, std::string_view code, std::uint64_t count) {
+    return count == 0 ? std::string() : texts(code) + ": " + std::to_string(count);
+}
+
+std::string joined(std::initializer_list<std::string> parts) {
+    std::string text;
+    for (const auto& part : parts)
+        if (!part.empty()) text += (text.empty() ? "" : ", ") + part;
+    return text;
+}
+
+/// Where the counts of failures are: in columns of the table, or below its rows.
+enum class Failures : std::uint8_t { in_columns, below };
+
+/// Rows of counts with the failures of each, as columns or in words.
+class CountTable {
+public:
+    CountTable(Failures where, const std::vector<Align>& all, const std::vector<Align>& without_failures)
+        : where_(where), rows_(where == Failures::in_columns ? all : without_failures) {}
+
+    /// The first one is the heading.
+    /// @param failed  the cells that leave the table where failures are below, between `first` and `last`
+    /// @param words   the failures below the row
+    void add(std::vector<std::string> first, const std::vector<std::string>& failed,
+             const std::vector<std::string>& last, std::string words = {}) {
+        if (where_ == Failures::in_columns) first.insert(first.end(), failed.begin(), failed.end());
+        first.insert(first.end(), last.begin(), last.end());
+        rows_.add(std::move(first));
+        below_.push_back(where_ == Failures::below ? std::move(words) : std::string());
+    }
+
+    [[nodiscard]] std::string text(std::size_t columns) const {
+        constexpr std::string_view kIndent = "  ";
+        const auto lines = rows_.lines(columns - std::min(columns, kIndent.size()));
+        std::string text;
+        for (std::size_t i = 0; i < lines.size(); ++i) {
+            text.append(kIndent).append(lines[i]) += '\n';
+            if (!below_[i].empty()) text += "      └ " + below_[i] + '\n';
+        }
+        return text;
+    }
+
+private:
+    Failures where_;
+    TextTable rows_;
+    std::vector<std::string> below_;
+};
+
+bool fits(const std::string& text, std::size_t columns) {
+    for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
+        end = text.find('\n', begin);
+        if (display_width(std::string_view(text).substr(begin, end - begin)) > columns) return false;
+    }
+    return true;
+}
+
+/// The table with all columns, or, where it is wider than the terminal, with the failures below.
+/// @param make  makes the table
+template <typename Make>
+std::string fitting_text(const Make& make, std::size_t columns) {
+    auto text = make(Failures::in_columns).text(SIZE_MAX);
+    return fits(text, columns) ? text : make(Failures::below).text(columns);
+}
+
+std::uint64_t faults(const bus::TransactionCounters& counters) {
+    return counters.checksums + counters.unexpected + counters.ambiguous + counters.link_lost;
+}
+
+/// Without columns for failures there is none for the answers either: they are all others.
+CountTable request_table(const host::Snapshot& snapshot, const Texts& texts, std::size_t line_index,
+                         Failures where) {
     const auto& state = snapshot.lines[line_index];
     const auto& line = snapshot.configuration->project().lines[line_index];
-    report::TextTable table({Align::left, Align::left, Align::right, Align::right, Align::right, Align::right,
-                             Align::left, Align::right, Align::right, Align::left});
-    table.add({texts("app.device"), texts("app.request"), texts("app.sent"), texts("app.answered"),
-               texts("app.timeouts"), texts("app.faults"), texts("app.exceptions"), texts("app.mean"),
-               texts("app.longest"), texts("app.period")});
+    using enum TextTable::Align;
+    CountTable table(where, {left, left, right, right, right, right, left, right, right, left},
+                     {left, whole, right, right, right, whole});
+    table.add({texts("app.device"), texts("app.request"), texts("app.sent")},
+              {texts("app.answered"), texts("app.timeouts"), texts("app.faults"), texts("app.exceptions")},
+              {texts("app.mean"), texts("app.longest"), texts("app.period")});
     for (std::size_t i = 0; i < state.plan->requests.size(); ++i) {
         const auto& request = state.plan->requests[i];
         const auto& statistics = state.requests[i];
         const auto& counters = statistics.counters;
-        table.add(
-            {line.devices[request.device].name, report::request_text(request), std::to_string(counters.sent),
-             std::to_string(counters.answered), std::to_string(counters.timeouts),
-             std::to_string(counters.checksums + counters.unexpected + counters.ambiguous +
-                            counters.link_lost),
-             exceptions(counters, texts), measured_text(counters.time.count() > 0, counters.time.mean()),
-             measured_text(counters.time.count() > 0, counters.time.max()), period_text(statistics, texts)});
+        const bool measured = counters.time.count() > 0;
+        table.add({line.devices[request.device].name, request_text(request), std::to_string(counters.sent)},
+                  {std::to_string(counters.answered), std::to_string(counters.timeouts),
+                   std::to_string(faults(counters)), exceptions(counters, texts)},
+                  {measured_text(measured, counters.time.mean()),
+                   measured_text(measured, counters.time.max()), period_text(statistics, texts)},
+                  joined({counted(texts, "app.timeouts", counters.timeouts),
+                          counted(texts, "app.faults", faults(counters)), exceptions(counters, texts)}));
     }
-    return table.render("  ");
+    return table;
 }
 
-std::string devices_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line_index) {
-    report::TextTable table({Align::left, Align::left, Align::right, Align::right, Align::right, Align::left,
-                             Align::right, Align::right, Align::right});
-    table.add({texts("app.device"), texts("app.state"), texts("app.sent"), texts("app.answered"),
-               texts("app.failed"), texts("app.exceptions"), texts("app.outages"), texts("app.downtime"),
-               texts("app.available")});
+CountTable device_table(const host::Snapshot& snapshot, const Texts& texts, std::size_t line_index,
+                        Failures where) {
+    using enum TextTable::Align;
+    CountTable table(where, {left, left, right, right, right, left, right, right, right},
+                     {left, whole, right, right, right, right, right});
+    table.add({texts("app.device"), texts("app.state"), texts("app.sent"), texts("app.answered")},
+              {texts("app.failed"), texts("app.exceptions")},
+              {texts("app.outages"), texts("app.downtime"), texts("app.available")});
     const auto& state = snapshot.lines[line_index];
     const auto& devices = snapshot.configuration->project().lines[line_index].devices;
     for (std::size_t i = 0; i < devices.size(); ++i) {
         const auto& device = state.devices[i];
         const auto availability = device.availability.at(snapshot.t);
+        const auto failed = device.counters.timeouts + faults(device.counters);
         table.add({devices[i].name, texts(fmt::format("app.state.{}", poll::name(device.state))),
-                   std::to_string(device.counters.sent), std::to_string(device.counters.answered),
-                   failures(device.counters), exceptions(device.counters, texts),
-                   std::to_string(device.outages), downtime_text(availability.downtime),
-                   availability_text(availability.share())});
+                   std::to_string(device.counters.sent), std::to_string(device.counters.answered)},
+                  {std::to_string(failed), exceptions(device.counters, texts)},
+                  {std::to_string(device.outages), downtime_text(availability.downtime),
+                   availability_text(availability.share())},
+                  joined({counted(texts, "app.failed", failed), exceptions(device.counters, texts)}));
     }
-    return table.render("  ");
+    return table;
 }
 
 /// A line for each device that is slower than a setting says, and for each with noise before its responses.
@@ -108,6 +187,21 @@ std::string times_text(const host::Snapshot& snapshot, const Texts& texts, std::
     for (std::size_t i = 0; i < devices.size(); ++i)
         text += response_times_text(texts, devices[i], snapshot.lines[line].times[i]);
     return text;
+}
+
+std::string heading_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
+    const auto& statistics = snapshot.lines[line].statistics;
+    const auto availability = statistics.availability.at(snapshot.t);
+    return texts("app.summary.line", {{"line", snapshot.configuration->project().lines[line].name},
+                                      {"duration", seconds_text(snapshot.t - snapshot.started)},
+                                      {"planned", milliseconds_text(statistics.planned_cycle)},
+                                      {"measured", measured_text(statistics.measured_cycle > Duration{},
+                                                                 statistics.measured_cycle)},
+                                      {"utilization", percent_text(statistics.utilization)}}) +
+           "\n  " +
+           texts("app.summary.availability", {{"available", availability_text(availability.share())},
+                                              {"down", downtime_text(availability.downtime)}}) +
+           '\n';
 }
 
 file::Json function_json(const std::optional<wire::Function>& function) {
@@ -213,24 +307,16 @@ file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
 
 }  // namespace
 
-std::string summary_text(const Texts& texts, const host::Snapshot& snapshot) {
-    const auto& lines = snapshot.configuration->project().lines;
+std::string summary_text(const Texts& texts, const host::Snapshot& snapshot, std::size_t columns) {
     std::string text;
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-        const auto& statistics = snapshot.lines[i].statistics;
-        text += texts(
-            "app.summary.line",
-            {{"line", lines[i].name},
-             {"duration", seconds_text(snapshot.t - snapshot.started)},
-             {"planned", milliseconds_text(statistics.planned_cycle)},
-             {"measured", measured_text(statistics.measured_cycle > Duration{}, statistics.measured_cycle)},
-             {"utilization", percent_text(statistics.utilization)}});
-        const auto availability = statistics.availability.at(snapshot.t);
-        text += "\n  " +
-                texts("app.summary.availability", {{"available", availability_text(availability.share())},
-                                                   {"down", downtime_text(availability.downtime)}});
-        text += '\n' + devices_text(snapshot, texts, i) + findings_text(snapshot, texts, i) +
-                times_text(snapshot, texts, i) + '\n' + requests_text(snapshot, texts, i);
+    for (std::size_t i = 0; i < snapshot.lines.size(); ++i) {
+        const auto table = [&](const auto& make) {
+            return fitting_text([&](Failures where) { return make(snapshot, texts, i, where); }, columns);
+        };
+        text += (i == 0 ? "" : "\n") + wrapped(heading_text(snapshot, texts, i), columns) +
+                table(device_table) +
+                wrapped(findings_text(snapshot, texts, i) + times_text(snapshot, texts, i), columns) + '\n' +
+                table(request_table);
     }
     return text;
 }

@@ -72,9 +72,10 @@ std::vector<std::string> TextTable::lines(std::size_t most) const {
     return lines;
 }
 
-std::string TextTable::render(std::string_view indent) const {
+std::string TextTable::render(std::string_view indent, std::size_t most) const {
     std::string text;
-    for (const auto& line : lines()) text += std::string(indent) + line + '\n';
+    for (const auto& line : lines(most - std::min(most, indent.size())))
+        text += std::string(indent) + line + '\n';
     return text;
 }
 

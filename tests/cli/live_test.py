@@ -23,7 +23,7 @@ def some(text):
 
 def test_the_display_fits_80_by_24(plant):
     with Terminal("run", plant) as terminal:
-        lines = terminal.shows(some("Value_17"), "a full page")
+        lines = terminal.shows(some("Value_16"), "a full page")
         terminal.shows(lambda seen: "connected, load" in seen[0] and "answering: Node1" in seen[1], "line and device at the top")
         assert not terminal.screen.scrolled or all("Value" not in line for line in terminal.screen.scrolled)
         assert len(lines) <= 24 and max(map(len, lines)) < 80
@@ -82,6 +82,21 @@ def test_the_project_is_never_connected(project):
         assert any("net: never connected" in line for line in lines)
         assert "lost" not in "".join(lines)
         terminal.interrupt()
+
+
+@pytest.mark.parametrize("language", ["en", "ru", "uk"])
+@pytest.mark.parametrize("command", ["check", "plan", "run --for 300ms", "run --for 300ms --quiet"], ids=lambda c: c.replace(" ", "_"))
+def test_no_line_is_wrapped_by_the_terminal(project, blank_device, command, language):
+    """Tables fit 80 columns; sentences are broken at blanks."""
+    names = ["name: Supply_temperature, register: 0, type: float, read: 0x03", "name: Level, register: 300, type: float, read: 0x03"]
+    path = project(tcp(names, blank_device("ramp")))
+    verb, *options = command.split()
+    with Terminal(verb, path, *options, "--lang", language) as terminal:
+        terminal.ends()
+        until(lambda: terminal.raw.endswith("\n"), "the last line")
+        text = re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", terminal.raw)
+        lines = [line for line in text.replace("\r", "").splitlines() if str(path) not in line]
+        assert lines and max(map(len, lines)) <= 80, "\n".join(line for line in lines if len(line) > 80)
 
 
 def test_read_watch(blank_device):

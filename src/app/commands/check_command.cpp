@@ -32,8 +32,8 @@ ExitCode check(const CommonOptions& common, const CheckOptions& options) {
             object.set("response_times", std::move(times));
         print(object.dump() + '\n');
     } else {
-        print(report::findings_text(texts, loaded,
-                                    options.no_notes ? model::Severity::warning : model::Severity::note));
+        print_wrapped(report::findings_text(
+            texts, loaded, options.no_notes ? model::Severity::warning : model::Severity::note));
         print_status(report::findings_summary(texts, options.file, loaded.findings));
         if (outlook) {
             print_status(report::outlook_text(texts, loaded.project, *outlook));

@@ -1,5 +1,7 @@
 // The demo: a project inside the program (examples/demo.yaml), its line simulated at byte times, polled by
 // the real master.
+#include <unistd.h>
+
 #include "commands/demo_project.hpp"
 #include "commands/run_command.hpp"
 #include "commands/run_project.hpp"
@@ -31,8 +33,10 @@ ExitCode demo(const CommonOptions& common, const DemoOptions& options) {
     TAKT_ASSERT(!loaded.has_errors());
     const auto planned = plan::make_plan(loaded.project);
     if (!options.json) {
-        print(texts("app.demo.intro") + "\n\n" + report::plan_text(texts, loaded.project, planned) + '\n' +
-              report::comparison_text(texts, loaded.project, planned) + '\n');
+        const auto plan =
+            report::plan_text(texts, loaded.project, planned, {}, {.columns = columns_of(STDOUT_FILENO)});
+        print_wrapped(texts("app.demo.intro") + "\n\n" + plan + '\n' +
+                      report::comparison_text(texts, loaded.project, planned) + '\n');
     }
     RunOptions run;
     run.run_for = options.run_for;

@@ -26,10 +26,10 @@ void print_text(const Texts& texts, const host::LoadedProject& loaded, const pla
                 const PlanOptions& options, const Applied& applied) {
     if (options.compare) return print(report::comparison_text(texts, loaded.project, proof.plan));
     report::TableStyle style{.figures = options.prove ? report::Figures::proof : report::Figures::usual};
-    if (::isatty(STDOUT_FILENO) == 1) style.columns = screen_of(STDOUT_FILENO).columns;
-    if (applied) return print(report::applied_text(texts, loaded.project, proof, *applied, style));
-    print(report::plan_text(texts, loaded.project, proof.plan, proof.lines, style) +
-          report::measures_text(texts, loaded.project, proof));
+    style.columns = columns_of(STDOUT_FILENO);
+    if (applied) return print_wrapped(report::applied_text(texts, loaded.project, proof, *applied, style));
+    print_wrapped(report::plan_text(texts, loaded.project, proof.plan, proof.lines, style) +
+                  report::measures_text(texts, loaded.project, proof));
 }
 
 std::string file_name(const std::string& path) {

@@ -89,10 +89,10 @@ private:
         options.json = options_.json;
         options.quiet = options_.quiet;
         options.device = options_.device;
-        const bool live = ::isatty(STDOUT_FILENO) != 0 && !options_.commands_from_stdin && !options_.quiet &&
-                          !options_.json;
-        if (live) options.screen = [] { return screen_of(STDOUT_FILENO); };
-        if (live && ::isatty(STDIN_FILENO) != 0) options.keys = STDIN_FILENO;
+        const bool terminal = ::isatty(STDOUT_FILENO) == 1;
+        options.in_place = terminal && !options_.commands_from_stdin && !options_.quiet && !options_.json;
+        if (terminal) options.screen = [] { return screen_of(STDOUT_FILENO); };
+        if (options.in_place && ::isatty(STDIN_FILENO) != 0) options.keys = STDIN_FILENO;
         if (options_.commands_from_stdin) options.commands = STDIN_FILENO;
         options.control_path = options_.control_path;
         return options;

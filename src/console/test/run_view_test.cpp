@@ -82,6 +82,12 @@ TEST_F(RunViewTest, LinesBeginWithTheTime) {
                              ")\nok Level 1\n");
 }
 
+TEST_F(RunViewTest, LinesOfATerminalAreBrokenAtBlanks) {
+    const auto view = make_line_view(english(), *out, [] { return report::Screen{24, 44}; });
+    view->on_event(*configuration, changed(2.5));
+    EXPECT_EQ(written(), iso_time(Instant{3s}) + " Boiler Pump\n    speed = 2.5\n");
+}
+
 class LiveViewTest : public RunViewTest {
 protected:
     host::test::Rig rig{kPlant};

@@ -67,6 +67,33 @@ TEST(LiveScreen, HasLinesDevicesAndValuesInEveryLanguage) {
     }
 }
 
+TEST(LiveScreen, ResponseTimesAreBelowTheDevicesWhereTheyFit) {
+    auto snapshot = healthy();
+    auto& times = snapshot.lines[0].times[0];
+    times = {.exchanges = 12, .longest = 7600us};
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        LiveSelection selection;
+        const auto turnaround = texts("app.live.turnaround", {{"devices", "Котёл 7.60 ms"}});
+        times.late = 0;
+        EXPECT_EQ(live_screen(texts, snapshot, selection, {24, 80})[2], "  " + turnaround);
+        times.late = 3;
+        times.lateness = 412ms;
+        const auto one =
+            texts("app.live.late.device", {{"device", "Котёл"}, {"late", "3"}, {"lateness", "412 ms"}});
+        const auto lines = live_screen(texts, snapshot, selection, {24, 80});
+        EXPECT_EQ(lines[2], "  " + texts("app.live.late", {{"devices", one}}) + "; " + turnaround);
+        for (const auto& line : lines) expect_complete(line);
+        expect_contains(live_screen(texts, snapshot, selection, {7, 80})[2], texts("app.variable"));
+    }
+    LiveSelection selection;
+    snapshot = healthy(large(4, 1, 1));
+    for (auto& line : snapshot.lines) line.times[0] = times;
+    EXPECT_EQ(joined(live_screen(english(), snapshot, selection, {24, 80})).find("turnaround"),
+              std::string::npos)
+        << "four lines have no room for them";
+}
+
 TEST(LiveScreen, WhatIsNotGoodIsAtTheTopAndReadable) {
     auto snapshot = healthy();
     snapshot.values[slot_of("Pump").value] = {.quality = Quality::never_read};

@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <sstream>
+
 #include "host_sample.hpp"
 #include "takt/report/formatting.hpp"
+#include "takt/report/text_table.hpp"
 
 namespace takt::report {
 namespace {
@@ -98,6 +102,34 @@ TEST(SummaryReport, TextInEveryLanguage) {
         EXPECT_EQ(lines[8], " Котёл " + key + " 20 9 4 11 " + exceptions + " 20.0 ms 30.0 ms " +
                                 texts("app.on_demand"));
     }
+}
+
+/// The longest line.
+std::size_t width_of(const std::string& text) {
+    std::istringstream lines(text);
+    std::size_t most = 0;
+    for (std::string line; std::getline(lines, line);) most = std::max(most, display_width(line));
+    return most;
+}
+
+TEST(SummaryReport, ANarrowTerminalHasFailuresBelowTheRows) {
+    auto snapshot = measured();
+    snapshot.lines[0].requests[0].period = 1000ms;
+    snapshot.lines[0].requests[0].real_period.record(1000ms);
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        ASSERT_GT(width_of(summary_text(texts, snapshot)), 80U);
+        const auto text = summary_text(texts, snapshot, 80);
+        EXPECT_LE(width_of(text), 80U) << text;
+        expect_complete(text);
+        const auto exceptions = texts("app.exceptions.of_code", {{"count", "1"}, {"code", "?"}}) + ", " +
+                                texts("app.exceptions.of_code", {{"count", "2"}, {"code", "2"}});
+        expect_contains(text, "\n      └ " + texts("app.failed") + ": 15, " + exceptions + '\n');
+        expect_contains(text, "\n      └ " + texts("app.timeouts") + ": 4, " + texts("app.faults") +
+                                  ": 11, " + exceptions + '\n');
+    }
+    EXPECT_EQ(summary_text(english(), snapshot, 200), summary_text(english(), snapshot));
+    EXPECT_FALSE(summary_text(english(), snapshot, 1).empty());
 }
 
 TEST(SummaryReport, PeriodsOfRequests) {
@@ -232,7 +264,7 @@ TEST(SummaryReport, ResponseTimesOfADevice) {
     auto& times = snapshot.lines[0].times[0];
     times = {.exchanges = 12, .longest = 7600us, .p999 = 7600us, .attempts = 12};
     expect_contains(summary_text(english(), snapshot),
-                    "\n  Котёл: turnaround at most 7.60 ms, measured over 12 exchanges, too few to use\n");
+                    "\n  Котёл: turnaround at most 7.60 ms, exchanges measured: 12, too few to use\n");
     times = {
         .exchanges = 3120, .longest = 7600us, .p999 = 7100us, .attempts = 3123, .late = 3, .lateness = 412ms};
     for (const auto language : kLanguages) {
@@ -262,6 +294,7 @@ TEST(SummaryReport, SeveralLinesAndNone) {
     EXPECT_JSON(at(json, "lines", 1, "name"), "net");
     EXPECT_EQ(at(json, "lines", 1, "requests").dump(), "[]");
     expect_contains(summary_text(english(), snapshot), "Meter");
+    expect_contains(summary_text(english(), snapshot), "\n\nnet: 10.0 s");
 
     const auto none = snapshot_of(configuration_of({}));
     EXPECT_EQ(summary_text(english(), none), "");

@@ -19,6 +19,7 @@ TEST(TextTable, WhereItIsTooWideWordsAreCutAndNumbersAreNot) {
     EXPECT_EQ(table.lines(25),
               (std::vector<std::string>{"Boiler  Supply te…  17.25", "Pump    Speed        1500"}));
     EXPECT_EQ(table.lines(3)[0], "Boiler  Suppl…  17.25") << "not below what is legible";
+    EXPECT_EQ(table.render("  ", 27), "  Boiler  Supply te…  17.25\n  Pump    Speed        1500\n");
 }
 
 TEST(TextTable, NoRowsAndNoCells) {

@@ -45,7 +45,8 @@ public:
         bool json = false;
         bool quiet = false;                      ///< no values: changes of state only
         std::string device;                      ///< events and values of this device only; empty: all
-        std::function<report::Screen()> screen;  ///< size of the terminal for a table in place; empty: lines
+        bool in_place = false;                   ///< a table in place, with `screen`; else lines
+        std::function<report::Screen()> screen;  ///< size of the terminal; empty: the output is no terminal
         std::optional<int> keys;                 ///< terminal whose keys move the table
         std::optional<int> commands;             ///< descriptor that commands are read from
         std::string control_path;                ///< Unix socket for commands; empty: none

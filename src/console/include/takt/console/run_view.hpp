@@ -39,7 +39,9 @@ public:
 [[nodiscard]] std::unique_ptr<RunView> make_json_view(Instant started, const Texts& texts,
                                                       os::LineWriter& out);
 /// One line of text for each change: for pipes and files.
-[[nodiscard]] std::unique_ptr<RunView> make_line_view(const Texts& texts, os::LineWriter& out);
+/// @param screen  returns the size of the terminal, which the summary fits; empty: the output is no terminal
+[[nodiscard]] std::unique_ptr<RunView> make_line_view(const Texts& texts, os::LineWriter& out,
+                                                      std::function<report::Screen()> screen = {});
 /// A display in place, for a terminal.
 /// @param session    for snapshots; outlives the view
 /// @param screen     returns the size of the terminal

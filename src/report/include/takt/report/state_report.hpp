@@ -2,6 +2,8 @@
 // `takt ctl` makes of this JSON. docs/commands/ctl.md.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -33,7 +35,9 @@ namespace takt::report {
 [[nodiscard]] file::Json get_json(const host::Configuration& configuration, const host::Outcome& outcome);
 
 /// The text of what the functions above return; keys that are missing are left out.
-[[nodiscard]] std::string status_text(const Texts& texts, const file::Json& status);
+/// @param columns  of the terminal; words of the tables are cut so that rows fit
+[[nodiscard]] std::string status_text(const Texts& texts, const file::Json& status,
+                                      std::size_t columns = SIZE_MAX);
 [[nodiscard]] std::string list_text(const Texts& texts, const file::Json& list);
 [[nodiscard]] std::string values_text(const Texts& texts, const file::Json& values);
 

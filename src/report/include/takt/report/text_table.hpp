@@ -37,7 +37,8 @@ public:
 
     /// The lines as one text, each with its line end. Columns are two blanks apart; there are no blanks at
     /// line ends.
-    [[nodiscard]] std::string render(std::string_view indent = "") const;
+    /// @param most  characters of a line with its indent, as of lines()
+    [[nodiscard]] std::string render(std::string_view indent = "", std::size_t most = SIZE_MAX) const;
 
 private:
     [[nodiscard]] std::vector<std::size_t> widths(std::size_t most) const;
