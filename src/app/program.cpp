@@ -2,6 +2,7 @@
 #include "program.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -42,6 +43,13 @@ std::string wanted_language(int argc, char** argv) {
     return {};
 }
 
+/// A command that a running program takes.
+bool is_of_ctl(std::string_view command) {
+    constexpr std::array<std::string_view, 7> kCommands{"status", "list",  "values", "get",
+                                                        "set",    "fault", "quit"};
+    return std::ranges::find(kCommands, command) != kCommands.end();
+}
+
 /// Reports output that could not be written. A closed pipe is no failure: its reader has read enough.
 /// @returns the exit code of the program
 int end(Language language, ExitCode code) {
@@ -79,8 +87,9 @@ int run_program(int argc, char** argv) {
     if (argc > 1 && argv[1][0] != '-' && std::ranges::find(commands, argv[1]) == commands.end()) {
         std::string known;
         for (const auto& command : commands) known += (known.empty() ? "" : ", ") + command;
-        const Texts texts(language_of({}));
-        print_error(texts("app.unknown_command", {{"command", argv[1]}, {"known", known}}));
+        const Texts texts(language_of(wanted_language(argc, argv)));
+        print_error(texts(is_of_ctl(argv[1]) ? "app.command_of_ctl" : "app.unknown_command",
+                          {{"command", argv[1]}, {"known", known}}));
         return static_cast<int>(ExitCode::usage);
     }
     // Where the parsing ends early, `language` is not set yet.

@@ -166,6 +166,16 @@ def test_not_read_yet(plant):
     assert result.out == "ok Order never_read\n" and "never read" in result.err
 
 
+@pytest.mark.parametrize("words, code, error", [
+    ("fnord", 2, "syntax"), ("get", 2, "syntax"), ("set Ratio", 2, "syntax"), ("write Order 1,5", 2, "syntax"),
+    ("write Order 99999", 1, "overflow"), ("get Nobody", 1, "not_found"), ("set Ratio 3", 1, "not_writable"),
+])
+def test_a_command_that_cannot_be_parsed_is_bad_usage(plant, words, code, error):
+    words = words.split()
+    assert takt("ctl", plant, *words, code=code).out.startswith(f"error {error} ")
+    assert ctl_json(plant, *words, code=code)["code"] == error
+
+
 def test_many_values(project, blank_device, tmp_path):
     """The answer is longer than a socket's buffer."""
     names = [f"name: Value_of_a_long_name_{i}, register: {i}, type: int16, read: 0x03" for i in range(5000)]

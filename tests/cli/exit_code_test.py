@@ -49,6 +49,17 @@ def test_a_project_with_errors(project):
 
 # --- 2
 
+@pytest.mark.parametrize("language, words", [("en", "a running takt"), ("ru", "работающему takt"), ("uk", "takt, що працює")])
+def test_a_command_of_ctl_is_named_as_such(language, words):
+    result = refused(takt("values", "plant.yaml", "--lang", language, code=2))
+    assert words in result.err and "takt ctl PATH values" in result.err
+    assert "demo, run" in refused(takt("fnord", code=2)).err
+
+
+def test_an_unknown_option_is_named_with_the_nearest_one():
+    assert "`--forr`" in (err := refused(takt("run", "plant.yaml", "--forr", "3s", code=2)).err) and "`--for`" in err
+
+
 @pytest.mark.parametrize("command", [["run", "--for", "1s"], ["serve", "--for", "1s"]], ids=lambda c: c[0])
 def test_a_project_with_errors_is_not_run(project, command):
     result = refused(takt(command[0], project(BROKEN), *command[1:], code=2))

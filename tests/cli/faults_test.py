@@ -95,7 +95,7 @@ def test_switched_while_it_runs(tmp_path):
         assert takt("ctl", control, "fault", "add", "delay=1ms@1min").out == "ok wrong_unit delay=1ms@60s\n"
         assert struct.unpack(">B", raw.ask()[6:7]) == (2,)
         for bad in (("fault",), ("fault", "add"), ("fault", "add", "dog"), ("set", "a", "1"), ("fault", "clear", "x")):
-            assert "error syntax" in takt("ctl", control, *bad, code=1).out
+            assert "error syntax" in takt("ctl", control, *bad, code=2).out
         takt("ctl", control, "quit")
         running.finish()
 

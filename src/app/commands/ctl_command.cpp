@@ -134,9 +134,15 @@ bool selects_nothing(const file::Json& answer) {
     return list && list->empty();
 }
 
+/// An error answer: a command or a value that cannot be parsed is bad usage.
+ExitCode exit_code_of_error(std::string_view code) {
+    return code == "syntax" ? ExitCode::usage : ExitCode::no;
+}
+
 ExitCode exit_code_of(const file::Json& answer) {
     const auto event = string_of(answer, "event");
-    if (event == "error" || selects_nothing(answer)) return ExitCode::no;
+    if (event == "error") return exit_code_of_error(string_of(answer, "code"));
+    if (selects_nothing(answer)) return ExitCode::no;
     if (event == "outcome") return string_of(answer, "outcome") == "done" ? ExitCode::ok : ExitCode::no;
     const auto quality = string_of(answer, "quality");
     if (string_of(answer, "command") != "get" || quality == "good") return ExitCode::ok;
@@ -170,7 +176,7 @@ void print_text(const Texts& texts, const CtlOptions& options, const file::Json&
     else if (command == "get")
         print_value(texts, answer);
     else if (command == "status")
-        print(report::status_text(texts, answer));
+        print_wrapped(report::status_text(texts, answer, columns_of(STDOUT_FILENO)));
     else if (command == "list")
         print(report::list_text(texts, answer));
     else
@@ -185,10 +191,19 @@ bool needs_json(const CtlOptions& options) {
     return options.json || verb == "get" || verb == "status" || verb == "list" || verb == "values";
 }
 
+/// Of an answer in one line: `ok …`, `done …`, `error CODE …`, or another outcome.
+ExitCode exit_code_of_line(std::string_view answer) {
+    constexpr std::string_view kError = "error ";
+    if (answer.starts_with("ok") || answer.starts_with("done")) return ExitCode::ok;
+    if (!answer.starts_with(kError)) return ExitCode::no;
+    answer.remove_prefix(kError.size());
+    return exit_code_of_error(answer.substr(0, answer.find(' ')));
+}
+
 ExitCode finish_with(const Texts& texts, const CtlOptions& options, const std::string& answer) {
     if (!needs_json(options)) {
         print(answer);
-        return answer.starts_with("ok") || answer.starts_with("done") ? ExitCode::ok : ExitCode::no;
+        return exit_code_of_line(answer);
     }
     const auto json = file::Json::parse(answer, kLongestAnswer);
     if (!json || options.json)

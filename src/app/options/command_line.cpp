@@ -8,10 +8,12 @@
 #include <memory>
 #include <optional>
 #include <sstream>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
 #include "takt/base/ascii.hpp"
+#include "takt/model/nearest.hpp"
 
 namespace takt::app {
 namespace {
@@ -114,6 +116,28 @@ void put_into_words(CLI::Option& option, const Texts& texts) {
     option.description(description);
     option.group(option.get_group() == "Options" ? texts("help.label.Options")
                                                  : in_words(texts, option.get_group()));
+}
+
+/// The option of `command` that is nearest to `text`.
+std::string nearest_option(const CLI::App& command, const std::string& text) {
+    std::vector<std::string> names;
+    for (const auto* option : command.get_options())
+        for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+    const std::vector<std::string_view> candidates(names.begin(), names.end());
+    return std::string(model::nearest(text, candidates));
+}
+
+/// Of arguments that no command takes: the first unknown option, or all of them.
+OptionError extras_error(const CLI::App& app) {
+    const CLI::App* command = &app;
+    while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+    const auto extras = app.remaining(true);
+    const auto unknown = std::ranges::find_if(extras, [](const std::string& extra) {
+        return extra.size() > 1 && extra[0] == '-' && !is_digit(extra[1]);
+    });
+    if (unknown == extras.end()) return {"app.option.extra", {{"value", CLI::detail::join(extras, " ")}}};
+    const auto name = unknown->substr(0, unknown->find('='));
+    return {"app.option.unknown", {{"value", name}, {"nearest", nearest_option(*command, name)}}};
 }
 
 // Replaces the codes of messages by the messages, of all commands below `app` too.
@@ -317,6 +341,8 @@ CommandLine::Parsed CommandLine::parse(std::vector<std::string> arguments,
         return {Asked::text, text.str(), {}, {}};
     } catch (const Rejected& rejected) {
         return {Asked::nothing_valid, {}, rejected.error(), {}};
+    } catch (const CLI::ExtrasError&) {
+        return {Asked::nothing_valid, {}, extras_error(*app_), {}};
     } catch (const CLI::ParseError& failure) {
         auto error = option_error(failure.what());
         if (error.code != "app.option.no_command") return {Asked::nothing_valid, {}, std::move(error), {}};

@@ -37,8 +37,6 @@ const std::vector<Form>& forms() {
     static const std::vector<Form> kForms{
         {"A subcommand is required", "app.option.no_command", {}},
         {"* is required", "app.option.required", {"option"}},
-        {"The following argument was not expected: *", "app.option.extra", {"value"}},
-        {"The following arguments were not expected: *", "app.option.extra", {"value"}},
         {"Could not convert: * = *", "app.option.unreadable", {"option", "value"}},
         {"*: * required * missing", "app.option.no_value", {"option"}},
         {"*: At least * required but received *", "app.option.no_value", {"option"}},

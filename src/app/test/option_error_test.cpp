@@ -11,8 +11,6 @@ TEST(OptionError, NamesAndValuesAreTakenFromTheWordsOfTheParser) {
               (OptionError{"app.option.excludes", {{"option", "--fill"}, {"other", "FILE"}}}));
     EXPECT_EQ(option_error("--unit: 1 required 0..255 missing"),
               (OptionError{"app.option.no_value", {{"option", "--unit"}}}));
-    EXPECT_EQ(option_error("The following arguments were not expected: a b"),
-              (OptionError{"app.option.extra", {{"value", "a b"}}}));
 }
 
 TEST(OptionError, OtherWordsAreKept) {

@@ -351,7 +351,6 @@ TEST(Options, WhatIsRejectedAndWhy) {
         {"serve p.yaml --fill ramp", "app.option.excludes", "FILE"},
         {"serve p.yaml --retain holding:0", "app.option.excludes", "FILE"},
         {"check p.yaml q.yaml", "app.option.extra", nullptr},
-        {"check p.yaml --nothing", "app.option.extra", nullptr},
     };
     for (const auto& [line, code, option] : cases) {
         SCOPED_TRACE(line);
@@ -363,6 +362,18 @@ TEST(Options, WhatIsRejectedAndWhy) {
         ASSERT_FALSE(parsed.error->arguments.empty());
         EXPECT_EQ(parsed.error->arguments[0], (std::pair<std::string, std::string>{"option", option}));
     }
+}
+
+TEST(Options, ArgumentsThatNoCommandTakesAreNamed) {
+    EXPECT_EQ(parse("check p.yaml q.yaml r.yaml").error,
+              (OptionError{"app.option.extra", {{"value", "q.yaml r.yaml"}}}));
+    EXPECT_EQ(parse("check p.yaml -1").error, (OptionError{"app.option.extra", {{"value", "-1"}}}));
+    const auto unknown = [](const std::string& value, const std::string& nearest) {
+        return OptionError{"app.option.unknown", {{"value", value}, {"nearest", nearest}}};
+    };
+    EXPECT_EQ(parse("run p.yaml --forr 3s").error, unknown("--forr", "--for"));
+    EXPECT_EQ(parse("run p.yaml --forr=3s").error, unknown("--forr", "--for"));
+    EXPECT_EQ(parse("table build p.yaml --outptu t -o t").error, unknown("--outptu", "--output"));
 }
 
 TEST(Options, AServerIdIsNotLongerThanItsResponse) {
