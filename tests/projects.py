@@ -3,6 +3,19 @@
 UNUSED_PORT = "/dev/takt-test-no-such-port"
 QUICK = {"poll_period": "100ms", "response_timeout": "100ms"}  # tests need not wait for the defaults
 
+# A server of ten holding registers; its variables follow. For str.format(port=…).
+TEN_REGISTERS = """servers:
+  - name: s
+    listen: 127.0.0.1
+    tcp_port: {port}
+    units:
+      - address: 1
+        banks:
+          - {{area: holding_register, items: [0..9]}}
+        high_register_first: true
+        variables:
+"""
+
 
 def serial(variables, *, port=UNUSED_PORT, framing="rtu", profile="generic", local="", line="", **device):
     """A project of one serial line with the device Node1, unit 16.

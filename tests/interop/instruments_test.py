@@ -13,6 +13,7 @@ from converter_test import Client
 from fake_slave import SerialPeer
 from peer_base import TcpPeer
 from program import start, takt, until
+from projects import TEN_REGISTERS
 
 PROJECT = """
 takt: 1
@@ -42,17 +43,7 @@ instruments:
         expires: 1500ms
       - {{name: label, request: 'L{{value:text}}\\r', answer: {{until: '\\r', pattern: 'OK'}}, attempts: 2, expires: 2s}}
       - {{name: beep, request: 'B{{value}}\\r', answer: {{until: '\\r', pattern: 'OK'}}, restore: false}}
-servers:
-  - name: s
-    listen: 127.0.0.1
-    tcp_port: {port}
-    units:
-      - address: 1
-        banks:
-          - {{area: holding_register, items: [0..9]}}
-        high_register_first: true
-        variables:
-          - {{name: Weight, type: int16, area: holding_register, register: 0, source: {{instrument: scale.weight}}, max_age: 2s}}
+""" + TEN_REGISTERS + """          - {{name: Weight, type: int16, area: holding_register, register: 0, source: {{instrument: scale.weight}}, max_age: 2s}}
           - {{name: State, type: int16, area: holding_register, register: 1, source: {{instrument: scale.state}}}}
           - {{name: Tare, type: int16, area: holding_register, register: 2, scale: 0.01, writes_to: {{instrument: scale.tare}}}}
           - {{name: Label, type: string, length: 4, area: holding_register, register: 3, writes_to: {{instrument: scale.label}}}}

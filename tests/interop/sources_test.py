@@ -9,21 +9,12 @@ import endpoints
 from converter_test import Client
 from fake_slave import SerialPeer
 from program import start, takt, until
+from projects import TEN_REGISTERS
 
 HEAD = """
 takt: 1
 {instruments}
-servers:
-  - name: s
-    listen: 127.0.0.1
-    tcp_port: {port}
-    units:
-      - address: 1
-        banks:
-          - {{area: holding_register, items: [0..9]}}
-        high_register_first: true
-        variables:
-"""
+""" + TEN_REGISTERS
 
 
 def served(project, variables, instruments=""):
