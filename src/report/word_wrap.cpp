@@ -29,9 +29,19 @@ std::size_t break_of(std::string_view line, std::size_t indent, std::size_t colu
     return found;
 }
 
+/// Where the rest of a line begins: below its second column (two blanks or more are before it), if that is in
+/// the left half, else somewhat to the right of its beginning.
+std::size_t hanging_indent(std::string_view line, std::size_t indent, std::size_t columns) {
+    const auto gap = line.find("  ", indent);
+    const auto second = gap == std::string_view::npos ? gap : line.find_first_not_of(' ', gap);
+    if (second == std::string_view::npos) return indent + kHanging;
+    const auto column = display_width(line.substr(0, second));
+    return column <= columns / 2 ? column : indent + kHanging;
+}
+
 void append_line(std::string& text, std::string_view line, std::size_t columns) {
     const std::size_t indent = std::min(line.find_first_not_of(' '), line.size());
-    const std::string hanging(indent + kHanging, ' ');
+    const std::string hanging(hanging_indent(line, indent, columns), ' ');
     std::string rest(line);
     std::size_t begin = indent;
     while (display_width(rest) > columns) {

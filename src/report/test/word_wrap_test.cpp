@@ -29,6 +29,12 @@ TEST(WordWrap, AWordLongerThanALineStaysWhole) {
     EXPECT_EQ(wrapped("a b", 0), "a\n    b");
 }
 
+TEST(WordWrap, TheRestIsBelowTheSecondColumn) {
+    EXPECT_EQ(wrapped("  --for  until the end of it", 20), "  --for  until the\n         end of it");
+    EXPECT_EQ(wrapped("  --for-so-long  until the end", 20), "  --for-so-long\n      until the end")
+        << "no room below it";
+}
+
 TEST(WordWrap, ANumberKeepsItsUnit) {
     EXPECT_EQ(wrapped("busy 20.7 %", 10), "busy\n    20.7 %");
     EXPECT_EQ(wrapped("period  # was 5 s", 10), "period\n    # was\n    5 s");
