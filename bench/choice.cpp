@@ -106,13 +106,13 @@ public:
         master_.line(0).on_link(now_, true);
     }
 
-    /// Runs until so many transactions or kLongest of processor time have passed.
+    /// Runs until so many transactions or so many nanoseconds of processor time have passed.
     /// @returns nanoseconds per transaction
-    double run(std::size_t transactions) {
+    double run(std::size_t transactions, double longest = kLongest) {
         const std::size_t before = sent_;
         const double start = processor_ns();
         double taken = 0;
-        while (sent_ - before < transactions && taken < kLongest) {
+        while (sent_ - before < transactions && taken < longest) {
             for (int i = 0; i < kStepsPerLook; ++i) step();
             taken = processor_ns() - start;
         }
@@ -197,29 +197,53 @@ void print_json(const std::vector<Row>& rows) {
     fmt::print("{{\"choice\":[{}]}}\n", objects);
 }
 
-}  // namespace
-
-int main(int count, char** arguments) {
+struct Settings {
     std::size_t least = 10;
     std::size_t most = 100'000;
+    std::size_t transactions = 0;  // exactly so many, and nothing is measured
     bool json = false;
+};
+
+bool parse(int count, char** arguments, Settings& settings) {
     for (int i = 1; i < count; ++i) {
         const std::string_view argument = arguments[i];
         if (argument == "--json") {
-            json = true;
-        } else if (argument == "--requests" && i + 1 < count) {
-            least = most = std::clamp<std::size_t>(std::strtoul(arguments[++i], nullptr, 10), 1, 1'000'000);
-        } else {
-            std::fprintf(stderr, "usage: takt_bench_choice [--requests N] [--json]\n");
-            return 2;
+            settings.json = true;
+            continue;
         }
+        if (i + 1 >= count) return false;
+        const std::size_t number =
+            std::clamp<std::size_t>(std::strtoul(arguments[++i], nullptr, 10), 1, 1'000'000);
+        if (argument == "--requests")
+            settings.least = settings.most = number;
+        else if (argument == "--transactions")
+            settings.transactions = number;
+        else
+            return false;
     }
-    if (!json) print_heading();
+    return true;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    Settings settings;
+    if (!parse(count, arguments, settings)) {
+        std::fprintf(stderr,
+                     "usage: takt_bench_choice [--requests N] [--json]\n"
+                     "       takt_bench_choice [--requests N] --transactions N   (for bench/instructions)\n");
+        return 2;
+    }
+    if (settings.transactions > 0) {
+        Line(kKinds[0], settings.least).run(settings.transactions, 1e18);
+        return 0;
+    }
+    if (!settings.json) print_heading();
     std::vector<Row> rows;
-    for (std::size_t requests = least; requests <= most; requests *= 10) {
+    for (std::size_t requests = settings.least; requests <= settings.most; requests *= 10) {
         rows.push_back({requests, {}});
         for (const auto& kind : kKinds) rows.back().ns.push_back(measure(kind, requests));
-        if (!json) print(rows.back());
+        if (!settings.json) print(rows.back());
     }
-    if (json) print_json(rows);
+    if (settings.json) print_json(rows);
 }
