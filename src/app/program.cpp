@@ -96,7 +96,7 @@ int run_program(int argc, char** argv) {
     const auto early_language = [&] { return language_of(wanted_language(argc, argv)); };
     const auto parsed = line.parse(with_intervals(argc, argv), [&] { return Texts(early_language()); });
     if (parsed.asked == CommandLine::Asked::text) {
-        print(parsed.text);
+        print_wrapped(parsed.text);
         return end(early_language(), ExitCode::ok);
     }
     if (parsed.asked == CommandLine::Asked::nothing_valid) {

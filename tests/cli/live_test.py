@@ -21,6 +21,14 @@ def some(text):
     return lambda lines: any(text in line for line in lines)
 
 
+def printed(*arguments):
+    """The lines that a command prints on a terminal of 80 columns."""
+    with Terminal(*arguments) as terminal:
+        terminal.ends()
+        until(lambda: terminal.raw.endswith("\n"), "the last line")
+        return re.sub(r"\x1b\[[0-9;]*[A-Za-z]|\r", "", terminal.raw).splitlines()
+
+
 def test_the_display_fits_80_by_24(plant):
     with Terminal("run", plant) as terminal:
         lines = terminal.shows(some("Value_16"), "a full page")
@@ -91,12 +99,15 @@ def test_no_line_is_wrapped_by_the_terminal(project, blank_device, command, lang
     names = ["name: Supply_temperature, register: 0, type: float, read: 0x03", "name: Level, register: 300, type: float, read: 0x03"]
     path = project(tcp(names, blank_device("ramp")))
     verb, *options = command.split()
-    with Terminal(verb, path, *options, "--lang", language) as terminal:
-        terminal.ends()
-        until(lambda: terminal.raw.endswith("\n"), "the last line")
-        text = re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", terminal.raw)
-        lines = [line for line in text.replace("\r", "").splitlines() if str(path) not in line]
-        assert lines and max(map(len, lines)) <= 80, "\n".join(line for line in lines if len(line) > 80)
+    lines = [line for line in printed(verb, path, *options, "--lang", language) if str(path) not in line]
+    assert lines and max(map(len, lines)) <= 80, "\n".join(line for line in lines if len(line) > 80)
+
+
+@pytest.mark.parametrize("language", ["en", "ru", "uk"])
+def test_the_help_of_options_is_in_their_second_column(language):
+    lines = printed("--help", "--lang", language)
+    assert max(map(len, lines)) <= 80
+    assert any(line.startswith(" " * 30) for line in lines), "a description in two lines"
 
 
 def test_read_watch(blank_device):
