@@ -49,10 +49,11 @@ std::vector<Figure> figures(const plan::Comparison& comparison) {
     return {kRequests, kRequestRate, kBytes, kBusTime, kCycle, kBusy};
 }
 
-/// A bar in eighths of a character, as long as `share` of the widest.
-std::string bar(double share) {
+/// A bar in eighths of a character, as long as `share` of the widest, which has `width` characters.
+std::string bar(double share, std::size_t width) {
     static constexpr const char* kEighths[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
-    const auto eighths = static_cast<std::size_t>(std::lround(std::clamp(share, 0.0, 1.0) * kBarWidth * 8));
+    const auto eighths =
+        static_cast<std::size_t>(std::lround(std::clamp(share, 0.0, 1.0) * static_cast<double>(width) * 8));
     std::string text;
     for (std::size_t i = 0; i < eighths / 8; ++i) text += "█";
     return text + kEighths[eighths % 8];
@@ -65,8 +66,9 @@ double weight(const plan::Comparison& comparison, const plan::Cost& cost) {
     return by_load ? cost.utilization : static_cast<double>(cost.bus_time.count());
 }
 
-std::string comparison_table(const Texts& texts, const std::string& line,
-                             const plan::Comparison& comparison) {
+/// @param bar_width  characters of the longest bar; 0: no bars
+TextTable comparison_table(const Texts& texts, const std::string& line, const plan::Comparison& comparison,
+                           std::size_t bar_width) {
     const auto shown = figures(comparison);
     std::vector<Align> columns(shown.size() + 2, Align::right);
     columns.front() = columns.back() = Align::left;
@@ -80,7 +82,7 @@ std::string comparison_table(const Texts& texts, const std::string& line,
     for (const auto& row : rows) {
         cells = {row.name};
         for (const auto& figure : shown) cells.push_back(figure.cost(*row.cost));
-        cells.push_back(widest > 0 ? bar(weight(comparison, *row.cost) / widest) : std::string());
+        cells.push_back(widest > 0 ? bar(weight(comparison, *row.cost) / widest, bar_width) : std::string());
         table.add(cells);
         if (!row.saved && !row.configured) continue;
         cells = {row.configured ? "  " + texts("app.as_configured") : std::string()};
@@ -88,7 +90,18 @@ std::string comparison_table(const Texts& texts, const std::string& line,
             if (row.saved) cells.push_back(saving_text(row.saved->*figure.saved));
         table.add(cells);
     }
-    return table.render();
+    return table;
+}
+
+/// The table with bars as wide as the terminal allows.
+std::string fitting_table(const Texts& texts, const std::string& line, const plan::Comparison& comparison,
+                          std::size_t columns) {
+    std::size_t widest = 0;
+    const auto table = comparison_table(texts, line, comparison, kBarWidth);
+    for (const auto& row : table.lines()) widest = std::max(widest, display_width(row));
+    if (widest <= columns) return table.render();
+    const auto left = kBarWidth - std::min(kBarWidth, widest - columns);
+    return comparison_table(texts, line, comparison, left).render();
 }
 
 file::Json saving_json(const plan::Saving& saved) {
@@ -133,10 +146,11 @@ std::vector<ComparedRow> compared_rows(const Texts& texts, const plan::Compariso
     return rows;
 }
 
-std::string comparison_text(const Texts& texts, const model::Project& project, const plan::Plan& plan) {
+std::string comparison_text(const Texts& texts, const model::Project& project, const plan::Plan& plan,
+                            std::size_t columns) {
     std::string text;
     for (const auto& comparison : plan::compare(project, plan))
-        text += comparison_table(texts, project.lines[comparison.line].name, comparison);
+        text += fitting_table(texts, project.lines[comparison.line].name, comparison, columns);
     return text;
 }
 

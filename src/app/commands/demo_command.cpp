@@ -36,7 +36,7 @@ ExitCode demo(const CommonOptions& common, const DemoOptions& options) {
         const auto plan =
             report::plan_text(texts, loaded.project, planned, {}, {.columns = columns_of(STDOUT_FILENO)});
         print_wrapped(texts("app.demo.intro") + "\n\n" + plan + '\n');
-        print(report::comparison_text(texts, loaded.project, planned) + '\n');
+        print(report::comparison_text(texts, loaded.project, planned, columns_of(STDOUT_FILENO)) + '\n');
     }
     RunOptions run;
     run.run_for = options.run_for;

@@ -24,7 +24,8 @@ using Applied = std::optional<plan::AppliedMeasures>;
 
 void print_text(const Texts& texts, const host::LoadedProject& loaded, const plan::Proof& proof,
                 const PlanOptions& options, const Applied& applied) {
-    if (options.compare) return print(report::comparison_text(texts, loaded.project, proof.plan));
+    if (options.compare)
+        return print(report::comparison_text(texts, loaded.project, proof.plan, columns_of(STDOUT_FILENO)));
     report::TableStyle style{.figures = options.prove ? report::Figures::proof : report::Figures::usual};
     style.columns = columns_of(STDOUT_FILENO);
     if (applied) return print_wrapped(report::applied_text(texts, loaded.project, proof, *applied, style));

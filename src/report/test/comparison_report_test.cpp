@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sample.hpp"
+#include "takt/report/text_table.hpp"
 
 namespace takt::report {
 namespace {
@@ -82,6 +83,22 @@ TEST(ComparisonReport, TheWidestBarIsThatOfTheBusiestStrategy) {
     }
     EXPECT_GT(single, 0U);
     EXPECT_EQ(single, widest);
+}
+
+TEST(ComparisonReport, BarsAreShorterOnANarrowTerminal) {
+    const auto project = project_of(kBoiler);
+    const auto plan = plan::make_plan(project);
+    const auto wide = comparison_text(english(), project, plan);
+    std::istringstream lines(wide);
+    std::size_t widest = 0;
+    for (std::string line; std::getline(lines, line);) widest = std::max(widest, display_width(line));
+    EXPECT_EQ(comparison_text(english(), project, plan, widest), wide);
+    const auto narrow = comparison_text(english(), project, plan, widest - 10);
+    EXPECT_GT(count_of(wide, "█"), count_of(narrow, "█"));
+    EXPECT_GT(count_of(narrow, "█"), 0U);
+    std::istringstream cut(narrow);
+    for (std::string line; std::getline(cut, line);) EXPECT_LE(display_width(line), widest - 10) << line;
+    EXPECT_EQ(comparison_text(english(), project, plan, 1).find("█"), std::string::npos);
 }
 
 TEST(ComparisonReport, NothingPolledHasNoBars) {

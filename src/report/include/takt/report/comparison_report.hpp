@@ -1,6 +1,8 @@
 // The cost of a line under each strategy, as a table and as JSON.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,8 +16,9 @@ namespace takt::report {
 /// A table for each line: requests, bytes, bus time, cycle, line busy. With several periods it has requests
 /// and bytes per second instead of those of a round. Below each strategy is its saving against `single`; a
 /// bar shows how busy the line is.
+/// @param columns  of the terminal; the bars are shorter where rows would not fit
 [[nodiscard]] std::string comparison_text(const Texts& texts, const model::Project& project,
-                                          const plan::Plan& plan);
+                                          const plan::Plan& plan, std::size_t columns = SIZE_MAX);
 
 /// {"grouped","ungrouped","saved_percent","strategies":{"single":{…},"classic":{…},"optimal":{…}}}
 [[nodiscard]] file::Json comparison_json(const plan::Comparison& comparison);
