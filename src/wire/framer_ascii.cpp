@@ -67,9 +67,14 @@ FrameFault Framer::take_digit(std::uint8_t character) {
 
 FramerStep Framer::end_ascii(std::size_t consumed) {
     const bool whole = expected_ && raw_.size() == expected_->length;
+    // Behind a wrong character nothing was decoded; the last byte may lack a digit.
+    const Bytes decoded = decoded_.span();
+    const bool came =
+        whole && is_expected(damaged_ && !decoded.empty() ? decoded.first(decoded.size() - 1) : decoded);
     const auto drop_response = [&](FrameFault fault) {
         FramerStep step = drop(fault, consumed, State::idle);
-        step.whole = step.came = whole;
+        step.whole = whole;
+        step.came = came;
         return step;
     };
     if (damaged_) return drop_response(FrameFault::bad_character);

@@ -86,5 +86,30 @@ TEST(AsciiFramer, FramesMayFollowEachOther) {
     EXPECT_EQ(listener.reports(), (Reports{std::string(kGoodReport), std::string(kGoodReport)}));
 }
 
+// The expected response is ":0103021234B4" and its end.
+TEST(AsciiFramer, TellsWhetherTheExpectedResponseCameDamaged) {
+    struct Row {
+        std::string_view text;
+        bool whole;
+        bool came;
+    };
+    constexpr Row kRows[] = {
+        {":0103021235B4\r\n", true, true},     // a wrong value
+        {":01030212X4B4\r\n", true, true},     // no digit
+        {":1103021234B4\r\n", true, false},    // another unit
+        {":01X3021234B4\r\n", true, false},    // its function is not known
+        {":01030212345B4\r\n", false, false},  // a character too many
+    };
+    for (const auto& [text, whole, came] : kRows) {
+        StandaloneFramer framer(kAscii, false);
+        framer.expect_response({.unit = UnitId{1}, .function = 3, .length = 15});
+        const ByteVector bytes(text.begin(), text.end());
+        const FramerStep step = framer.push(at(1s), bytes);
+        EXPECT_NE(step.fault, FrameFault::none) << text;
+        EXPECT_EQ(step.whole, whole) << text;
+        EXPECT_EQ(step.came, came) << text;
+    }
+}
+
 }  // namespace
 }  // namespace takt::wire
