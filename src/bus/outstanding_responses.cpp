@@ -17,6 +17,14 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLongestTimeout{65535};
 constexpr std::chrono::seconds kCheckInterval{1};
 
+// One that is still owed, and then one of the frame's own length only. An entry that looks like several
+// responses is left for those whose own entries are gone.
+bool precedes(const OutstandingResponse& a, const OutstandingResponse& b) {
+    const bool passed = a.phase == OutstandingResponse::Phase::passed;
+    if (passed != (b.phase == OutstandingResponse::Phase::passed)) return !passed;
+    return a.other_length == a.shape.pdu_length && b.other_length != b.shape.pdu_length;
+}
+
 bool same_length(unsigned a, unsigned b) {
     return a == 0 || b == 0 || a == b;
 }
@@ -157,7 +165,7 @@ Lateness OutstandingResponses::settle(UnitId unit, const AnswerShape& shape,
                                            entry.wire_id == *wire_id && entry.shape.function == shape.function
                                      : entry.may_be(unit, shape);
         if (!matches || end >= entry.forget_at) continue;
-        if (!found || (found->phase == Phase::passed && entry.phase != Phase::passed)) found = &entry;
+        if (!found || precedes(entry, *found)) found = &entry;
     }
     if (!found) return Lateness::none;
     const bool out_of_order = found->phase == Phase::passed;

@@ -193,6 +193,22 @@ TEST(OutstandingResponses, BeyondTheCapacityTwoOfOneUnitShareAnEntryThatMatchesA
     EXPECT_FALSE(late.settle("03 02 00 01"));
 }
 
+// So that none with the length of a frame that came seems to be missing, and none that is missing is
+// forgotten.
+TEST(OutstandingResponses, AFrameSettlesAnEntryOfItsOwnLengthBeforeASharedOne) {
+    Outstanding late;
+    for (std::size_t i = 0; i < late.memory.size(); ++i) late.expect(kUnit, read_of(i), at(200ms));
+    const auto own = read_of(late.memory.size() - 1);
+    late.expect(kUnit, read_of(late.memory.size()), at(200ms));  // the first two share an entry now
+    EXPECT_EQ(late.responses.settle(kUnit, own, std::nullopt, at(1s), at(1s)), Lateness::in_order);
+    EXPECT_EQ(late.responses.settle(kUnit, own, std::nullopt, at(1s), at(1s)), Lateness::in_order);
+    EXPECT_EQ(late.responses.settle(kUnit, own, std::nullopt, at(1s), at(1s)), Lateness::in_order);
+    EXPECT_EQ(late.responses.settle(kUnit, own, std::nullopt, at(1s), at(1s)), Lateness::none);
+    for (std::size_t i = 2; i + 1 < late.memory.size(); ++i)
+        EXPECT_EQ(late.responses.settle(kUnit, read_of(i), std::nullopt, at(1s), at(1s)), Lateness::in_order)
+            << i;
+}
+
 TEST(OutstandingResponses, BeyondTheCapacityOfOnePerUnitEverythingWaits) {
     Outstanding late;
     for (std::size_t i = 0; i < late.memory.size(); ++i)
