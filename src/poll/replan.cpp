@@ -17,6 +17,10 @@ bool holds(const RequestRun& request, std::size_t variable) {
     return std::ranges::find(request.variables, variable) != request.variables.end();
 }
 
+bool share_variables(const RequestRun& a, const RequestRun& b) {
+    return std::ranges::any_of(a.variables, [&](std::size_t variable) { return holds(b, variable); });
+}
+
 }  // namespace
 
 /// What the requests of the old plan leave behind.
@@ -84,9 +88,12 @@ void LinePoller::Run::carry_read(Instant t, const OldReads& before, std::size_t 
         return;
     }
     if (link_.up_since()) reads_.follow(t, index);
-    for (std::size_t r = 0; r < old.size(); ++r)
-        if (old[r].read && holds(old[r], request.variables.front()))
-            statuses_.carry(index, before.reasons[r]);
+    for (std::size_t r = 0; r < old.size(); ++r) {
+        if (!old[r].read) continue;
+        if (holds(old[r], request.variables.front())) statuses_.carry(index, before.reasons[r]);
+        if (share_variables(old[r], request))
+            read.last_start = std::max(read.last_start, old[r].read->last_start);
+    }
     carry_triggers(before, index);
 }
 

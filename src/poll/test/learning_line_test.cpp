@@ -194,6 +194,31 @@ TEST(LearningLine, ADeadDeviceIsNotTried) {
     EXPECT_EQ(reads(bench), (std::vector<std::string>{"0+21", "0+1"}));
 }
 
+// The device stops answering while the plan changes.
+TEST(LearningLine, ANewPlanSendsNoProbeWithinThePeriod) {
+    bool any = false;
+    for (Duration dies = 20ms; dies < 2500ms; dies += 20ms) {
+        auto dying = learning(ladder(6, 4, 1s));
+        dying.attempts = 1;
+        Bench bench(project({dying}));
+        bench.run_until(dies);
+        bench.players[1].dead = true;
+        bench.run_until(10s);
+        ASSERT_EQ(bench.observed.sendings.size(), bench.sent.size());
+        Instant last_read = Instant::min();
+        for (std::size_t i = 0; i < bench.sent.size(); ++i) {
+            const auto& sending = bench.observed.sendings[i];
+            if (sending.purpose == Purpose::trial) continue;
+            if (sending.early) {
+                EXPECT_GE(bench.sent[i].t, after(last_read, 1s)) << dies / 1ms;
+                any = true;
+            }
+            last_read = bench.sent[i].t;
+        }
+    }
+    EXPECT_TRUE(any);
+}
+
 TEST(LearningLine, WritesAndTriggersThatWaitOutliveThePlan) {
     auto items = ladder(6, 4, 1s);
     items[2] = items[2].write(0x10).on_change().admitted(3s, 1);
