@@ -185,9 +185,8 @@ void LinePoller::Run::consider_early_probes(Instant t) {
             arbiter_.wake_at(*from);
             continue;
         }
-        const auto& read = request.read->request;
-        const Duration lost =
-            bus::failure_time(engine_.config(), read.pdu().size(), read.shape().response_length, device.wait);
+        const Duration lost = bus::failure_time(engine_.config(), request.read->request.pdu().size(),
+                                                shape_to_send(t, *index).pdu_length, device.wait);
         if (after(t, lost) > next_due) continue;
         offer_probe(t, device, *index, t);
     }
