@@ -10,7 +10,8 @@ constexpr std::size_t kMostOwed = 4096;
 constexpr std::size_t kMostBytes = 600;  // longer than any frame
 constexpr std::size_t kDelays = 8;
 constexpr std::size_t kLateOnes = 3;
-constexpr Duration kPause = std::chrono::milliseconds(5);  // between two frames, or pieces of one
+constexpr Duration kSilence = std::chrono::milliseconds(50);  // that ends bytes without a frame for a master
+constexpr Duration kPause = std::chrono::milliseconds(5);     // between two frames, or pieces of one
 constexpr std::size_t kMostRefused = 64;
 constexpr std::size_t kPast = 16384;  // frames of minutes
 
@@ -53,6 +54,7 @@ void AnswerLedger::on_connection(Instant t) {
     since_.clear();
     refused_.clear();
     heard_.clear();
+    strays_.clear();
 }
 
 void AnswerLedger::on_sent(Instant t, const Asked& asked) {
@@ -60,10 +62,11 @@ void AnswerLedger::on_sent(Instant t, const Asked& asked) {
     settle_last(t);
     settle_suspected(t, owed(t, asked));
     heard_.clear();
+    strays_.clear();
     since_.clear();
     received_ = 0;
     damaged_ = paused_ = false;
-    std::erase_if(owed_, [](const Owed& each) { return each.answered; });
+    std::erase_if(owed_, [](const Owed& each) { return each.answered && !each.may_follow; });
     while (!owed_.empty() && t - owed_.front().t > 2 * kForgotten) owed_.pop_front();
     const auto shifted = shifted_.find(asked.unit);
     if (shifted != shifted_.end() && !same_shape(shifted->second, owed(t, asked))) shifted_.erase(shifted);
@@ -84,32 +87,57 @@ void AnswerLedger::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     if (since_.size() < 2 * kMostBytes) since_.insert(since_.end(), bytes.begin(), bytes.end());
     damaged_ = damaged_ || (!owed_.empty() && begins_like_last());
     std::size_t parsed = 0;
-    for (const FoundFrame& frame : find_frames(framing_, bytes_, parsed)) take(t, frame);
+    std::size_t end = 0;
+    for (const FoundFrame& frame : find_frames(framing_, bytes_, parsed)) {
+        const std::size_t begin = frame.end - frame_characters(framing_, frame.pdu.size());
+        const bool behind_others = begin > std::exchange(end, frame.end) && t < after(left_at_, kSilence);
+        take(t, frame, behind_others);
+    }
     parsed = std::max(parsed, bytes_.size() - std::min(bytes_.size(), kMostBytes));
     bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(parsed));
+    if (!bytes_.empty()) left_at_ = t;
 }
 
 // A frame that can be the answer to the last request waits for settle_last().
-void AnswerLedger::take(Instant t, const FoundFrame& frame) {
+// @param behind_others  other bytes came directly before it: the master may have missed it
+void AnswerLedger::take(Instant t, const FoundFrame& frame, bool behind_others) {
     heard_.push_back({t, frame.unit, frame.pdu});
     if (past_.size() < kPast)
         past_.push_back(hash_of(frame.unit, frame.pdu));
     else
         past_[next_past_++ % kPast] = hash_of(frame.unit, frame.pdu);
-    if (owed_.empty() || matches(owed_.back(), frame)) return;
+    if (owed_.empty()) return;
+    const Owed& last = owed_.back();
+    if (matches(last, frame)) return take_strays(true);
     if ((frame.pdu[0] & 0x80U) != 0) return take_exception(t, frame);
+    const bool may_be_own = last.unit == frame.unit && last.function == frame.pdu[0];
+    if (may_be_own && !frames_for(last))
+        strays_.push_back({t, frame.unit, frame.pdu});
+    else
+        take_late(t, frame, !behind_others, last.unit == frame.unit && last_is_answered(t));
+}
+
+// If the own answer has come too, each of them was a late one, else perhaps the own one with a wrong length.
+void AnswerLedger::take_strays(bool own_came) {
+    for (const Heard& each : std::exchange(strays_, {}))
+        take_late(each.t, {0, each.unit, each.pdu}, own_came, false);
+}
+
+// @param overtaken  its unit had answered the last request before
+void AnswerLedger::take_late(Instant t, const FoundFrame& frame, bool certain, bool overtaken) {
     Owed* found = nullptr;
     for (Owed& each : owed_)
         if (!each.answered && matches(each, frame) &&
             (!found || (has_passed(*found, t) && !has_passed(each, t))))
             found = &each;
     if (!found) return;
-    found->answered = true;
+    overtaken = overtaken || found->overtaken;
+    const bool lost = found->unfollowed >= kLost;
+    const bool doubtful = !certain || seen_before(frame.unit, frame.pdu);
+    settle(*found, doubtful);
     settle_refused();
     note_late(*found, t);
-    const bool copy = std::ranges::count(past_, hash_of(frame.unit, frame.pdu)) > 1;
-    if (!copy && found->unfollowed < 2 && (found->overtaken || last_is_answered(t)))
-        reordered_[frame.unit / 64] |= std::uint64_t{1} << (frame.unit % 64);
+    if (overtaken && !lost && !doubtful) reordered_[frame.unit / 64] |= std::uint64_t{1} << (frame.unit % 64);
 }
 
 // From its request, or from the late answer of the unit before it.
@@ -124,10 +152,14 @@ void AnswerLedger::note_late(const Owed& answered, Instant t) {
 
 void AnswerLedger::take_exception(Instant t, const FoundFrame& frame) {
     std::vector<std::uint64_t> may_be;
+    bool refuses_another = false;  // perhaps
     Owed* found = nullptr;
     for (Owed& each : owed_) {
         if (each.answered || each.unit != frame.unit || (each.function | 0x80U) != frame.pdu[0]) continue;
-        if (has_passed(each, t) && each.number != last_number_) continue;
+        if (has_passed(each, t) && each.number != last_number_) {
+            refuses_another = true;
+            continue;
+        }
         may_be.push_back(each.number);
         found = &each;
     }
@@ -136,9 +168,20 @@ void AnswerLedger::take_exception(Instant t, const FoundFrame& frame) {
         refused_.push_back(std::move(may_be));
     }
     if (!found || found->answered || may_be.size() != 1) return;
-    found->answered = true;
-    if (found == &owed_.back()) pass_others(*found);
+    const bool last = found == &owed_.back();
+    settle(*found, last && (refuses_another || seen_before(frame.unit, frame.pdu)));
+    if (last) pass_others(*found);
     note_late(*found, t);
+}
+
+// What came may be something else than the answer: a copy, another late one, damaged bytes. The last such
+// request of a shape stands for all.
+void AnswerLedger::settle(Owed& request, bool doubtful) {
+    request.answered = true;
+    if (!doubtful) return;
+    for (Owed& each : owed_)
+        if (same_shape(each, request)) each.may_follow = false;
+    request.may_follow = true;
 }
 
 void AnswerLedger::settle_refused() {
@@ -158,12 +201,15 @@ void AnswerLedger::settle_refused() {
     std::erase_if(refused_, [](const auto& requests) { return requests.empty(); });
 }
 
+std::size_t AnswerLedger::frames_for(const Owed& request) const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        heard_, [&](const Heard& each) { return matches(request, {0, each.unit, each.pdu}); }));
+}
+
 // By one frame, and no other answer of its shape is owed.
 bool AnswerLedger::last_is_answered(Instant t) const {
     const Owed& last = owed_.back();
-    const auto came = std::ranges::count_if(
-        heard_, [&](const Heard& each) { return matches(last, {0, each.unit, each.pdu}); });
-    return came == 1 && std::none_of(owed_.begin(), owed_.end() - 1, [&](const Owed& each) {
+    return frames_for(last) == 1 && std::none_of(owed_.begin(), owed_.end() - 1, [&](const Owed& each) {
                return !each.answered && same_shape(each, last) && !has_passed(each, t);
            });
 }
@@ -182,16 +228,21 @@ void AnswerLedger::settle_last(Instant t) {
     remember(t, last, came);
     if (came == 0) {
         const bool other = std::ranges::any_of(heard_, [&](const Heard& e) { return e.unit == last.unit; });
-        if (!last.answered) last.answered = damaged_ && !other;
+        if (!last.answered && damaged_ && !other) {
+            settle(last, true);  // a copy of it may come
+            last.damaged = true;
+        }
+        take_strays(false);
         return settle_refused();
     }
     const bool undoubted = last_is_answered(t);
     const bool several = came > 1;
-    last.answered = true;
+    const bool copies = seen_before(last);
+    settle(last, copies && !several);
     for (const bool gone : {false, true})
         for (Owed& each : owed_)
             if (came > 1 && !each.answered && has_passed(each, t) == gone && same_shape(each, last)) {
-                each.answered = true;
+                settle(each, copies);
                 note_late(each, last_came);
                 --came;
             }
@@ -202,11 +253,6 @@ void AnswerLedger::settle_last(Instant t) {
         shifted_.erase(last.unit);
         return;
     }
-    const Shape shape{last.unit, last.function, last.length};
-    if (seen_before(last))
-        copied_.insert(shape);
-    else
-        copied_.erase(shape);
     auto& delays = delays_[last.unit];
     delays.push_back(last_came - last.t);
     if (delays.size() > kDelays) delays.pop_front();
@@ -239,11 +285,14 @@ bool AnswerLedger::begins_like_last() const {
     return std::search(since_.begin(), last_begin, begin.begin(), begin.end()) != last_begin;
 }
 
+bool AnswerLedger::seen_before(std::uint8_t unit, const ByteVector& pdu) const {
+    return std::ranges::count(past_, hash_of(unit, pdu)) > 1;
+}
+
 // A copy of an earlier frame instead of its answer, which may follow.
 bool AnswerLedger::seen_before(const Owed& request) const {
     return std::ranges::any_of(heard_, [&](const Heard& each) {
-        return matches(request, {0, each.unit, each.pdu}) &&
-               std::ranges::count(past_, hash_of(each.unit, each.pdu)) > 1;
+        return matches(request, {0, each.unit, each.pdu}) && seen_before(each.unit, each.pdu);
     });
 }
 
@@ -315,8 +364,8 @@ bool AnswerLedger::doubtful(const Asked& asked) const {
     if (owed_.empty()) return false;
     const Owed own = owed({}, asked);
     return candidates(asked).size() > 1 || std::any_of(owed_.begin(), owed_.end() - 1, [&](const Owed& each) {
-               return !each.answered && each.unit == own.unit && each.function == own.function &&
-                      (each.length == own.length || !own.echo.empty());
+               return (!each.answered || each.damaged) && each.unit == own.unit &&
+                      each.function == own.function && (each.length == own.length || !own.echo.empty());
            });
 }
 
@@ -346,8 +395,10 @@ std::optional<std::string_view> AnswerLedger::exemption(Instant t, Instant sent,
     bool passed = false;
     bool expired = false;
     for (const Owed& each : owed_) {
-        if (each.answered || !same_shape(each, own) || each.t >= sent) continue;
-        if (t - each.t > kForgotten)
+        if (!same_shape(each, own) || each.t >= sent) continue;
+        if (each.answered)
+            passed = passed || each.may_follow;
+        else if (t - each.t > kForgotten)
             expired = true;
         else if (has_passed(each, t) || (each.unfollowed == 1 && unfollowed))
             passed = true;
@@ -365,8 +416,7 @@ std::optional<std::string_view> AnswerLedger::exemption(Instant t, Instant sent,
     const auto heard_now = std::ranges::count(came, published);
     if (heard_before > heard_now) return "exempt_copy";
     const auto shifted = shifted_.find(own.unit);
-    const bool one_behind = (shifted != shifted_.end() && same_shape(shifted->second, own)) ||
-                            copied_.contains({own.unit, own.function, own.length});
+    const bool one_behind = shifted != shifted_.end() && same_shape(shifted->second, own);
     return one_behind && came.size() == 1 ? std::optional<std::string_view>("exempt_shifted") : std::nullopt;
 }
 
@@ -374,10 +424,10 @@ std::string AnswerLedger::describe(Instant t, Instant sent, const Asked& asked) 
     const Owed own = owed(sent, asked);
     std::string text;
     for (const Owed& each : owed_) {
-        if (each.answered || !same_shape(each, own) || each.t >= sent) continue;
+        if ((each.answered && !each.may_follow) || !same_shape(each, own) || each.t >= sent) continue;
         text += text.empty() ? "; an answer of its shape is owed since " : ", ";
         text += std::to_string((t - each.t) / std::chrono::milliseconds(1)) + " ms";
-        if (has_passed(each, t)) text += " (passed)";
+        if (each.answered || has_passed(each, t)) text += " (passed)";
     }
     if (reordered(own.unit)) text += "; the unit has answered out of order";
     return text;

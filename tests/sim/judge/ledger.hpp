@@ -11,8 +11,7 @@
 //   reordered   as many frames of the shape came as were owed, and the last one is published. The unit has
 //               never answered out of order. So the last answer belongs to the last request.
 //   shifted     an answer of the unit was exempt before, and since then each request of the unit had the same
-//               shape and exactly one frame. So each answer may belong to the request before. Or the last
-//               answer of that shape was a frame received before, and its own one may follow now.
+//               shape and exactly one frame. So each answer may belong to the request before.
 //   expired     the unanswered requests of that shape are older than kForgotten.
 //
 // In all other cases the master knew that an answer of that shape was owed, and a wrong good value is a
@@ -25,10 +24,14 @@
 //   next request of the shape;
 // - when its unit has answered a later request of another shape, and has never answered out of order;
 // - when its unit has answered a later request, and twice its usual lateness (the median of the last three
-// late
-//   answers) has passed since the request, but at least 8 of its usual delays.
+//   late answers) has passed since the request, but at least 8 of its usual delays;
+// - when what answered it may be something else: a frame that was received before, damaged bytes, a frame
+// with
+//   the length of another answer, or an exception that may refuse a request that has passed. Its own answer
+//   may follow.
 // A unit has answered out of order when a frame comes that it owes only for a request that has passed, and
-// the same frame was not received before.
+// the same frame was not received before. A frame directly behind other bytes does not show it: the master
+// may have missed it.
 //
 // An answer has come, too, when bytes with a wrong checksum begin like it and are as many. An exception shows
 // its function only: of several unanswered requests that have not passed it refuses one that is not known.
@@ -39,7 +42,6 @@
 #include <deque>
 #include <map>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -99,6 +101,9 @@ public:
     [[nodiscard]] std::string describe(Instant t, Instant sent, const Asked& asked) const;
 
 private:
+    /// Later answers that no further frame followed, after which an answer counts as lost.
+    static constexpr unsigned kLost = 2;
+
     struct Owed {
         Instant t;
         std::uint64_t number = 0;  // of the request
@@ -109,8 +114,12 @@ private:
         std::optional<Instant> suspected_at;  // a later answer of its shape that may be followed by another
         unsigned unfollowed = 0;              // later answers of its shape with no further frame behind them
         bool overtaken = false;               // a later request of another shape was answered
-        [[nodiscard]] bool passed(bool in_order) const { return unfollowed >= 2 || (overtaken && in_order); }
+        [[nodiscard]] bool passed(bool in_order) const {
+            return unfollowed >= kLost || (overtaken && in_order);
+        }
         bool answered = false;
+        bool may_follow = false;  // its own answer, after something that answered it
+        bool damaged = false;     // what answered it: perhaps the master still expects it
     };
     struct Heard {
         Instant t;
@@ -121,7 +130,10 @@ private:
     [[nodiscard]] static Owed owed(Instant t, const Asked& asked);
     [[nodiscard]] static bool matches(const Owed& owed, const FoundFrame& frame);
     [[nodiscard]] static bool same_shape(const Owed& a, const Owed& b);
-    void take(Instant t, const FoundFrame& frame);
+    void take(Instant t, const FoundFrame& frame, bool behind_others);
+    void take_late(Instant t, const FoundFrame& frame, bool certain, bool overtaken);
+    void take_strays(bool own_came);
+    [[nodiscard]] std::size_t frames_for(const Owed& request) const;
     void take_exception(Instant t, const FoundFrame& frame);
     [[nodiscard]] bool has_passed(const Owed& each, Instant t) const;
     [[nodiscard]] Duration expected(std::uint8_t unit) const;
@@ -130,7 +142,9 @@ private:
     void remember(Instant t, const Owed& request, std::size_t came);
     [[nodiscard]] bool begins_like_last() const;
     void settle_last(Instant t);
+    [[nodiscard]] bool seen_before(std::uint8_t unit, const ByteVector& pdu) const;
     [[nodiscard]] bool seen_before(const Owed& request) const;
+    void settle(Owed& request, bool doubtful);
     void pass_others(const Owed& answered);
     [[nodiscard]] bool last_is_answered(Instant t) const;
     void settle_suspected(Instant t, const Owed& next);
@@ -144,6 +158,7 @@ private:
     ByteVector bytes_;       // not yet parsed
     ByteVector since_;       // since the last request and the last pause
     Instant heard_at_ = Instant::min();
+    Instant left_at_ = Instant::min();                // bytes were received that belong to no frame so far
     std::size_t received_ = 0;                        // bytes since the last request
     bool paused_ = false;                             // between them
     bool damaged_ = false;                            // bytes like the answer to the last request came
@@ -154,8 +169,8 @@ private:
         bool several = false;            // answers to the last request
     };
     std::map<Shape, Doubt> doubts_;
-    std::set<Shape> copied_;   // whose last answer was a frame that was received before
-    std::deque<Heard> heard_;  // since the last request; not yet settled
+    std::deque<Heard> heard_;   // since the last request; not yet settled
+    std::deque<Heard> strays_;  // of them, with the function of the last request and another length
     std::map<std::uint8_t, std::deque<Duration>> delays_;  // by unit: of its last answers
     std::map<std::uint8_t, Owed> shifted_;                 // by unit: a request whose wrong answer was exempt
     std::map<std::uint8_t, Duration> lateness_;            // by unit

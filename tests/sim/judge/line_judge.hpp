@@ -151,6 +151,7 @@ private:
         std::vector<VariableNumber> members;
         std::optional<Instant> set_since;        // by a change, not under way since
         std::optional<Instant> triggered_since;  // likewise, by its trigger
+        bool may_be_triggered = false;           // while its device counts as dead, but may have answered
         std::set<VariableNumber> set_bits;       // of a register, that were set and are not under way since
         std::set<VariableNumber> taken_bits;     // those that the write under way takes with it
         bool modifying = false;                  // its register was read, to be written back
@@ -207,6 +208,7 @@ private:
     };
     [[nodiscard]] Excess excess_of_failure(const Transaction& transaction, Instant t,
                                            Duration occupied) const;
+    [[nodiscard]] Excess excess_of_confirmation(const Transaction& transaction, Instant t) const;
     void note_excess(const Excess& excess);
     void came_back(std::size_t device);
     void restart(std::size_t device, bool at_once);
@@ -239,6 +241,7 @@ private:
     [[nodiscard]] std::optional<std::string> doubt_triggered(Transaction& transaction);
     [[nodiscard]] std::optional<Instant> release_before(const RequestState& request, Instant t) const;
     [[nodiscard]] Instant first_release_after(const RequestState& request, Instant t) const;
+    [[nodiscard]] bool may_have_answered(std::size_t device) const;
     [[nodiscard]] bool is_due(const RequestState& request, Instant t) const;
     void switch_device(Instant t, std::size_t device, bool on);
     void drop_triggered(std::size_t device);

@@ -64,6 +64,11 @@ bool LineJudge::is_due(const RequestState& request, Instant t) const {
            (release && *release > request.served_until);
 }
 
+bool LineJudge::may_have_answered(std::size_t device) const {
+    return std::ranges::any_of(
+        transactions_, [&](const Transaction& each) { return each.device == device && each.unsure(); });
+}
+
 // A reported purpose that contradicts the judge's own records is a violation.
 void LineJudge::take_claim(Transaction& transaction, const Claim& claim) {
     transaction.chosen = claim.t;
@@ -327,9 +332,13 @@ void LineJudge::on_local(Instant t, model::LocalIndex local, bool before, bool a
     if (before || !after) return;
     for (auto& request : requests_) {
         const DeviceState& device = devices_[request.plan->device];
-        if (!device.enabled || (device.dead() && device.has_reads)) continue;  // dropped at once
+        if (!device.enabled) continue;
         const bool writes = request.plan->write_trigger == local && !request.members.empty();
         const bool exchanges = request.plan->write == wire::Function::read_write_multiple_registers;
+        if (device.dead() && device.has_reads) {  // dropped at once
+            request.may_be_triggered = writes && may_have_answered(request.plan->device);
+            continue;
+        }
         if (writes) request.triggered_since = request.triggered_since.value_or(t);
         if (request.plan->read_trigger != local) continue;
         if (request.edge) {
@@ -371,6 +380,7 @@ void LineJudge::drop_triggered(std::size_t d) {
         if (request.plan->device != d) continue;
         request.forget_edges();
         request.triggered_since.reset();
+        request.may_be_triggered = false;
         request.read_back_since.reset();
     }
 }

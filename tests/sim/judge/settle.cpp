@@ -62,8 +62,8 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
         note_excess({.t = t, .length = occupied, .device = {}, .bounded = transaction.client});
     else if (const auto more = beyond(transaction, occupied); more > Duration::zero())
         note_excess({t, more, {}});
-    else if (in_doubt(transaction))  // a further frame is waited for
-        note_excess({.t = t, .length = transaction.failure, .device = transaction.device});
+    else if (in_doubt(transaction))
+        note_excess(excess_of_confirmation(transaction, t));
     DeviceState& device = devices_[transaction.device];
     if (failed || transaction.received.answer == Answer::exception)
         note_trouble(device, std::max(t, transaction.deadline) + hold_of(device));
@@ -86,13 +86,16 @@ void LineJudge::settle_request(Transaction& transaction, Instant t) {
     RequestState& request = requests_[*transaction.request];
     const bool failed = !transaction.answered() || transaction.unsure();
     const bool refused = transaction.received.answer == Answer::exception;
-    if (transaction.purpose == Purpose::trigger) request.trigger_failed = failed || refused;
+    if (transaction.purpose == Purpose::trigger)
+        request.trigger_failed = failed || refused || transaction.partial;
     const bool learns = devices_[transaction.device].model->gaps == model::Gaps::learn;
     const bool again = failed || transaction.partial || (refused && (learns || transaction.replaces));
-    if (again && transaction.purpose == Purpose::trigger)
+    if (again && transaction.purpose == Purpose::trigger) {
+        transaction.waits_again = !request.edge;
         request.edge = request.edge.value_or(transaction.start);
-    else if (transaction.polls() || transaction.purpose == Purpose::probe)
+    } else if (transaction.polls() || transaction.purpose == Purpose::probe) {
         request.retry = again;
+    }
     // The master may recognise at once that received bytes are no answer. A waiting repetition is not
     // shortened by a triggered read in between.
     if (transaction.purpose != Purpose::trigger || !request.retry) {
@@ -109,7 +112,12 @@ void LineJudge::settle_device(const Transaction& transaction) {
     DeviceState& device = devices_[transaction.device];
     if (transaction.answered()) {
         if (transaction.repeated && !transaction.unsure()) ++recoveries_["retried_and_got"];
-        if (device.may_be_dead()) came_back(transaction.device);
+        if (device.may_be_dead()) {
+            // The planned read follows an alternative that is refused.
+            const bool again = transaction.request && requests_[*transaction.request].retry;
+            came_back(transaction.device);
+            if (again) requests_[*transaction.request].retry = true;
+        }
         const unsigned possible = device.possible + 1;
         device.answers();
         if (transaction.unsure()) device.possible = possible;
@@ -183,6 +191,14 @@ LineJudge::Excess LineJudge::excess_of_failure(const Transaction& transaction, I
             .device = transaction.device,
             .hold = transaction.failure + hold_of(devices_[transaction.device]),
             .unproved = transaction.event() && !transaction.expected};
+}
+
+// A further frame is waited for. If none comes, the unit may be held back.
+LineJudge::Excess LineJudge::excess_of_confirmation(const Transaction& transaction, Instant t) const {
+    return {.t = t,
+            .length = transaction.failure,
+            .device = transaction.device,
+            .hold = hold_of(devices_[transaction.device])};
 }
 
 void LineJudge::note_excess(const Excess& excess) {

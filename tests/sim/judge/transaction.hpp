@@ -32,6 +32,7 @@ struct Transaction {
     Purpose purpose = Purpose::period;
     Instant chosen;                          ///< before `start` where the line was busy
     std::optional<Instant> due_since;        ///< of what is polled: since when it waits
+    bool waits_again = false;                ///< its trigger, because it failed
     bool repeated = false;                   ///< the attempt before failed
     bool replaces = false;                   ///< another read than the planned one
     bool partial = false;                    ///< a part of the planned read, or another one instead

@@ -165,10 +165,12 @@ void LineJudge::note_found(Transaction& transaction) {
     if (!transaction.over && device.may_be_dead()) came_back(transaction.device);
     transaction.received.answer = Answer::good;
     transaction.received.among_others = false;
-    if (!transaction.over) note_event_end(transaction, transaction.heard_at);
+    if (!transaction.over) {
+        note_event_end(transaction, transaction.heard_at);
+        if (transaction.purpose == Purpose::read_back) settle_read_back(transaction, transaction.heard_at);
+    }
     transaction.over = true;
-    if (in_doubt(transaction))  // a further frame was waited for
-        note_excess({.t = transaction.heard_at, .length = transaction.failure, .device = transaction.device});
+    if (in_doubt(transaction)) note_excess(excess_of_confirmation(transaction, transaction.heard_at));
     device.answers();
     if (!transaction.request || !transaction.is_its_read()) return;
     RequestState& request = requests_[*transaction.request];
@@ -176,8 +178,7 @@ void LineJudge::note_found(Transaction& transaction) {
     request.failures = 0;
     if (transaction.purpose != Purpose::trigger)
         request.retry = false;
-    else if (request.edge == transaction.start &&
-             !transaction.partial)  // its own; the polling goes on as it stood
+    else if (transaction.waits_again && !transaction.partial)  // its own; the polling goes on as it stood
         request.edge = std::exchange(request.next_edge, std::nullopt);
 }
 
@@ -259,7 +260,7 @@ void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slo
         };
         const bool was =
             std::ranges::any_of(variable.executed, held) || std::ranges::any_of(variable.believed, held);
-        if (!was && !source_of(v, slot))
+        if (!was && !source_of(v, slot) && !shows_false_history(t, v, slot))
             complain("value_own", t, name_of(v) + ", which is not read, shows what was written",
                      text(slot.value));
         return;
@@ -311,9 +312,9 @@ std::optional<Duration> LineJudge::bound(VariableNumber v, Instant t) const {
     std::optional<std::size_t> culprit;
     bool one_device = true;
     const auto count = [&](const Excess& excess) {
-        if (excess.t > t || excess.t + excess.length < from) return;
-        lost += excess.length;
-        if (excess.device == own) lost += excess.hold;
+        const Duration length = excess.length + (excess.device == own ? excess.hold : Duration::zero());
+        if (excess.t > t || excess.t + length < from) return;
+        lost += length;
         one_device = one_device && !excess.unproved && excess.device && excess.device != own &&
                      (!culprit || culprit == excess.device);
         culprit = excess.device;
@@ -328,8 +329,8 @@ std::optional<Duration> LineJudge::bound(VariableNumber v, Instant t) const {
             count({t, t - transaction.start, {}});
         else if (const auto more = beyond(transaction, t - transaction.start); more > Duration::zero())
             count({t, more, {}});
-        else if (in_doubt(transaction))  // a further frame is waited for
-            count({.t = t, .length = transaction.failure, .device = transaction.device});
+        else if (in_doubt(transaction))
+            count(excess_of_confirmation(transaction, t));
     }
     if (lost == Duration::zero()) return age;
     constexpr double kFull = 0.95;

@@ -72,7 +72,8 @@ void LineJudge::take_group(Transaction& transaction) {
     const std::size_t r = *transaction.request;
     auto& group = requests_[r];
     const bool modifies = group.plan->read_modify_write;
-    const bool asked = modifies ? group.modifying : asked_since(r) || group.repeat;
+    const bool triggered = std::exchange(group.may_be_triggered, false);
+    const bool asked = modifies ? group.modifying : asked_since(r) || group.repeat || triggered;
     if (!asked) return complain_of_write(transaction, group.open, group.members);
     transaction.expected = group.plan->admission.has_value() && !group.repeat;
     transaction.repeated = group.repeat;
