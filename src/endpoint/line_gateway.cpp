@@ -13,8 +13,12 @@ void LineGateway::after_line_event(Instant t) {
     for (;;) {  // a request to a device that polling knows as not answering has its outcome at once
         while (const auto outcome = line_.take_outcome()) gateway_.on_outcome(*outcome);
         if (const bool up = line_.link_up(); up != std::exchange(up_, up)) gateway_.on_link(up);
+        const auto may_start = [&](UnitId unit, const bus::AnswerShape& shape) {
+            return line_.may_start(t, unit, shape);
+        };
+        if (gateway_.should_withdraw(may_start)) withdraw();
         if (!line_.can_accept()) return;
-        const auto next = gateway_.next(t);
+        const auto next = gateway_.next(t, may_start);
         if (!next) return;
         if (!line_.submit(t, *next))
             gateway_.on_outcome({.id = next->id, .unit = next->unit, .status = bus::Status::cancelled});

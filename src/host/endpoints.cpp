@@ -15,6 +15,9 @@ public:
 
     [[nodiscard]] bool link_up() const override { return poller().link_up(); }
     [[nodiscard]] bool can_accept() const override { return poller().can_relay(); }
+    [[nodiscard]] bool may_start(Instant t, UnitId unit, const bus::AnswerShape& shape) const override {
+        return poller().may_start_relayed(t, unit, shape);
+    }
     [[nodiscard]] Result<void> submit(Instant t, const bus::Transaction& transaction) override {
         return poller().relay(t, transaction);
     }

@@ -87,6 +87,10 @@ bool LinePoller::can_relay() const {
     return run_->relay_ && run_->relay_->empty() && run_->engine_.link_up();
 }
 
+bool LinePoller::may_start_relayed(Instant t, UnitId unit, const bus::AnswerShape& shape) const {
+    return run_->engine_.ambiguity(t, unit, shape) != bus::Ambiguity::held;
+}
+
 std::optional<bus::Outcome> LinePoller::take_relayed() {
     return run_->relay_ ? run_->relay_->take_outcome() : std::nullopt;
 }

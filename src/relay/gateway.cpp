@@ -9,6 +9,7 @@
 #include "takt/relay/gateway.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "requests.hpp"
@@ -25,6 +26,10 @@ bool came_from_gateway(const bus::Outcome& outcome) {
     const ExceptionCode code{outcome.exception};
     return code == ExceptionCode::gateway_path_unavailable ||
            code == ExceptionCode::gateway_target_failed_to_respond;
+}
+
+bool held(UnitId unit, const wire::PreparedRequest& request, const Gateway::MayStart& may_start) {
+    return may_start && !may_start(unit, bus::answer_shape(request.shape()));
 }
 
 bool same_client(const Requester& requester, std::uint32_t server, std::uint64_t client) {
@@ -211,21 +216,33 @@ bool Gateway::make_room(std::uint64_t for_peer) {
     return true;
 }
 
+bool Gateway::ready(const Entry& entry) const {
+    return entry.order > 0 && !waits_for_write(entry);
+}
+
 // Returns nullptr while a transaction is in flight, the link is down, or no request is queued.
-const Gateway::Entry* Gateway::first_in_order() const {
+const Gateway::Entry* Gateway::first_in_order(const MayStart& may_start) const {
     if (flight_ || !up_) return nullptr;
     const Entry* first = nullptr;
-    const auto rank = [](const Entry& entry) { return std::pair(entry.turn, entry.order); };
+    const auto rank = [&](const Entry& entry) {
+        return std::tuple(held(entry.unit, entry.request, may_start), entry.turn, entry.order);
+    };
     for (const Entry& entry : waiting_)
-        if (entry.order > 0 && (!first || rank(entry) < rank(*first)) && !waits_for_write(entry))
-            first = &entry;
+        if (ready(entry) && (!first || rank(entry) < rank(*first))) first = &entry;
     return first;
 }
 
-std::optional<bus::Transaction> Gateway::next(Instant t) {
+bool Gateway::should_withdraw(const MayStart& may_start) const {
+    return flight_ && held(flight_->unit, flight_->request, may_start) &&
+           std::ranges::any_of(waiting_, [&](const Entry& entry) {
+               return ready(entry) && !concerns(entry) && !held(entry.unit, entry.request, may_start);
+           });
+}
+
+std::optional<bus::Transaction> Gateway::next(Instant t, const MayStart& may_start) {
     if (flight_ || !up_) return std::nullopt;
     on_tick(t);
-    const Entry* const first = first_in_order();
+    const Entry* const first = first_in_order(may_start);
     if (!first) return std::nullopt;
     note_turn(*first);
     flight_ = Flight{++last_id_,   first->unit,  first->request,       first->read,

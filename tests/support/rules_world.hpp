@@ -419,6 +419,9 @@ private:
         }
         [[nodiscard]] bool link_up() const override { return engine.link_up(); }
         [[nodiscard]] bool can_accept() const override { return engine.idle() && engine.can_submit(); }
+        [[nodiscard]] bool may_start(Instant t, UnitId unit, const bus::AnswerShape& shape) const override {
+            return engine.ambiguity(t, unit, shape) != bus::Ambiguity::held;
+        }
         [[nodiscard]] takt::Result<void> submit(Instant t, const bus::Transaction& transaction) override {
             return engine.submit(t, transaction);
         }

@@ -76,6 +76,24 @@ TEST(LineGateway, WaitsWhileTheLineIsTaken) {
     EXPECT_LT(bench.gateway.next_wakeup(kNow), kNever);
 }
 
+// As while the response to it could be mistaken for a late one.
+TEST(LineGateway, ARequestThatTheLineHoldsBackKeepsNoOtherOneFromTheLine) {
+    Bench bench;
+    bench.line.sent = false;
+    bench.line.held_back = UnitId{1};
+    bench.ask(1, 1);
+    bench.gateway.work(kNow);
+    ASSERT_TRUE(bench.line.flight) << "nothing else waits";
+    bench.ask(2, 2);
+    bench.gateway.work(kNow);
+    ASSERT_TRUE(bench.line.flight);
+    EXPECT_EQ(bench.line.flight->unit, UnitId{2});
+    bench.line.answer("03 02 00 07");
+    bench.gateway.work(kNow);
+    ASSERT_TRUE(bench.line.flight);
+    EXPECT_EQ(bench.line.flight->unit, UnitId{1}) << "it waits on the line again";
+}
+
 TEST(LineGateway, RequestsThatTheLineRejectsAreAnswered) {
     Bench bench;
     bench.line.rejects = true;

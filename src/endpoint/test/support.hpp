@@ -77,6 +77,9 @@ struct Notices {
 struct FakeLine final : SharedLine {
     [[nodiscard]] bool link_up() const override { return up; }
     [[nodiscard]] bool can_accept() const override { return up && !flight && !outcome; }
+    [[nodiscard]] bool may_start(Instant, UnitId unit, const bus::AnswerShape&) const override {
+        return unit != held_back;
+    }
     [[nodiscard]] Result<void> submit(Instant, const bus::Transaction& transaction) override {
         if (rejects) return fail(Code::unsupported, "line");
         flight = transaction;
@@ -102,6 +105,7 @@ struct FakeLine final : SharedLine {
 
     bool up = true;
     bool rejects = false;
+    std::optional<UnitId> held_back;
     bool sent = true;  // the submitted transaction is on the wire
     std::optional<bus::Transaction> flight;
     std::optional<bus::Outcome> outcome;

@@ -271,6 +271,44 @@ TEST(Gateway, AWithdrawnTransactionWaitsAgain) {
     EXPECT_EQ(rig.gateway.forget(1, read), Fate::unknown);
 }
 
+// The line holds back reads of one register of unit 9.
+TEST(Gateway, ARequestThatTheLineHoldsBackLetsOthersPass) {
+    Rig rig;
+    const auto may_start = [](UnitId unit, const bus::AnswerShape& shape) {
+        return unit != UnitId{9} || shape != bus::AnswerShape{3, 4};
+    };
+    const auto next = [&] {
+        rig.sent = rig.gateway.next(rig.now, may_start);
+        return rig.sent ? rig.sent->unit.value : 0;
+    };
+    rig.ask(1, 9, kRead);
+    EXPECT_EQ(next(), 9) << "all are held back: it waits on the line";
+    EXPECT_FALSE(rig.gateway.should_withdraw(may_start));
+    rig.ask(2, 9, kRead);
+    EXPECT_FALSE(rig.gateway.should_withdraw(may_start)) << "the same request";
+    rig.ask(3, 8, kRead);
+    EXPECT_TRUE(rig.gateway.should_withdraw(may_start));
+    rig.gateway.on_withdrawn();
+    EXPECT_EQ(next(), 8);
+    EXPECT_FALSE(rig.gateway.should_withdraw(may_start));
+    rig.end(Status::ok, "03 02 00 07");
+    rig.ask(3, 8, kRead);
+    EXPECT_EQ(rig.begin(), "9: 03 00 00 00 01") << "once it is free, it is the first";
+    rig.end(Status::ok, "03 02 00 07");
+    EXPECT_EQ(next(), 8);
+}
+
+TEST(Gateway, AReadDoesNotPassAWriteThatTheLineHoldsBack) {
+    Rig rig;
+    const auto may_start = [](UnitId, const bus::AnswerShape& shape) { return shape.function == 3; };
+    rig.ask(1, 9, kWrite);
+    rig.ask(2, 9, kRead);
+    rig.sent = rig.gateway.next(rig.now, may_start);
+    ASSERT_TRUE(rig.sent);
+    EXPECT_EQ(rig.sent->request.function(), 6);
+    EXPECT_FALSE(rig.gateway.should_withdraw(may_start));
+}
+
 /// Three transactions of the unit without a response.
 void let_die(Rig& rig, std::uint8_t unit) {
     for (int i = 0; i < 3; ++i) {

@@ -19,6 +19,9 @@ public:
     [[nodiscard]] virtual bool link_up() const = 0;
     /// Whether submit() may be called: no relayed request is in flight, and its outcome was taken.
     [[nodiscard]] virtual bool can_accept() const = 0;
+    /// Whether a request with that response may be sent now. false: the line holds it back, because its
+    /// response could be mistaken.
+    [[nodiscard]] virtual bool may_start(Instant t, UnitId unit, const bus::AnswerShape& shape) const = 0;
     /// @returns an error: the transaction will not be sent and has no outcome
     [[nodiscard]] virtual Result<void> submit(Instant t, const bus::Transaction& transaction) = 0;
     /// The outcome of the transaction that was submitted, once. Its response is valid until the next

@@ -139,6 +139,10 @@ public:
     /// Whether relay() would accept a transaction.
     [[nodiscard]] bool can_relay() const;
 
+    /// Whether a relayed transaction with that response need not wait because its response could be mistaken.
+    /// One that waits keeps others from being sent: withdraw it.
+    [[nodiscard]] bool may_start_relayed(Instant t, UnitId unit, const bus::AnswerShape& shape) const;
+
     /// The outcome of the relayed transaction; link_lost and timeout also if it was not sent. Its response is
     /// valid until the next relay().
     [[nodiscard]] std::optional<bus::Outcome> take_relayed();

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <optional>
 #include <vector>
@@ -130,8 +131,16 @@ public:
     /// The earliest instant at which a request exceeds max_wait.
     [[nodiscard]] Instant next_wakeup() const;
 
-    /// The next transaction if none is in flight; to be sent as soon as the line allows.
-    [[nodiscard]] std::optional<bus::Transaction> next(Instant t);
+    /// Whether the line may start a request with that response, and does not hold it back because the
+    /// response could be mistaken.
+    using MayStart = std::function<bool(UnitId, const bus::AnswerShape&)>;
+
+    /// The next transaction if none is in flight; to be sent as soon as the line allows. One that the line
+    /// holds back only if it holds back all; empty: none.
+    [[nodiscard]] std::optional<bus::Transaction> next(Instant t, const MayStart& may_start = {});
+    /// Whether the line holds back the transaction of next(), but not every other request: it is to be
+    /// withdrawn.
+    [[nodiscard]] bool should_withdraw(const MayStart& may_start) const;
     [[nodiscard]] bool under_way() const { return flight_.has_value(); }
     /// Whether next() would return one, unless its request has expired.
     [[nodiscard]] bool has_next() const { return first_in_order() != nullptr; }
@@ -185,7 +194,8 @@ private:
     void accept(Entry& entry);
     void note_write(UnitId unit);
     void promote(std::uint32_t server, std::uint64_t client);
-    [[nodiscard]] const Entry* first_in_order() const;
+    [[nodiscard]] bool ready(const Entry& entry) const;
+    [[nodiscard]] const Entry* first_in_order(const MayStart& may_start = {}) const;
     [[nodiscard]] std::uint64_t turn_of(std::uint64_t peer) const;
     void note_turn(const Entry& entry);
     [[nodiscard]] bool waits_for_write(const Entry& entry) const;
