@@ -76,8 +76,10 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     if (outcome.sent) request.attempt_time.record(t - outcome.sent_at);
     if (outcome_class.reason == Reason::ok && whole && !reads_.by_trigger(index))
         periods_.answered(outcome.sent_at, index);
-    // The return of the device has released all its reads at once. This one has just been read.
-    if (probe && outcome_class.reason == Reason::ok && whole) reads_.serve_release(t, index);
+    // The return of the device has released all its reads at once. This one has just been read, or is read
+    // again for another cause: a part, or a response in doubt.
+    if (probe && (outcome_class.reason == Reason::ok || outcome_class.reason == Reason::ambiguous))
+        reads_.serve_release(t, index);
     if (outcome_class.reason == Reason::link_lost) {
         if (reads_.by_trigger(index)) reads_.again(t, index);
         return;

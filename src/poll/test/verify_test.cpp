@@ -130,7 +130,7 @@ struct Failing {
 
 TEST(Verify, AReadingBackThatFailsIsRepeatedAndThenTheOutcomeIsUnknown) {
     constexpr Failing kCases[] = {
-        {"once", 1, {}, CommandResult::done, Reason::ok, 4},  // the next two may be late ones
+        {"once", 1, {}, CommandResult::done, Reason::ok, 4},  // the next two may be late: no other length
         {"always", 99, {}, CommandResult::unknown, Reason::timeout, 3},
         {"refused", 0, 2, CommandResult::unknown, value::exception_reason(2), 1},
         {"busy", 0, 6, CommandResult::unknown, value::exception_reason(6), 3},
