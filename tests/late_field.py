@@ -12,12 +12,15 @@ request for it can have been sent.
 
 By hand: tests/late_field.py [--seconds 60] [--factor 1.2 4 40] [--share 40 4] [--order in out] [--late 1 3]
 [--transport pty tcp]: all combinations one after the other. --share N: one in N answers. TAKT names the program.
+--before PROGRAM: another version runs in the same field beside it, and the right values a second of both are compared.
 """
 import argparse
+import concurrent.futures
 import datetime
 import heapq
 import itertools
 import json
+import multiprocessing
 import os
 import pathlib
 import random
@@ -27,6 +30,7 @@ import sys
 import tempfile
 import time
 
+import program
 from frames import crc16
 from peer_base import PtyPeer, TcpPeer
 from program import takt
@@ -236,6 +240,21 @@ def run_field(transport="pty", seconds=4.0, period_ms=50, units=3, shapes="abcde
         return verdict, served.field.asked, served.field.late, verdict.good / seconds, summary
 
 
+def run_with(executable, field):
+    """run_field() in a process of its own. @returns (verdict, right values a second)"""
+    program.TAKT = executable
+    verdict, _, _, rate, _ = run_field(**field)
+    return verdict, rate * (1 - (verdict.wrong + verdict.old) / max(1, verdict.good))
+
+
+def compare(before, field):
+    """Both versions at the same time, each in a field of its own, so that what else the machine does slows both."""
+    with concurrent.futures.ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
+        old, new = pool.map(run_with, [before, program.TAKT], [field, field])
+    return (f"before {old[1]:.1f} right values/s ({old[0].wrong} wrong of {old[0].good}), "
+            f"now {new[1]:.1f} ({new[0].wrong} of {new[0].good}), ratio {new[1] / max(old[1], 0.01):.2f}")
+
+
 def main():
     parser = argparse.ArgumentParser(usage=__doc__)
     parser.add_argument("--seconds", type=float, default=60)
@@ -248,15 +267,21 @@ def main():
     parser.add_argument("--units", type=int, default=3, choices=[1, 2, 3])
     parser.add_argument("--shapes", default="abcde", help="which requests of each unit: a, b and c look alike")
     parser.add_argument("--transport", nargs="+", default=["pty", "tcp"], choices=list(TRANSPORTS))
+    parser.add_argument("--before", metavar="PROGRAM")
     options = parser.parse_args()
     failed = 0
     for transport, late, order, share, factor in itertools.product(options.transport, options.late, options.order,
                                                                    options.share, options.factor):
-        verdict, asked, was_late, rate, _ = run_field(transport, options.seconds, options.period, options.units,
-                                                      options.shapes, factor=factor, share=share, order=order, late=late, seed=options.seed)
+        name = f"{transport}, {late} late, 1 in {share}, {factor:g} time-outs, {order} order"
+        field = {"transport": transport, "seconds": options.seconds, "period_ms": options.period, "units": options.units,
+                 "shapes": options.shapes, "factor": factor, "share": share, "order": order, "late": late,
+                 "seed": options.seed}
+        if options.before:
+            print(f"{name}: {compare(options.before, field)}", flush=True)
+            continue
+        verdict, asked, was_late, rate, _ = run_field(**field)
         failed += verdict.wrong + verdict.old > 0
-        print(f"{transport}, {late} late, 1 in {share}, {factor:g} time-outs, {order} order: {verdict}, "
-              f"asked {asked}, late {was_late}, {rate:.1f} values/s", flush=True)
+        print(f"{name}: {verdict}, asked {asked}, late {was_late}, {rate:.1f} values/s", flush=True)
         for example in verdict.examples:
             print(f"  {example}", flush=True)
     return 1 if failed else 0

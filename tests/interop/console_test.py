@@ -102,9 +102,13 @@ def watched(line, console, log, seconds):
         assert running.process.wait(10) == 0, running
     requests = list(line.seen)
     assert requests[0][1] == READ and {data for _, data in requests} <= {READ, PART}
-    # After a lost answer a part is asked first: its answer cannot be the late one. The whole follows at once.
+    # A part and the whole that follows it at once are one turn.
     turns = requests[:1] + [now for before, now in zip(requests, requests[1:]) if before[1] != PART or now[0] - before[0] > 0.3]
     return [round(t - requests[0][0], 1) for t, _ in turns], log.read_text(), running
+
+
+def parts(line):
+    return [data for _, data in line.seen].count(PART)
 
 
 def test_the_examples_poll_each_minute(tmp_path):
@@ -119,12 +123,15 @@ def test_without_damage_each_period_has_one_exchange(tmp_path, line):
     assert sent == pytest.approx([0, 2, 4], abs=0.4)
     assert set(line.answers) == {ANSWER}
     assert "attempt" not in log
+    assert parts(line) == 0
 
 
 @pytest.mark.parametrize("frame, why", [("request", "no response"), ("answer", "bad checksum")])
 def test_a_damaged_frame_is_repeated_once(tmp_path, line, frame, why):
     sent, log, _ = played(tmp_path, line, [frame], 2.6)
     assert len(sent) == 3 and sent[1] < 1.2 and sent[2] == pytest.approx(2, abs=0.4), sent
+    # A part has another length than the answer that may be late. One with a wrong checksum has come.
+    assert parts(line) == (frame == "request")
     assert f"device Relay unit (unit 1): read input registers 0..1: " in log and why in log and "attempt 1 of 2" in log, log
 
 
