@@ -48,7 +48,8 @@ AnswerLedger::AnswerLedger(wire::Framing framing) : framing_(framing) {
 void AnswerLedger::on_connection(Instant t) {
     if (framing_ == wire::Framing::tcp) return;
     settle_last(t);
-    owed_.clear();
+    for (Owed& each : owed_)
+        if (!each.answered) settle(each, true);
     shifted_.clear();
     bytes_.clear();
     since_.clear();

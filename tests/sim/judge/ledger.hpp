@@ -61,8 +61,8 @@ public:
 
     void on_sent(Instant t, const Asked& asked);
     void on_heard(Instant t, std::span<const std::uint8_t> bytes);
-    /// A new connection: what was owed on the old one never comes. The master may still expect it, because it
-    /// does not know whether a serial line is behind a gateway.
+    /// A new connection: what was owed on the old one hardly comes. The master may still expect it, because
+    /// it does not know whether a serial line is behind a gateway.
     void on_connection(Instant t);
 
     /// Whether an answer to an earlier request than the last one may still come and could be taken for the

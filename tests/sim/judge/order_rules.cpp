@@ -142,7 +142,7 @@ std::optional<std::string> LineJudge::doubt_read(Transaction& transaction) {
 
 std::optional<std::string> LineJudge::doubt_triggered(Transaction& transaction) {
     RequestState& request = requests_[*transaction.request];
-    const bool again = in_doubt(transaction);  // its response was ambiguous
+    const bool again = in_doubt(transaction) || transaction.replaces;  // its response was ambiguous
     if (!again && (!request.edge || *request.edge > transaction.chosen))
         return "a trigger that rose since it was last served";
     transaction.expected = case_.project.locals[*request.plan->read_trigger].admission.has_value();
@@ -155,11 +155,10 @@ std::optional<std::string> LineJudge::doubt_polled(Transaction& transaction) {
     const Instant t = transaction.chosen;
     if (transaction.purpose == Purpose::repetition) {
         // A response may be ambiguous while an earlier one is owed: the read is repeated.
-        const bool ambiguous = in_doubt(transaction);
+        const bool ambiguous = in_doubt(transaction) || transaction.replaces;
         if (!request.retry && !ambiguous) return "an attempt that failed before its repetition";
-        if (!request.retry) request.failed_at = t;
         transaction.repeated = true;
-        transaction.due_since = request.failed_at;
+        if (request.retry) transaction.due_since = request.failed_at;  // else not known
         request.retry = false;
         return std::nullopt;
     }
