@@ -51,14 +51,10 @@ bool OutstandingResponse::may_be(UnitId of, const AnswerShape& frame) const {
            (same_length(shape.pdu_length, frame.pdu_length) || same_length(other_length, frame.pdu_length));
 }
 
-Instant OutstandingResponse::wait_until() const {
-    return in_order ? hold_until : std::max(hold_until, expected_until);
-}
-
 Ambiguity OutstandingResponse::ambiguity(Instant t) const {
     switch (phase) {
-        case Phase::owed: return t < wait_until() ? Ambiguity::held : Ambiguity::doubted;
-        case Phase::suspected: return t < wait_until() ? Ambiguity::held : Ambiguity::suspected;
+        case Phase::owed: return t < hold_until ? Ambiguity::held : Ambiguity::doubted;
+        case Phase::suspected: return t < hold_until ? Ambiguity::held : Ambiguity::suspected;
         case Phase::passed: return t < confirm_until || t >= check_at ? Ambiguity::passed : Ambiguity::none;
         case Phase::came: break;
     }
@@ -79,7 +75,7 @@ void OutstandingResponses::erase(std::size_t index) {
 
 std::optional<std::size_t> OutstandingResponses::oldest(Phase phase, Instant held_until) const {
     for (std::size_t i = 0; i < size_; ++i)
-        if (memory_[i].phase == phase && memory_[i].wait_until() <= held_until) return i;
+        if (memory_[i].phase == phase && memory_[i].hold_until <= held_until) return i;
     return std::nullopt;
 }
 
@@ -89,7 +85,7 @@ void OutstandingResponses::make_room(Instant now) {
     if (merge()) return;
     for (const auto phase : {Phase::suspected, Phase::owed})
         if (const auto index = oldest(phase, now)) return erase(*index);
-    all_wait_until_ = std::max(all_wait_until_, memory_[0].wait_until());
+    all_wait_until_ = std::max(all_wait_until_, memory_[0].hold_until);
     erase(0);
 }
 
@@ -108,7 +104,6 @@ bool OutstandingResponses::merge() {
             first.hold = std::max(first.hold, second.hold);
             first.expected_until = std::max(first.expected_until, second.expected_until);
             first.confirm_until = std::max(first.confirm_until, second.confirm_until);
-            first.in_order = first.in_order && second.in_order;
             first.forget_at = std::max(first.forget_at, second.forget_at);
             erase(k);
             return true;
@@ -181,12 +176,8 @@ Lateness OutstandingResponses::settle(UnitId unit, const AnswerShape& shape,
     for (auto& entry : all()) {
         if (!entry.outstanding() || entry.unit != unit) continue;
         entry.end = std::max(entry.end, end);
-        if (out_of_order) {
-            entry.in_order = false;
-            entry.expected_until = std::max(entry.expected_until, entry.confirm_until);
-        }
-        const bool expected = out_of_order && end < entry.expected_until;
-        if (entry.phase == Phase::suspected || expected) entry.phase = Phase::owed;
+        const bool expected = end < std::max(entry.expected_until, entry.confirm_until);
+        if (entry.phase == Phase::suspected || (out_of_order && expected)) entry.phase = Phase::owed;
     }
     OutstandingResponse came = *found;
     came.phase = Phase::came;
@@ -210,11 +201,11 @@ void OutstandingResponses::answered(Instant t, UnitId unit, const std::optional<
 }
 
 void OutstandingResponses::confirmed(Instant t, UnitId unit, const AnswerShape& shape, Instant request_end,
-                                     Instant expected_until, bool in_doubt) {
+                                     bool in_doubt) {
     for (auto& entry : all()) {
         if (!entry.may_be(unit, shape)) continue;
         entry.check_at = t + kCheckInterval;
-        if (entry.phase == Phase::passed && (entry.in_order || !in_doubt)) {
+        if (entry.phase == Phase::passed) {
             if (in_doubt)
                 entry.confirm_until = std::max(entry.confirm_until, t + confirmation_time(entry.wait));
             continue;
@@ -229,7 +220,6 @@ void OutstandingResponses::confirmed(Instant t, UnitId unit, const AnswerShape& 
         } else {
             entry.phase = Phase::suspected;
             entry.hold_until = std::max(entry.hold_until, t + entry.hold);
-            if (!entry.in_order) entry.expected_until = std::max(entry.expected_until, expected_until);
         }
     }
 }
@@ -272,7 +262,7 @@ Instant OutstandingResponses::earliest(UnitId unit, const AnswerShape& shape) co
     Instant earliest = all_wait_until_;
     for (const auto& entry : all())
         if (entry.phase != Phase::passed && entry.may_be(unit, shape))
-            earliest = std::max(earliest, entry.wait_until());
+            earliest = std::max(earliest, entry.hold_until);
     return earliest;
 }
 

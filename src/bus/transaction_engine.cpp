@@ -245,7 +245,6 @@ void TransactionCore::expect_response(Instant t, const Slot& slot, Instant hold_
     outstanding_.add(
         {.unit = slot.unit,
          .wire_id = numbered() ? slot.wire_id : std::uint16_t{0},
-         .in_order = slot.in_order,
          .shape = slot.shape(),
          .end = std::max(slot.request_end, slot.unit_busy_until),
          .expired_at = t,

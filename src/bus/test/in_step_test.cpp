@@ -180,30 +180,6 @@ TEST(InStep, AResponseOutOfOrderMakesTheOwnOneAmbiguous) {
     EXPECT_EQ(line.last().status, Status::ok);
 }
 
-// Requests 1 and 3 were lost, as it seems. The response to one of them comes out of order: that to the other
-// one is expected again.
-TEST(InStep, ResponsesThatHavePassedHoldUpAUnitThatTurnsOutToBeOutOfOrder) {
-    AfterTimeout line;
-    line.ask(2, kThree);
-    line.answer(95ms, kOfThree);
-    line.ask(3, kTwo);
-    line.run_until(at(170ms));  // timed out
-    line.ask(4, kThree);
-    line.answer(190ms, kOfThree);
-    line.run_until(at(200ms));
-    line.ask(5, kOthers);
-    line.answer(212ms, kOld);
-    line.answer(218ms, kNew);
-    line.run_until(at(240ms));
-    ASSERT_EQ(line.outcomes.size(), 5U);
-    ASSERT_EQ(line.last().status, Status::ambiguous);
-    EXPECT_GT(line.engine.earliest_start(UnitId{1}, {3, 6}), at(600ms)) << "eight time-outs";
-    EXPECT_LT(line.engine.earliest_start(UnitId{1}, {3, 8}), at(250ms)) << "a length that is not missing";
-    line.answer(450ms, kOld);
-    EXPECT_EQ(line.engine.counters().late_answers, 2U);
-    EXPECT_LT(line.engine.earliest_start(UnitId{1}, {3, 6}), at(460ms)) << "all responses came";
-}
-
 // Without the own response it may have been that one, damaged.
 TEST(InStep, AFrameThatDoesNotFitIsALateResponseIfTheOwnOneComesToo) {
     for (const bool own : {false, true}) {

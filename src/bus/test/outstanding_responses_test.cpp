@@ -33,15 +33,6 @@ struct Outstanding {
         EXPECT_TRUE(ambiguity == Ambiguity::none || responses.any_ambiguity(at(t)));
         return ambiguity;
     }
-    /// Of a unit that is known not to answer in order: two of kRead2, both passed, the second one came. The
-    /// other one is expected until 1200 ms.
-    void settle_out_of_order() {
-        expect(kUnit, kRead2, at(200ms));
-        expect(kUnit, kRead2, at(200ms));
-        responses.answered(at(120ms), kUnit, kRead4);
-        EXPECT_TRUE(settle("03 04 00 01 00 02", 300ms));
-        EXPECT_TRUE(responses.take_late()->out_of_order_since);
-    }
     bool settle(const char* pdu, Duration t = 1s) {
         return responses.settle(kUnit, frame_shape(hex(pdu)), std::nullopt, at(t), at(t)) != Lateness::none;
     }
@@ -108,10 +99,10 @@ TEST(OutstandingResponses, PassWhenTheirUnitAnswersADistinguishableRequest) {
 TEST(OutstandingResponses, AreSuspectedAndPassWhenNothingFollowsAResponseThatLooksAlike) {
     Outstanding late;
     late.expect(kUnit, kRead2, at(200ms));
-    late.responses.confirmed(at(310ms), kUnit, kRead2, at(300ms), at(300ms), true);
+    late.responses.confirmed(at(310ms), kUnit, kRead2, at(300ms), true);
     EXPECT_EQ(late.at_time(359ms, kRead2), Ambiguity::held);
     EXPECT_EQ(late.at_time(360ms, kRead2), Ambiguity::suspected);
-    late.responses.confirmed(at(410ms), kUnit, kRead2, at(400ms), at(400ms), true);
+    late.responses.confirmed(at(410ms), kUnit, kRead2, at(400ms), true);
     EXPECT_EQ(late.at_time(400ms, kRead2), Ambiguity::passed);
     ASSERT_TRUE(late.settle("03 04 00 01 00 02", 500ms));
     EXPECT_EQ(late.responses.take_late()->delay, 100ms) << "the response to the last request";
@@ -124,32 +115,9 @@ TEST(OutstandingResponses, OnesThatHavePassedAreConfirmedLongerAfterAResponseInD
         late.expect(kUnit, kRead2, at(200ms));
         late.responses.answered(at(1150ms), kUnit, kRead4);
         EXPECT_EQ(late.at_time(1199ms, kRead2), Ambiguity::passed);
-        late.responses.confirmed(at(1199ms), kUnit, kRead2, at(1190ms), at(1190ms), in_doubt);
+        late.responses.confirmed(at(1199ms), kUnit, kRead2, at(1190ms), in_doubt);
         EXPECT_EQ(late.at_time(1900ms, kRead2), in_doubt ? Ambiguity::passed : Ambiguity::none);
     }
-}
-
-TEST(OutstandingResponses, OfAUnitOutOfOrderHoldUpAsLongAsTheyAreExpected) {
-    Outstanding late;
-    late.settle_out_of_order();
-    EXPECT_EQ(late.responses.earliest(kUnit, kRead2), at(1200ms));
-    EXPECT_EQ(late.at_time(1199ms, kRead2), Ambiguity::held);
-    EXPECT_EQ(late.at_time(1200ms, kRead2), Ambiguity::doubted);
-    EXPECT_TRUE(late.settle("03 04 00 01 00 02", 1100ms));
-    EXPECT_EQ(late.at_time(1110ms, kRead2), Ambiguity::none);
-}
-
-// The response in doubt may have been the one that was missing: then that to its request is missing now.
-TEST(OutstandingResponses, OfAUnitOutOfOrderAreExpectedAsLongAgainAfterAResponseInDoubt) {
-    Outstanding late;
-    late.settle_out_of_order();
-    late.responses.confirmed(at(1310ms), kUnit, kRead2, at(1300ms), at(2110ms), true);
-    EXPECT_EQ(late.at_time(2109ms, kRead2), Ambiguity::held);
-    EXPECT_EQ(late.at_time(2110ms, kRead2), Ambiguity::suspected);
-    late.responses.confirmed(at(2120ms), kUnit, kRead2, at(2115ms), at(2920ms), true);
-    EXPECT_EQ(late.at_time(2120ms, kRead2), Ambiguity::none) << "lost";
-    late.responses.confirmed(at(3200ms), kUnit, kRead2, at(3190ms), at(4000ms), true);
-    EXPECT_EQ(late.at_time(3999ms, kRead2), Ambiguity::held) << "two different frames for one request";
 }
 
 TEST(OutstandingResponses, AnAmbiguousExceptionLeavesEitherResponse) {

@@ -65,14 +65,12 @@ struct OutstandingResponse {
     std::uint16_t wire_id = 0;  ///< Framing::tcp; else 0
     std::uint16_t count = 1;    ///< such responses; the times are those of the last one
     bool out_of_order = false;  ///< Phase::came
-    bool in_order = true;       ///< its unit answers requests in their order, as far as is known
     AnswerShape shape;
     std::uint16_t other_length = 0;  ///< of another response that it may be instead; that of `shape`: none
     Instant end;                     ///< of the request, or of the last answer of the unit before its own
     Instant expired_at;              ///< when its transaction ended
     Instant hold_until;              ///< requests that look alike wait until then
-    Instant expected_until;          ///< until then two others in doubt do not prove that it was lost; if the
-                                     ///< unit is out of order, requests that look alike wait until then
+    Instant expected_until;          ///< until then two others in doubt do not prove that it was lost
     Instant confirm_until;           ///< Phase::passed: until then responses that look alike are confirmed
     Instant check_at;                ///< Phase::passed: the next response after that is confirmed too
     Instant forget_at;               ///< the response is not expected to come at all after that
@@ -83,8 +81,6 @@ struct OutstandingResponse {
 
     [[nodiscard]] bool outstanding() const { return phase != Phase::came; }
     [[nodiscard]] bool may_be(UnitId of, const AnswerShape& frame) const;
-    /// Requests that look alike wait until then.
-    [[nodiscard]] Instant wait_until() const;
     /// Of a request that looks alike.
     [[nodiscard]] Ambiguity ambiguity(Instant t) const;
 };
@@ -118,8 +114,7 @@ protected:
 /// confirmed each second. If each belongs to the request before, a further frame follows it.
 ///
 /// If it comes after all, the unit does not answer in order. Those that have passed and are still expected
-/// are owed again. Requests that look alike wait until `expected_until`. A response in doubt begins that time
-/// anew: it may have been the one that was missing, and then that to its request is missing.
+/// are owed again.
 ///
 /// Responses that repeat their request identify it. An exception identifies its function only. If an
 /// exception may be a late one, it ends the current transaction, because it may also be its response. From
@@ -168,13 +163,11 @@ public:
     void answered(Instant t, UnitId unit, const std::optional<AnswerShape>& shape);
 
     /// A response of `shape` was received and no further one followed. Those that look alike are suspected
-    /// now, or have passed; the one that is missing may be that to the last request.
-    /// @param request_end     of the last request
-    /// @param expected_until  of its response, if that is missing
-    /// @param in_doubt        it may be one that has passed. Then that to the last request is missing
-    ///                        instead, and responses that look alike are confirmed as long again
-    void confirmed(Instant t, UnitId unit, const AnswerShape& shape, Instant request_end,
-                   Instant expected_until, bool in_doubt);
+    /// now, or have passed; the one that is missing may be that to the last request, which ended at
+    /// `request_end`.
+    /// @param in_doubt  it may be one that has passed. Then that to the last request is missing instead, and
+    ///                  responses that look alike are confirmed as long again
+    void confirmed(Instant t, UnitId unit, const AnswerShape& shape, Instant request_end, bool in_doubt);
 
     /// Whether an exception to `function` could be a late one.
     [[nodiscard]] bool ambiguous(UnitId unit, std::uint8_t function) const;
