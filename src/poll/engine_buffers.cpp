@@ -14,12 +14,10 @@ EngineBuffers::EngineBuffers(const bus::LineConfig& config, std::size_t longest_
       sending_(bus::TransactionStorage::sending_size(config.framing, longest_pdu_)) {
     bytes_.resize(slots_.size() * longest_pdu_ + sending_ +
                   bus::TransactionStorage::receiving_size(config.framing, longest_pdu_));
-    // Over TCP they only measure delays. On a serial line several of each unit may be outstanding, and of one
-    // that is slow for minutes one of each shape, each time that it is probed.
-    constexpr std::size_t kOverTcp = 8;
-    constexpr std::size_t kOfOneUnit = 24;
+    // Over TCP they only measure delays; on a serial line several of each unit may be outstanding.
+    constexpr std::size_t kFew = 8;
     constexpr std::size_t kOfUnit = 4;
-    most_outstanding_ = config.framing == wire::Framing::tcp ? kOverTcp : kOfOneUnit + kOfUnit * units;
+    most_outstanding_ = config.framing == wire::Framing::tcp ? kFew : kFew + kOfUnit * units;
 }
 
 bus::TransactionStorage EngineBuffers::storage() {
