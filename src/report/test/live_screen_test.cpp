@@ -87,8 +87,9 @@ TEST(LiveScreen, ResponseTimesAreBelowTheDevicesWhereTheyFit) {
         expect_contains(live_screen(texts, snapshot, selection, {7, 80})[2], texts("app.variable"));
     }
     LiveSelection selection;
+    const auto measured = times;
     snapshot = healthy(large(4, 1, 1));
-    for (auto& line : snapshot.lines) line.times[0] = times;
+    for (auto& line : snapshot.lines) line.times[0] = measured;
     EXPECT_EQ(joined(live_screen(english(), snapshot, selection, {24, 80})).find("turnaround"),
               std::string::npos)
         << "four lines have no room for them";
