@@ -27,7 +27,7 @@ Result run_seed(const Options& options, const model::Project* given, std::uint64
     Run settings{.seed = seed,
                  .length = options.length(),
                  .faults = options.choice,
-                 .merciless = options.merciless,
+                 .merciless = !options.lenient,
                  .trace = options.trace};
     if (given) return run(*given, settings);
     const Topology topology = make_topology(seed);
@@ -194,7 +194,7 @@ int Session::conclude() {
     if (failed_ > 0) return 1;
     const bool all_kinds = done_ >= kManySeeds && options_.project.empty() && options_.faults == "seed";
     auto missing = all_kinds ? missing_kinds(total_) : std::vector<std::string>{};
-    if (!options_.merciless)
+    if (options_.lenient)
         std::erase_if(missing, [](const auto& kind) {
             return kind.ends_with("past_response") || kind.ends_with("duplicate_response");
         });

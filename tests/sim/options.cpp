@@ -109,7 +109,7 @@ std::optional<std::string> parse_options(std::span<char*> arguments, Options& op
     for (std::size_t i = 0; i < arguments.size(); ++i) {
         const std::string_view key = arguments[i];
         bool* const flag = key == "--json"                  ? &options.json
-                           : key == "--merciless"           ? &options.merciless
+                           : key == "--lenient"             ? &options.lenient
                            : key == "--trace"               ? &options.trace
                            : key == "--print-project"       ? &options.print_project
                            : key == "--help" || key == "-h" ? &options.help
@@ -126,7 +126,7 @@ std::optional<std::string> parse_options(std::span<char*> arguments, Options& op
 
 std::string usage() {
     return R"(usage: takt-sim [--seeds A..B] [--minutes M] [--jobs N] [--project FILE]
-                [--faults none|few|many|KIND=RATE,...] [--merciless] [--resume FILE] [--json] [--trace] [--print-project]
+                [--faults none|few|many|KIND=RATE,...] [--lenient] [--resume FILE] [--json] [--trace] [--print-project]
 
 Runs the real master on simulated lines with faults and users, all from the seed, and judges what happens.
   --seeds     which runs, each with a random project of its own (default 1)
@@ -134,7 +134,7 @@ Runs the real master on simulated lines with faults and users, all from the seed
   --jobs      processes at a time (default 1)
   --project   this project in every run
   --faults    RATE: of a million exchanges, or the mean distance in seconds (30s) of what happens by the clock
-  --merciless lateness without a limit, copies at any time, answers of the past
+  --lenient   no copies and no old answers, and late ones come while the master waits for them
   --resume    keeps the results in FILE and goes on where it was interrupted
   --json      one object a line
   --trace     every frame and fault on stderr
@@ -148,7 +148,7 @@ std::string replay(const Options& options, std::uint64_t seed) {
     std::snprintf(minutes, sizeof minutes, "%g", options.minutes);
     std::string made = "takt-sim --seeds " + std::to_string(seed) + " --minutes " + minutes;
     if (options.faults != "seed") made += " --faults " + options.faults;
-    if (options.merciless) made += " --merciless";
+    if (options.lenient) made += " --lenient";
     if (!options.project.empty()) made += " --project " + options.project;
     return made;
 }

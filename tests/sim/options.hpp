@@ -18,7 +18,7 @@ struct Options {
     std::string faults = "seed";  ///< as given
     FaultChoice choice;
     std::string resume;  ///< file
-    bool merciless = false;
+    bool lenient = false;
     bool json = false;
     bool trace = false;
     bool print_project = false;
