@@ -129,7 +129,7 @@ void AnswerLedger::take_late(Instant t, const FoundFrame& frame, bool certain, b
     Owed* found = nullptr;
     for (Owed& each : owed_)
         if (!each.answered && matches(each, frame) &&
-            (!found || (has_passed(*found, t) && !has_passed(each, t))))
+            (!found || has_passed(*found, t)))  // the first that has not passed, else the last
             found = &each;
     if (!found) return;
     overtaken = overtaken || found->overtaken;
