@@ -481,8 +481,8 @@ std::string status_text(const Texts& texts, const file::Json& status, std::size_
     return text;
 }
 
-std::string list_text(const Texts& texts, const file::Json& list) {
-    TextTable table({left, left, left, left, left});
+std::string list_text(const Texts& texts, const file::Json& list, std::size_t columns) {
+    TextTable table({left, whole, left, left, left});
     table.add({texts("app.device"), texts("app.variable"), texts("app.ctl.type"), texts("app.ctl.unit"),
                texts("app.ctl.access")});
     for (const auto& entry : array_of(list, "names")) {
@@ -493,17 +493,17 @@ std::string list_text(const Texts& texts, const file::Json& list) {
         table.add({string_of(entry, "device"), string_of(entry, "name"), string_of(entry, "type"),
                    string_of(entry, "unit"), texts(access)});
     }
-    return table.render();
+    return table.render("", columns);
 }
 
-std::string values_text(const Texts& texts, const file::Json& values) {
-    TextTable table({left, left, right, right, left});
+std::string values_text(const Texts& texts, const file::Json& values, std::size_t columns) {
+    TextTable table({left, whole, right, right, whole});
     table.add({texts("app.device"), texts("app.variable"), texts("app.value"), texts("app.age"),
                texts("app.ctl.quality")});
     for (const auto& entry : array_of(values, "values"))
-        table.add({string_of(entry, "device"), string_of(entry, "name"), value_with_unit(entry),
-                   value_age(entry), quality_text(texts, entry)});
-    return table.render();
+        table.add({string_of(entry, "device"), string_of(entry, "name"),
+                   fitted(value_with_unit(entry), columns / 3), value_age(entry), quality_text(texts, entry)});
+    return table.render("", columns);
 }
 
 std::string get_line(const file::Json& value) {

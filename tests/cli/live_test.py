@@ -104,6 +104,22 @@ def test_no_line_is_wrapped_by_the_terminal(project, blank_device, command, lang
 
 
 @pytest.mark.parametrize("language", ["en", "ru", "uk"])
+def test_the_tables_of_ctl_fit_the_terminal(project, tmp_path, language):
+    names = ["name: Supply_temperature_of_the_second_boiler, register: 0, type: float, read: 0x03, unit: °C",
+             "name: Serial, register: 300, type: string, length: 60, read: 0x03"]
+    with TcpSlave(lambda adu: tcp_answer(adu, "03 78" + " 41" * 120 if adu[11] == 60 else "83 02")) as slave:
+        path, control = project(tcp(names, slave.port)), tmp_path / "control"
+        with start("run", path, "--control", control) as run:
+            until(lambda: takt("ctl", control, "get", "Serial", code=None).code == 0, "the first values")
+            for command in ("list", "values"):
+                lines = printed("ctl", control, command, "--lang", language)
+                assert max(map(len, lines)) <= 80, "\n".join(lines)
+                assert names[0].split(",")[0][6:] in "".join(lines), "a name is whole, ready for `get`"
+            assert "A" * 120 in takt("ctl", control, "values").out, "no terminal"
+            run.interrupt()
+
+
+@pytest.mark.parametrize("language", ["en", "ru", "uk"])
 def test_the_help_of_options_is_in_their_second_column(language):
     lines = printed("--help", "--lang", language)
     assert max(map(len, lines)) <= 80

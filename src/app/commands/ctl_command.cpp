@@ -169,6 +169,7 @@ void print_value(const Texts& texts, const file::Json& value) {
 
 void print_text(const Texts& texts, const CtlOptions& options, const file::Json& answer) {
     const auto command = string_of(answer, "command");
+    const auto columns = columns_of(STDOUT_FILENO);
     if (selects_nothing(answer))
         print_error(texts("app.ctl.no_match", {{"pattern", options.words.back()}}));
     else if (string_of(answer, "event") == "error")
@@ -176,11 +177,11 @@ void print_text(const Texts& texts, const CtlOptions& options, const file::Json&
     else if (command == "get")
         print_value(texts, answer);
     else if (command == "status")
-        print_wrapped(report::status_text(texts, answer, columns_of(STDOUT_FILENO)));
+        print_wrapped(report::status_text(texts, answer, columns));
     else if (command == "list")
-        print(report::list_text(texts, answer));
+        print_wrapped(report::list_text(texts, answer, columns));
     else
-        print(report::values_text(texts, answer));
+        print_wrapped(report::values_text(texts, answer, columns));
 }
 
 constexpr std::size_t kLongestAnswer = std::size_t{1} << 30;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "host_sample.hpp"
 #include "takt/report/text_table.hpp"
 
@@ -180,6 +182,31 @@ TEST(StateReport, ListHasWhatIsKnownBeforeTheFirstRead) {
               R"({"name":"Level","line":"main","device":"Котёл","type":"int16","unit":"мм","readable":true,)"
               R"("writable":true})");
     for (const auto language : kLanguages) expect_contains(list_text(Texts(language), json), "go");
+}
+
+std::size_t longest_line(const std::string& text) {
+    std::size_t longest = 0;
+    for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1)
+        longest = std::max(longest, display_width(text.substr(at, text.find('\n', at) - at)));
+    return longest;
+}
+
+TEST(StateReport, TablesFitTheTerminal) {
+    const auto json = *file::Json::parse(
+        R"({"names":[{"name":"Level","device":"The controller of the boiler in the second cellar, left","type":"string",)"
+        R"("unit":"kWh","readable":true,"writable":true}],)"
+        R"("values":[{"name":"Level","device":"The controller of the boiler in the second cellar","quality":"good",)"
+        R"("text":"a text that is longer than a third of the line","age_ms":20}]})");
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        for (const auto& text : {list_text(texts, json, 80), values_text(texts, json, 80)}) {
+            EXPECT_LE(longest_line(text), 80U) << text;
+            expect_contains(text, "Level");
+            expect_contains(text, "…");
+        }
+        EXPECT_EQ(list_text(texts, json).find("…"), std::string::npos) << "no terminal";
+        EXPECT_EQ(values_text(texts, json).find("…"), std::string::npos) << "no terminal";
+    }
 }
 
 // ctl reads what a socket sends.

@@ -35,11 +35,14 @@ namespace takt::report {
 [[nodiscard]] file::Json get_json(const host::Configuration& configuration, const host::Outcome& outcome);
 
 /// The text of what the functions above return; keys that are missing are left out.
-/// @param columns  of the terminal; words of the tables are cut so that rows fit
+/// @param columns  of the terminal. Words of the tables are cut so that rows fit; names of variables and
+///                 qualities are not, so a row may be longer.
 [[nodiscard]] std::string status_text(const Texts& texts, const file::Json& status,
                                       std::size_t columns = SIZE_MAX);
-[[nodiscard]] std::string list_text(const Texts& texts, const file::Json& list);
-[[nodiscard]] std::string values_text(const Texts& texts, const file::Json& values);
+[[nodiscard]] std::string list_text(const Texts& texts, const file::Json& list,
+                                    std::size_t columns = SIZE_MAX);
+[[nodiscard]] std::string values_text(const Texts& texts, const file::Json& values,
+                                      std::size_t columns = SIZE_MAX);
 
 /// "ok NAME VALUE" of get_json(), not escaped, without line end; behind it quality and reason of a value that
 /// is not good.
