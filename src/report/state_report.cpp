@@ -502,7 +502,8 @@ std::string values_text(const Texts& texts, const file::Json& values, std::size_
                texts("app.ctl.quality")});
     for (const auto& entry : array_of(values, "values"))
         table.add({string_of(entry, "device"), string_of(entry, "name"),
-                   fitted(value_with_unit(entry), columns / 3), value_age(entry), quality_text(texts, entry)});
+                   fitted(value_with_unit(entry), columns / 3), value_age(entry),
+                   quality_text(texts, entry)});
     return table.render("", columns);
 }
 
