@@ -37,7 +37,7 @@ Result<bool> LinePoller::Run::write(Instant t, const value::WriteCommand& comman
     if (group) write_groups_.ask(t, *group);
     pending.order = arrivals_.next();
     commands_.add(t, std::move(pending));
-    if (group) note_event(*group);
+    if (group) offers_.note_event(*group);
     return written.rounded;
 }
 

@@ -1,37 +1,11 @@
-// In step: which read is sent while responses are outstanding, and what late ones show of their device
-// (docs/decisions/0032-in-step.md).
-#include <algorithm>
-
+// In step: what follows from reads that were sent in the place of planned ones, and from late responses
+// (docs/decisions/0032-in-step.md). RequestOffers decides which read is sent.
 #include "run.hpp"
 
 namespace takt::poll {
 
 using value::Quality;
 using value::Reason;
-
-const plan::ReadAlternative* LinePoller::Run::alternative_to(Instant t, std::size_t index) {
-    if (!sends_distinct_ || !engine_.any_ambiguity(t)) return nullptr;
-    const auto& request = requests_[index];
-    const UnitId unit = devices_[request.device].model->address;
-    const auto planned = engine_.ambiguity(t, unit, request.read->shape());
-    if (planned == bus::Ambiguity::none) return nullptr;
-    return distinct_reads_.choose(index, planned, [&](wire::Function read, std::uint16_t quantity) {
-        return engine_.ambiguity(t, unit, bus::answer_shape(read, quantity));
-    });
-}
-
-bus::AnswerShape LinePoller::Run::shape_to_send(Instant t, std::size_t index) {
-    const auto* instead = alternative_to(t, index);
-    if (!instead) return requests_[index].read->shape();
-    return bus::answer_shape(instead->read, instead->quantity);
-}
-
-wire::PreparedRead LinePoller::Run::read_to_send(Instant t, std::size_t index) {
-    const auto* instead = alternative_to(t, index);
-    distinct_reads_.send(index, instead);
-    if (!instead) return requests_[index].read->request;
-    return prepared({instead->read, DataAddress{instead->start}, instead->quantity});
-}
 
 // @returns whether the read that was sent instead is settled by this
 bool LinePoller::Run::on_part(const bus::Outcome& outcome, const OutcomeClass& outcome_class,

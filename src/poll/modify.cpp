@@ -23,15 +23,15 @@ void LinePoller::Run::continue_modify(Instant t) {
     const auto& device = devices_[step.device];
     if (!reachable(device)) {
         abandon(t, device.health.unreachable(link_.no_link()), false);
-        return wake_at(t);
+        return arbiter_.wake_at(t);
     }
     const Instant start = engine_.earliest_start(device.model->address, step.shape);
-    if (start > t) return wake_at(start);
+    if (start > t) return arbiter_.wake_at(start);
     auto write = write_job(transaction_id(step.kind, step.index));
     const auto prepared = write.second_step(t, step.old);
     if (!prepared) {
         abandon(t, Reason::ok, false);
-        return wake_at(t);
+        return arbiter_.wake_at(t);
     }
     modify_.finish();
     write.second_step_submitted();

@@ -16,18 +16,16 @@ Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transacti
     std::optional<std::size_t> device;
     for (std::size_t d = 0; d < devices_.size(); ++d)
         if (devices_[d].model->address == transaction.unit) device = d;
-    if (device) {
-        set_times(devices_[*device], relayed);
-    }
+    if (device) set_times(devices_[*device], relayed);
     TAKT_CHECK(relay_->put(relayed, device));
     if (device && devices_[*device].health.enabled() && !reachable(devices_[*device]))
         give_up_relayed(t, bus::Status::timeout);
     else
-        wake_at(t);
+        arbiter_.wake_at(t);
     return {};
 }
 
-void LinePoller::Run::consider_relayed(Instant t) {
+void LinePoller::Run::offer_relayed(Instant t) {
     if (!relay_ || !relay_->waiting()) return;
     if (const auto index = relay_->device()) {
         const auto& device = devices_[*index];
@@ -36,7 +34,7 @@ void LinePoller::Run::consider_relayed(Instant t) {
         // renew that.
         if (device.relayed_last && reachable(device) && reads_.any_due(t, *index)) return;
     }
-    consider(t, relay_->unit(), relay_->shape(), Instant::min(), relay_->candidate(t));
+    offers_.offer(t, relay_->unit(), relay_->shape(), Instant::min(), relay_->candidate(t));
 }
 
 void LinePoller::Run::start_relayed(Instant t) {
@@ -47,12 +45,12 @@ void LinePoller::Run::start_relayed(Instant t) {
 
 void LinePoller::Run::on_relayed(const bus::Outcome& outcome) {
     note_busy(outcome);
-    if (relay_->end(outcome, line_free()) && outcome.status == bus::Status::timeout)
+    if (relay_->end(outcome, offers_.line_free()) && outcome.status == bus::Status::timeout)
         check_connection(outcome.ended_at);
 }
 
 void LinePoller::Run::give_up_relayed(Instant t, bus::Status status) {
-    if (relay_) relay_->give_up(t, status, line_free());
+    if (relay_) relay_->give_up(t, status, offers_.line_free());
 }
 
 }  // namespace takt::poll

@@ -61,7 +61,7 @@ void LinePoller::Run::swap_plan(Instant t) {
     carry_commands();
     for (std::size_t r = 0; r < requests_.size(); ++r) {
         if (requests_[r].read) carry_read(t, before, r);
-        note_event(r);
+        offers_.note_event(r);
     }
     reads_.keep_due(t, before.schedule);
     ages_->begin(t);

@@ -69,9 +69,16 @@ LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan,
       publisher_({variables_, devices_, requests_}, reads_, written_values_, store),
       statuses_({variables_, devices_, requests_}, slots, store),
       periods_({variables_, devices_, requests_}),
-      sends_distinct_(options.distinct_reads),
       proved_ages_(&plan.ages),
-      arbiter_(line_.commands.burst, line_.commands.min_interval, line_.order == model::PollOrder::address) {
+      arbiter_(line_.commands.burst, line_.commands.min_interval, line_.order == model::PollOrder::address),
+      offers_({.engine = engine_,
+               .tables = {variables_, devices_, requests_},
+               .reads = reads_,
+               .write_groups = write_groups_,
+               .commands = commands_,
+               .distinct_reads = options.distinct_reads ? &distinct_reads_ : nullptr,
+               .arbiter = arbiter_},
+              line_.order == model::PollOrder::address) {
     if (options.learn && plan::learns(line_)) begin_learning(plan, options);
     share_line();
     add_variables();
@@ -120,7 +127,7 @@ void LinePoller::Run::add_requests() {
         if (polled || triggered) add_read(index, polled, triggered);
         if (const auto write = job_of(plan::Cause::write)) add_write(index, *write);
     }
-    keep_queue();
+    offers_.set_requests();
     publisher_.set_requests();
     distinct_reads_.set_requests(plan_->requests);
     make_ages();
@@ -190,12 +197,13 @@ void LinePoller::Run::pull_trigger(Instant t, std::size_t index, model::LocalInd
     bool reads = request.read && request.plan->read_trigger == local;
     if (write_groups_.has(index) && request.plan->write_trigger == local) {
         write_groups_.pull_trigger(t, index);
-        note_event(index);
-        if (write_groups_[index].kind == WriteKind::exchange && group_ready(t, index)) reads = false;
+        offers_.note_event(index);
+        if (write_groups_[index].kind == WriteKind::exchange && write_groups_.ready(index)) reads = false;
+        report_waiting_writes(t);
     }
     if (!reads) return;
     reads_.pull_trigger(t, index);
-    note_event(index);
+    offers_.note_event(index);
 }
 
 void LinePoller::Run::on_bytes(Instant t, Bytes bytes) {

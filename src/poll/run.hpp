@@ -1,8 +1,7 @@
 // The implementation of LinePoller: it owns the engine, the tables and the parts of a line, hands events to
-// the parts, and chooses what is sent (run.cpp, restart.cpp, schedule.cpp, start.cpp, ready.cpp,
-// distinct.cpp, outcomes.cpp, ages.cpp, delays.cpp, noise.cpp, writes.cpp, commands.cpp, modify.cpp,
-// verify.cpp, relayed.cpp, trials.cpp, replan.cpp, take_over.cpp). The parts are listed in
-// docs/architecture.md, "The parts of the poller".
+// the parts, and sends what the arbiter chooses (run.cpp, restart.cpp, start.cpp, distinct.cpp, outcomes.cpp,
+// ages.cpp, delays.cpp, noise.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp, relayed.cpp, trials.cpp,
+// replan.cpp, take_over.cpp). The parts are listed in docs/architecture.md, "The parts of the poller".
 #pragma once
 
 #include <memory>
@@ -15,7 +14,6 @@
 #include "command_queue.hpp"
 #include "distinct_reads.hpp"
 #include "engine_buffers.hpp"
-#include "eventful_requests.hpp"
 #include "gap_learner.hpp"
 #include "jobs.hpp"
 #include "line_match.hpp"
@@ -26,6 +24,7 @@
 #include "period_watch.hpp"
 #include "read_schedule.hpp"
 #include "relay_slot.hpp"
+#include "request_offers.hpp"
 #include "statuses.hpp"
 #include "tables.hpp"
 #include "takt/bus/transaction_engine.hpp"
@@ -81,7 +80,6 @@ public:
     AvailabilityMeter availability_;
     std::unique_ptr<GapLearner> learner_;  // if the line learns
     std::uint64_t plan_revision_ = 0;      // grows with each swap_plan()
-    bool sends_distinct_;                  // Options::distinct_reads
     bool held_ = false;                    // nothing is polled any more
     std::unique_ptr<RelaySlot> relay_;     // if the line is shared
 
@@ -112,23 +110,8 @@ private:
     void take_outcomes();
     void observe_line(Instant t);
 
-    // schedule.cpp
+    // start.cpp
     void choose(Instant t);
-    /// @returns whether it may be sent now; so does consider_polled()
-    bool consider(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
-                  const Candidate& candidate);
-    void consider_all(Instant t);
-    void consider_event(Instant t, std::size_t request);
-    void consider_triggered(Instant t, std::size_t request);
-    bool consider_polled(Instant t, std::size_t request);
-    void consider_write(Instant t, std::size_t request);
-    void consider_probe(Instant t, std::size_t device);
-    void consider_early_probes(Instant t);
-    [[nodiscard]] std::optional<std::size_t> probe_of(std::size_t device) const;
-    void offer_probe(Instant t, const DeviceRun& device, std::size_t request, Instant since);
-    void consider_command(Instant t, PendingCommand& command);
-    [[nodiscard]] Candidate candidate_of(const RateLimitedEvent& event, bus::TransactionId id,
-                                         std::size_t rank) const;
     void start(Instant t, const Candidate& candidate);
     void start_read(Instant t, std::size_t request, bool by_trigger);
     void start_write(Instant t, bus::TransactionId id);
@@ -136,24 +119,13 @@ private:
                 const wire::PreparedRequest& request);
     void report_failure(const bus::Outcome& outcome);
     void report_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose);
-    void wake_at(Instant t);
     [[nodiscard]] bool* unlimited_event(bus::TransactionId id);
-
     void on_outcome(const bus::Outcome& outcome);
-
-    // ready.cpp
-    [[nodiscard]] bool eventful(std::size_t request) const;
-    void note_event(std::size_t request);
-    [[nodiscard]] Instant line_free() const;
-    void keep_queue();
-    void consider_first(Instant t);
-    void consider_first_of(Instant t, Instant free, std::size_t device);
-    void check_choice(Instant t);
 
     // trials.cpp
     void begin_learning(const plan::LinePlan& plan, const Options& options);
     [[nodiscard]] bool keep_learning(Instant t);
-    void consider_trial(Instant t);
+    void offer_trial(Instant t);
     void start_trial(Instant t);
     void on_trial(const bus::Outcome& outcome);
     void report_gap_events(Instant t);
@@ -165,7 +137,7 @@ private:
 
     // relayed.cpp
     void share_line();
-    void consider_relayed(Instant t);
+    void offer_relayed(Instant t);
     void start_relayed(Instant t);
     void on_relayed(const bus::Outcome& outcome);
     void give_up_relayed(Instant t, bus::Status status);
@@ -192,12 +164,8 @@ private:
     void take_over_variable(const Run& old, const LineMatch& match, std::size_t variable);
     void take_over_read(Instant t, const Run& old, const LineMatch& match, std::size_t request);
     void take_over_write(const Run& old, const LineMatch& match, std::size_t request);
-    void choose_held(Instant t);
 
     // distinct.cpp
-    [[nodiscard]] const plan::ReadAlternative* alternative_to(Instant t, std::size_t request);
-    [[nodiscard]] bus::AnswerShape shape_to_send(Instant t, std::size_t request);
-    [[nodiscard]] wire::PreparedRead read_to_send(Instant t, std::size_t request);
     /// How long a response of the device is waited for.
     void set_times(const DeviceRun& device, bus::Transaction& transaction) const;
     bool on_part(const bus::Outcome& outcome, const OutcomeClass& outcome_class, std::size_t request);
@@ -232,7 +200,7 @@ private:
     void finish_write(Instant t, WriteJob write, value::CommandResult result, value::Reason reason);
     [[nodiscard]] Result<std::size_t> writable(value::SlotId slot) const;
     [[nodiscard]] std::size_t index_in_device(std::size_t variable) const;
-    bool group_ready(Instant t, std::size_t request);
+    void report_waiting_writes(Instant t);
 
     // commands.cpp
     void drop_pending(Instant t, std::size_t device, value::Reason reason);
@@ -243,16 +211,15 @@ private:
     void abandon(Instant t, value::Reason reason, bool again);
 
     // verify.cpp
-    void consider_read_back(Instant t, std::size_t device, const ReadBack& back, Candidate candidate);
     bool take_read_back(const bus::Outcome& outcome, const WriteJob& write);
     void on_read_back(const bus::Outcome& outcome, const OutcomeClass& outcome_class, WriteJob write);
     void drop_read_backs(Instant t, std::size_t device, value::Reason reason);
 
     const std::vector<std::vector<std::optional<Duration>>>* proved_ages_;  // of the first plan
     std::optional<AgeWatch> ages_;
-    EventfulRequests eventful_;  // with a queue of reads
     ModifySequence modify_;
     bus::Arbiter arbiter_;
+    RequestOffers offers_;
     std::vector<std::size_t> settled_variables_;  // scratch, so that a transaction allocates nothing
 };
 

@@ -1,4 +1,5 @@
-// Submits the chosen request to the engine, and dispatches its outcome.
+// Chooses the next request (RequestOffers, bus::Arbiter), submits it to the engine, and dispatches its
+// outcome.
 #include <algorithm>
 #include <utility>
 
@@ -6,6 +7,35 @@
 #include "takt/base/assert.hpp"
 
 namespace takt::poll {
+
+Bytes LinePoller::Run::transmit(Instant t) {
+    if (!keep_learning(t)) return engine_.transmit(t);  // a plan swap waits for the transactions in flight
+    if (engine_.can_submit()) choose(t);
+    return engine_.transmit(t);
+}
+
+Instant LinePoller::Run::next_wakeup() const {
+    Instant wakeup = std::min(engine_.next_wakeup(), ages_->next());
+    wakeup = std::min(wakeup, periods_.next_overrun());
+    if (engine_.can_submit()) wakeup = std::min(wakeup, arbiter_.wakeup());
+    return std::min(wakeup, commands_.next_expiry());
+}
+
+void LinePoller::Run::choose(Instant t) {
+    arbiter_.begin();
+    if (modify_.second_step()) return continue_modify(t);
+    if (modify_.active()) return;
+    if (held_) {
+        offers_.offer_writes(t);
+    } else {
+        offers_.offer_requests(t);
+        offer_relayed(t);
+        offer_trial(t);
+        offers_.offer_early_probes(t);
+    }
+    report_waiting_writes(t);
+    if (const auto candidate = arbiter_.choose()) start(t, *candidate);
+}
 
 void LinePoller::Run::start(Instant t, const Candidate& candidate) {
     arbiter_.started(candidate);
@@ -38,7 +68,7 @@ void LinePoller::Run::start_read(Instant t, std::size_t index, bool by_trigger) 
     if (cause == ReadCause::release && health.answering() && !reads_.slowed(index) &&
         periods_.started(t, index))
         report_overrun(t, index, periods_.request(index).overrun());
-    submit(t, request.device, transaction_id(JobKind::read, index), purpose, read_to_send(t, index));
+    submit(t, request.device, transaction_id(JobKind::read, index), purpose, offers_.read_to_send(t, index));
 }
 
 void LinePoller::Run::start_write(Instant t, bus::TransactionId id) {
@@ -52,7 +82,7 @@ void LinePoller::Run::start_write(Instant t, bus::TransactionId id) {
     const auto first = write.begin();
     if (!first) {
         finish_write(t, write, value::CommandResult::refused, value::Reason::ok);
-        return wake_at(t);
+        return arbiter_.wake_at(t);
     }
     if (modifies) modify_.begin();
     submit(t, write.device(), id, modifies ? Purpose::before_write : Purpose::write, *first);
@@ -60,7 +90,7 @@ void LinePoller::Run::start_write(Instant t, bus::TransactionId id) {
 
 // Of a transaction that passes the admission of the line: whether it has taken its token. Else nullptr.
 bool* LinePoller::Run::unlimited_event(bus::TransactionId id) {
-    const auto index = id >> 3;
+    const auto index = index_of(id);
     switch (kind_of(id)) {
         case JobKind::read: return reads_.by_trigger(index) ? reads_.line_token(index) : nullptr;
         case JobKind::group_write:
@@ -74,7 +104,7 @@ bool* LinePoller::Run::unlimited_event(bus::TransactionId id) {
 void LinePoller::Run::report_sending(Instant t, std::size_t device, bus::TransactionId id, Purpose purpose) {
     const bool early = purpose == Purpose::probe && devices_[device].health.probes_early();
     Sending sending{.purpose = purpose, .early = early, .device = device};
-    const auto index = id >> 3;
+    const auto index = index_of(id);
     if (kind_of(id) == JobKind::command)
         sending.command = commands_.at(index).command.id;
     else if (kind_of(id) != JobKind::trial)
@@ -121,12 +151,12 @@ void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
 
 void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
     report_failure(outcome);
-    const auto index = outcome.id >> 3;
-    if (unlimited_event(outcome.id)) arbiter_.event_ended(std::max(outcome.ended_at, line_free()));
+    const auto index = index_of(outcome.id);
+    if (unlimited_event(outcome.id)) arbiter_.event_ended(std::max(outcome.ended_at, offers_.line_free()));
     switch (kind_of(outcome.id)) {
         case JobKind::read:
             on_read(outcome, index);
-            note_event(index);
+            offers_.note_event(index);
             return;
         case JobKind::group_write:
         case JobKind::command: on_written(outcome); return;

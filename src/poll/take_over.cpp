@@ -24,16 +24,6 @@ bool LinePoller::Run::quiet() const {
     return true;
 }
 
-// Writes and what verifies them; a read by trigger is pulled again where its trigger is still set.
-void LinePoller::Run::choose_held(Instant t) {
-    for (std::size_t r = 0; r < requests_.size(); ++r) {
-        const auto& device = devices_[requests_[r].device];
-        if (write_groups_.has(r) && reachable(device) && !full(device)) consider_write(t, r);
-    }
-    commands_.for_each_startable([&](PendingCommand& command) { consider_command(t, command); });
-    if (const auto best = arbiter_.best()) start(t, *best);
-}
-
 void LinePoller::Run::end_writes(Instant t) {
     for (std::size_t d = 0; d < devices_.size(); ++d) drop_read_backs(t, d, Reason::ok);
     commands_.end_all(t);
@@ -55,7 +45,7 @@ void LinePoller::Run::take_over(Instant t, Run& old) {
     for (std::size_t r = 0; r < requests_.size(); ++r) {
         if (requests_[r].read) take_over_read(t, old, match, r);
         if (write_groups_.has(r)) take_over_write(old, match, r);
-        note_event(r);
+        offers_.note_event(r);
     }
     ages_->begin(t);
 }

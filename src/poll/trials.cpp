@@ -34,16 +34,16 @@ bool LinePoller::Run::keep_learning(Instant t) {
     return true;
 }
 
-void LinePoller::Run::consider_trial(Instant t) {
+void LinePoller::Run::offer_trial(Instant t) {
     if (!learner_ || learner_->in_flight() || !link_.up_since()) return;
     const auto* const trial = learner_->next_trial(t, *this);
-    if (!trial) return wake_at(learner_->wakeup(t));
+    if (!trial) return arbiter_.wake_at(learner_->wakeup(t));
     const auto& device = devices_[trial->device];
     if (!reachable(device) || full(device)) return;
     const Instant latest = learner_->latest_start(t);
-    if (t < latest && !fits_before_polling(t, *trial)) return wake_at(latest);
+    if (t < latest && !fits_before_polling(t, *trial)) return arbiter_.wake_at(latest);
     const auto shape = bus::answer_shape(wire::shape_of(trial->read));
-    consider(t, device.model->address, shape, t, learner_->candidate(t, plan_->utilization > 1));
+    offers_.offer(t, device.model->address, shape, t, learner_->candidate(t, plan_->utilization > 1));
 }
 
 // Whether a trial is expected to end before the next polling is due.

@@ -1,22 +1,10 @@
 // Verification of writes: a write that the device confirmed is read back and compared.
-#include <algorithm>
-
 #include "run.hpp"
 
 namespace takt::poll {
 
 using value::CommandResult;
 using value::Reason;
-
-void LinePoller::Run::consider_read_back(Instant t, std::size_t index, const ReadBack& back,
-                                         Candidate candidate) {
-    const auto& device = devices_[index];
-    Instant due = back.not_before;
-    if (!device.health.answering()) due = std::max(due, device.health.probe_at());
-    if (candidate.key == bus::kNoDeadline) candidate.tie_break = back.order;
-    const auto shape = bus::answer_shape(back.request.shape());
-    consider(t, device.model->address, shape, due, candidate);
-}
 
 bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const WriteJob& write) {
     const auto& back = *write.read_back();

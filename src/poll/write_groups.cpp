@@ -72,9 +72,18 @@ std::optional<std::size_t> WriteGroups::missing(std::size_t index) {
     return found != group.members.end() ? std::optional(*found) : std::nullopt;
 }
 
-std::optional<std::size_t> WriteGroups::report_missing(std::size_t group) {
-    if (std::exchange(groups_[group]->reported_waiting, true)) return std::nullopt;
-    return missing(group);
+bool WriteGroups::ready(std::size_t group) {
+    const auto variable = missing(group);
+    if (variable && !std::exchange(groups_[group]->reported_waiting, true))
+        waiting_.push_back({group, *variable});
+    return !variable;
+}
+
+std::optional<WriteGroups::Waiting> WriteGroups::take_waiting() {
+    if (waiting_.empty()) return std::nullopt;
+    const Waiting first = waiting_.front();
+    waiting_.erase(waiting_.begin());
+    return first;
 }
 
 TokenBucket* WriteGroups::bucket(std::size_t group) {

@@ -97,9 +97,14 @@ public:
 
     [[nodiscard]] bool due(std::size_t group) const;
     /// Every member has a value, except for bits of a register: their neighbours are kept.
-    [[nodiscard]] bool ready(std::size_t group) { return !missing(group); }
-    /// Of a group that is not ready: the member without a value, once.
-    [[nodiscard]] std::optional<std::size_t> report_missing(std::size_t group);
+    /// take_waiting() then gives a group that is not ready, once.
+    [[nodiscard]] bool ready(std::size_t group);
+    /// A group that waits for the value of a member.
+    struct Waiting {
+        std::size_t group = 0;
+        std::size_t variable = 0;
+    };
+    [[nodiscard]] std::optional<Waiting> take_waiting();
     /// Whether its bucket admits it.
     [[nodiscard]] bool admit(Instant t, std::size_t group) { return groups_[group]->event.admit(t); }
     /// nullptr: it has none.
@@ -180,6 +185,7 @@ private:
     std::vector<Member> members_;                      // by variable; likewise
     std::vector<std::size_t> bits_;                    // scratch, so that a choice allocates nothing
     std::vector<std::size_t> settled_;                 // likewise
+    std::vector<Waiting> waiting_;                     // not taken yet
 };
 
 }  // namespace takt::poll

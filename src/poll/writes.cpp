@@ -24,16 +24,15 @@ Result<bool> LinePoller::Run::set(Instant t, value::SlotId slot, const value::Va
     TAKT_TRY(const Written written, as_written(*variables_[v].model, value));
     written_values_.want(v, written);
     write_groups_.set(t, v);
-    if (const auto group = write_groups_.on_change(v)) note_event(*group);
+    if (const auto group = write_groups_.on_change(v)) offers_.note_event(*group);
     commands_.supersede(t, v, written.value);
     return written.rounded;
 }
 
-bool LinePoller::Run::group_ready(Instant t, std::size_t index) {
-    if (write_groups_.ready(index)) return true;
-    const auto missing = write_groups_.report_missing(index);
-    if (missing && observer_) observer_->on_write_waiting(t, plan_->line, index, index_in_device(*missing));
-    return false;
+void LinePoller::Run::report_waiting_writes(Instant t) {
+    while (const auto waiting = write_groups_.take_waiting())
+        if (observer_)
+            observer_->on_write_waiting(t, plan_->line, waiting->group, index_in_device(waiting->variable));
 }
 
 WriteJob LinePoller::Run::write_job(bus::TransactionId id) {

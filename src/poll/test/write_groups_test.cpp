@@ -127,8 +127,12 @@ TEST(WriteGroups, ReportsAMemberWithoutAValueOnce) {
     Groups line({word(0), word(1)});
     line.set(0, number(1));
     EXPECT_FALSE(line.groups.ready(kGroup));
-    EXPECT_EQ(line.groups.report_missing(kGroup), 1U);
-    EXPECT_EQ(line.groups.report_missing(kGroup), std::nullopt);
+    EXPECT_FALSE(line.groups.ready(kGroup));
+    const auto waiting = line.groups.take_waiting();
+    ASSERT_TRUE(waiting);
+    EXPECT_EQ(waiting->group, kGroup);
+    EXPECT_EQ(waiting->variable, 1U);
+    EXPECT_FALSE(line.groups.take_waiting());
     line.values.note_read(1, number(2));
     EXPECT_TRUE(line.groups.ready(kGroup));
 }
