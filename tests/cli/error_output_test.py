@@ -212,7 +212,9 @@ def test_interrupted_before_there_is_a_connection(swallower):
     (["read", "tcp://127.0.0.1:1", "holding", 65536], "START: 65536 is out of range, allowed: 0..65535"),
     (["raw", "tcp://127.0.0.1:1", "zz"], "Write pairs of hexadecimal digits, as in 03 00 00 00 02"),
     (["read", "10.0.0.5:502", "holding", 0], "correct form: tcp://10.0.0.5:502"),
-    (["serve", "--listen", "127.0.0.1:80x"], "'port=80x' is not valid, correct form: 0..65535"),
+    (["serve", "--listen", "127.0.0.1:80x"], "--listen: '127.0.0.1:80x' is not valid, correct form: 127.0.0.1:1502"),
+    (["serve", "--listen", "127.0.0.1:99999"], "--listen: '127.0.0.1:99999' is not valid"),
+    (["serve", "--listen", "plc:502"], "ports: 0..65535"),
     (["serve", "--listen", "127.0.0.1:0", "--limit", "holding:0..9=5..1"], "the least value first"),
     (["serve", "--listen", "127.0.0.1:0", "--fault", "exception=300"], "exception=1..255"),
 ], ids=lambda a: "-".join(map(str, a)) if isinstance(a, list) else "")
@@ -229,6 +231,7 @@ def test_in_other_languages(language, words):
     ["read", "tcp://127.0.0.1:1", "holding", 0, "--order", 9999], ["read", "tcp://127.0.0.1:1", "holding", "abc"],
     ["read", "tcp://127.0.0.1:1", "holding", 0, "--watch", "--also", "x"], ["read", "--unit"], ["run"],
     ["serve", "--server-id", "x" * 249], ["serve", "--range", "holding:9..1"], ["serve", "--fault", "unknown"],
+    ["serve", "--listen", "127.0.0.1:99999"],
     ["serve", "--max-connections", 0], ["plan", "a.yaml", "b.yaml"], ["probe", "tcp://127.0.0.1:1", "--area", "x"],
     ["convert", "a.csv", "--encoding", "x"], ["table", "build", "a.yaml", "-o", "b", "--profile", "x"], [], ["table"],
 ], ids=lambda a: "-".join(map(str, a))[:40])

@@ -3,6 +3,7 @@
 #include "options/add_commands.hpp"
 #include "options/blank_options.hpp"
 #include "options/shared_options.hpp"
+#include "takt/line/target.hpp"
 
 namespace takt::app {
 namespace {
@@ -27,6 +28,19 @@ Option add_parsed(Command& command, const std::string& name, std::vector<T>& tar
             help)
         .one_value_each()
         .value_name(form);
+}
+
+void add_listen(Command& serve, std::string& listen) {
+    serve
+        .text(
+            "--listen",
+            [&listen](const std::string& text) {
+                if (!line::parse_listen(text))
+                    reject({"app.option.form.listen", {{"option", "--listen"}, {"value", text}}});
+                listen = text;
+            },
+            "help.serve.listen")
+        .value_name("HOST:PORT");
 }
 
 void add_blank_device(Command& serve, BlankSpec& blank) {
@@ -97,7 +111,7 @@ void add_serve(CommandLine& line, const CommonOptions& common) {
     auto serve = line.root().command("serve", "help.serve", [&] { return app::serve(common, options); });
     auto file = serve.value("FILE", options.file, "help.serve.file");
     serve.value("--line", options.line, "help.serve.line").value_name("NAME").needs(file);
-    serve.value("--listen", options.listen, "help.serve.listen").value_name("HOST:PORT");
+    add_listen(serve, options.listen);
     serve.value("--port", options.port, "help.serve.port").value_name("PORT");
     serve.value("--unit", options.blank.unit.value, "help.serve.unit").range(0, 255).default_text("1");
     add_word(serve, "--fill", options.blank.fill, kFills, "help.serve.fill").value_name("FILL");
