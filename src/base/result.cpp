@@ -24,6 +24,7 @@ std::string_view name(Code code) {
         case Code::modbus_exception: return "modbus_exception";
         case Code::bad_checksum: return "bad_checksum";
         case Code::unexpected_reply: return "unexpected_reply";
+        case Code::not_modbus: return "not_modbus";
     }
     return "unknown";
 }

@@ -28,11 +28,21 @@ Error Client::timed_out() const {
         .error();
 }
 
+Error Client::link_lost() const {
+    auto error = fail(Code::connection_lost, options_.target).error();
+    const auto why = connection_->link_error();
+    if (why && why->code == Code::not_modbus) {
+        error.code = why->code;
+        error.numbers = why->numbers;
+    }
+    return error;
+}
+
 Error Client::error_of(const bus::Outcome& outcome) const {
     switch (outcome.status) {
         case bus::Status::bad_checksum: return fail(Code::bad_checksum, options_.target).error();
         case bus::Status::unexpected_reply: return fail(Code::unexpected_reply, options_.target).error();
-        case bus::Status::link_lost: return fail(Code::connection_lost, options_.target).error();
+        case bus::Status::link_lost: return link_lost();
         case bus::Status::timeout:
         case bus::Status::ambiguous:
         case bus::Status::line_busy:
@@ -64,7 +74,8 @@ Result<bus::Outcome> Client::transmit_once(const wire::PreparedRequest& request,
     transaction.request = request;
     transaction.wait = wait;
     transaction.late_limit = std::min(options_.timeout, kLateFactor * wait);
-    TAKT_CHECK(engine.submit(connection_->now(), transaction));
+    if (const auto taken = engine.submit(connection_->now(), transaction); !taken)
+        return std::unexpected(taken.error().code == Code::connection_lost ? link_lost() : taken.error());
     connection_->poke();
     std::optional<bus::Outcome> outcome;
     // Late responses of an earlier attempt may hold this one back for as long as the time-out again.
@@ -78,7 +89,7 @@ Result<bus::Outcome> Client::transmit_once(const wire::PreparedRequest& request,
     };
     connection_->run_until(ended, limit);
     if (outcome) return *outcome;
-    if (engine.must_reconnect()) return fail(Code::malformed, options_.target);
+    if (engine.must_reconnect()) return fail(Code::not_modbus, options_.target);
     return std::unexpected(timed_out());
 }
 

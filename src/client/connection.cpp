@@ -22,10 +22,8 @@ public:
     Result<void> open(const line::Target& target, const Options& options) {
         line::DriverOptions driver;
         driver.connect_limit = options.timeout;
-        driver.on_link = [this](Instant, bool, const std::optional<Error>& why) {
-            if (why && !link_error_) link_error_ = why;
-        };
-        if (options.reconnect) driver.must_reconnect = [this] { return engine_.must_reconnect(); };
+        driver.on_link = [this](Instant, bool, const std::optional<Error>& why) { link_error_ = why; };
+        driver.must_reconnect = [this] { return engine_.must_reconnect(); };
         TAKT_TRY(driver_, line::open_target(loop_, target, engine_, driver));
         loop_.run_until([this] { return up() || link_error_.has_value(); }, options.timeout);
         if (up()) return {};
@@ -39,6 +37,7 @@ public:
     bus::TransactionCore& engine() override { return engine_; }
     void poke() override { driver_->poke(); }
     [[nodiscard]] bool up() const override { return driver_->up(); }
+    [[nodiscard]] std::optional<Error> link_error() const override { return link_error_; }
     [[nodiscard]] Instant now() const override { return line::now(); }
     void run_until(const std::function<bool()>& done, Duration limit) override {
         loop_.run_until(done, limit);

@@ -38,10 +38,12 @@ void Pump::start() {
 }
 
 void Pump::poke() {
+    read_.clear();
     if (running_) service();
 }
 
 void Pump::readable() {
+    read_.clear();
     const std::size_t wanted = running_ ? readable_bytes() : 0;
     if (wanted == 0) return;
     std::array<std::uint8_t, kReadAtOnce> buffer;  // NOLINT(*-member-init): filled by read()
@@ -53,6 +55,7 @@ void Pump::readable() {
         return service();
     }
     counters_.bytes_read += *got;
+    read_.assign(Bytes(buffer.data(), std::min(*got, kShown)));
     if (*got > 0) engine_.on_bytes(t, Bytes(buffer.data(), *got));
     service();
 }
@@ -63,6 +66,7 @@ bool Pump::is_half_closed(const Error& error) const {
 }
 
 void Pump::writable() {
+    read_.clear();
     if (!running_) return;
     const auto waiting = std::exchange(pending_, {});
     if (!write(waiting)) return;
@@ -71,6 +75,7 @@ void Pump::writable() {
 }
 
 void Pump::tick(Instant t) {
+    read_.clear();
     if (!running_) return;
     while (t < wakeup_) t = now();
     engine_.on_tick(t);

@@ -47,6 +47,14 @@ private:
         sum.bytes_written += pump.counters().bytes_written;
     }
 
+    Error not_modbus(Bytes bytes) const {
+        std::uint64_t number = 0;
+        for (const auto byte : bytes) number = number << 8 | byte;
+        return fail(Code::not_modbus, name_, static_cast<std::int64_t>(number),
+                    static_cast<std::int64_t>(bytes.size()))
+            .error();
+    }
+
     Error cannot_open(int number) const { return fail(Code::cannot_open, name_, number).error(); }
 
     // Created on first use: a connection that stays up needs no timer.
@@ -123,12 +131,18 @@ private:
         pump_ = std::make_unique<Pump>(loop_, *stream_, engine_, std::move(pumping),
                                        [this](Instant t, const std::optional<Error>& why) { lost(t, why); });
         ++counters_.links;
+        connected_at_ = now();
         if (options_.on_link) options_.on_link(now(), true, std::nullopt);
         pump_->start();
     }
 
-    void lost(Instant t, const std::optional<Error>& why) {
-        if (pump_->counters().bytes_read > 0) backoff_.reset();
+    // Without an error the engine asked for the end: the peer sends something else, or nothing. A peer that
+    // is not Modbus would be asked again and again if its bytes ended the back-off.
+    void lost(Instant t, std::optional<Error> why) {
+        const Bytes rejected = why ? Bytes() : pump_->rejected();
+        const bool held = rejected.empty() || t - connected_at_ >= Backoff::kLongest;
+        if (pump_->counters().bytes_read > 0 && held) backoff_.reset();
+        if (!why) why = rejected.empty() ? fail(Code::timed_out, name_).error() : not_modbus(rejected);
         add(counters_, *pump_);
         pump_.reset();
         stream_.reset();
@@ -157,6 +171,7 @@ private:
     std::unique_ptr<SocketStream> stream_;
     std::unique_ptr<Pump> pump_;
     ConnectGate::Pass pass_;
+    Instant connected_at_;
     std::unique_ptr<Timer> timer_;  // limits the current attempt, else ends the back-off
 };
 

@@ -3,6 +3,7 @@
 // message").
 #include <netdb.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -105,6 +106,10 @@ bool came_late(const Error& error) {
     return error.code == Code::timed_out && error.numbers[1] > 0;
 }
 
+bool is_serial_protocol_over_tcp(const Error& error) {
+    return error.subject.view().find("+tcp://") != std::string_view::npos;
+}
+
 std::string exception_key(const Error& error, std::string_view prefix) {
     return std::string(prefix) + std::to_string(error.numbers[0]);
 }
@@ -115,7 +120,9 @@ std::string advice_key(const Error& error) {
         case Code::busy: return "advice.busy";
         case Code::timed_out: return came_late(error) ? "advice.timed_out.late" : "advice.timed_out";
         case Code::replaced: return "advice.replaced";
-        case Code::bad_checksum: return "advice.bad_checksum";
+        case Code::bad_checksum:
+            return is_serial_protocol_over_tcp(error) ? "advice.bad_checksum.tcp" : "advice.bad_checksum";
+        case Code::not_modbus: return "advice.not_modbus";
         case Code::unexpected_reply: return "advice.unexpected_reply";
         case Code::modbus_exception: return exception_key(error, "advice.exception.");
         default: return {};
@@ -127,7 +134,8 @@ bool has_numbers(const Error& error) {
     switch (error.code) {
         case Code::out_of_range: return error.numbers[1] != error.numbers[2];
         case Code::too_short:
-        case Code::too_long: return error.numbers[1] != 0;
+        case Code::too_long:
+        case Code::not_modbus: return error.numbers[1] != 0;
         case Code::queue_full:
         case Code::timed_out:
         case Code::cannot_open:
@@ -141,9 +149,24 @@ bool has_system_number(Code code) {
     return code == Code::cannot_open || code == Code::connection_lost || code == Code::io_failed;
 }
 
-// The words for the numbers: the system's text, or the name of a Modbus exception.
+// `count` bytes of a number, the first one in its highest place: "53 53 48 2D (SSH-)".
+std::string bytes_text(std::int64_t number, std::int64_t count) {
+    constexpr std::string_view kDigits = "0123456789ABCDEF";
+    std::string hex;
+    std::string characters;
+    for (auto place = std::clamp<std::int64_t>(count, 0, 8); place-- > 0;) {
+        const auto byte = static_cast<unsigned>(static_cast<std::uint64_t>(number) >> (8 * place) & 0xFFU);
+        if (!hex.empty()) hex += ' ';
+        hex += {kDigits[byte >> 4], kDigits[byte & 0xF]};
+        characters += byte >= ' ' && byte <= '~' ? static_cast<char>(byte) : '.';
+    }
+    return hex + " (" + characters + ')';
+}
+
+// The words for the numbers: the system's text, the name of a Modbus exception, or the bytes that came.
 std::string detail(Language language, const Error& error) {
     if (has_system_number(error.code)) return system_text(language, error.numbers[0]);
+    if (error.code == Code::not_modbus) return bytes_text(error.numbers[0], error.numbers[1]);
     if (error.code != Code::modbus_exception) return {};
     const auto key = exception_key(error, "exception.");
     return message(language, has(Language::english, key) ? key : "exception.unknown");

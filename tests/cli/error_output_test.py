@@ -6,6 +6,7 @@ import re
 import signal
 import socket
 import subprocess
+import threading
 
 import pytest
 
@@ -197,6 +198,49 @@ def test_interrupted_before_there_is_a_connection(swallower):
 
 
 # --- words
+
+class Greeter:
+    """A server that is not Modbus: it greets each connection. `connections` counts them."""
+
+    def __init__(self, greeting):
+        self.server, self.connections = socket.create_server(("127.0.0.1", 0)), []
+        self.port = self.server.getsockname()[1]
+        threading.Thread(target=self._run, args=(greeting,), daemon=True).start()
+
+    def _run(self, greeting):
+        with contextlib.suppress(OSError):
+            while True:
+                peer, _ = self.server.accept()
+                self.connections.append(peer)
+                peer.sendall(greeting)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.server.close()
+        for peer in self.connections:
+            peer.close()
+
+
+@pytest.mark.parametrize("command", [["read", "holding", 0], ["read", "holding", 0, "--watch", "100ms", "--for", "1s"], ["probe"]],
+                         ids=lambda c: "-".join(map(str, c))[:24])
+def test_a_peer_that_is_not_modbus(command):
+    with Greeter(b"SSH-2.0-OpenSSH_9.2\r\n") as peer:
+        result = takt(command[0], f"tcp://127.0.0.1:{peer.port}", *command[1:], code=6)
+        assert f"127.0.0.1:{peer.port}: the peer does not speak Modbus TCP: received 53 53 48 2D 32 2E 30 2D (SSH-2.0-)" in " ".join(
+            result.err.split())
+        assert "Check the host and the port" in " ".join(result.err.split())
+
+
+def test_a_project_with_a_peer_that_is_not_modbus(project):
+    with Greeter(b"220 mail ready\r\n") as peer:
+        run = takt("run", project(tcp(at([0], INT), peer.port)), "--for", "3s", "--json")
+        links = [json.loads(line) for line in run.lines if '"event":"link"' in line]
+        down = [link for link in links if not link["up"]]
+        assert down and all("received 32 32 30 20 6D 61 69 6C (220 mail)" in link["text"] for link in down)
+        assert len(down) <= 5, "0.25 s, 0.5 s, 1 s, 2 s, each up to a quarter less"
+
 
 @pytest.mark.parametrize("arguments, words", [
     (["scan", "tcp://10.0.0.5-1"], "'10.0.0.5-1' is not valid, correct form: 10.0.0.5-254"),

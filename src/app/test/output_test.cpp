@@ -72,6 +72,7 @@ TEST(ExitCodes, FollowTheCauseOfTheError) {
                  {Code::bad_checksum, ExitCode::bad_frame},
                  {Code::unexpected_reply, ExitCode::bad_frame},
                  {Code::malformed, ExitCode::bad_frame},
+                 {Code::not_modbus, ExitCode::bad_frame},
                  {Code::too_short, ExitCode::bad_frame},
                  {Code::too_long, ExitCode::bad_frame},
                  {Code::out_of_range, ExitCode::usage},

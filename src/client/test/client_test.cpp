@@ -101,11 +101,11 @@ TEST(Client, ALostConnectionEndsTheRequestAtOnce) {
     EXPECT_EQ(next.error().code, Code::connection_lost);
 }
 
-TEST(Client, AStreamOutOfStepIsMalformed) {
+TEST(Client, AStreamOutOfStepIsNotModbus) {
     Rig rig({{.raw = {0, 1, 0xFF, 0xFF, 0, 3, 1, 3, 0}}}, attempts(3));
     const auto response = rig.client->ask(kRead);
     ASSERT_FALSE(response);
-    EXPECT_EQ(response.error().code, Code::malformed);
+    EXPECT_EQ(response.error().code, Code::not_modbus);
 }
 
 TEST(Client, AResponseThatDoesNotFitIsRepeated) {

@@ -98,6 +98,44 @@ TEST(Driver, ReconnectsWhenItsEngineIsOutOfStep) {
     EXPECT_EQ(client.links, (std::vector{true, false, true}));
 }
 
+// The bytes of a peer that is not Modbus do not end the back-off.
+TEST(Driver, NamesAPeerThatIsNotModbusAndAsksItLessAndLessOften) {
+    const auto loop = make_loop();
+    const TcpSlave slave(*loop);
+    ScriptEngine client;
+    std::optional<Error> why;
+    DriverOptions options;
+    options.must_reconnect = [&] { return client.up() && !client.input.empty(); };
+    options.on_link = [&](Instant, bool up, const std::optional<Error>& error) {
+        client.input.clear();
+        client.output = {kTcpRequest};
+        if (!up) why = error;
+    };
+    const auto driver = connect_tcp(*loop, "127.0.0.1", slave.server->port(), client, options);
+    ASSERT_TRUE(loop->run_until([&] { return why.has_value(); }, kDeadline));
+    const Instant first = now();
+    EXPECT_EQ(why->code, Code::not_modbus);
+    EXPECT_EQ(why->subject.view(), driver->name());
+    EXPECT_EQ(why->numbers[0], 0x0007'0000'0007'0104) << "the response of the slave";
+    EXPECT_EQ(why->numbers[1], 8);
+    ASSERT_TRUE(loop->run_until([&] { return client.links.size() == 6; }, kDeadline));
+    EXPECT_GE(now() - first, (250ms + 500ms) * 3 / 4);
+}
+
+TEST(Driver, NamesAPeerThatSendsNothing) {
+    const auto loop = make_loop();
+    const TcpSlave slave(*loop);
+    ScriptEngine client;
+    std::optional<Error> why;
+    DriverOptions options;
+    options.must_reconnect = [&] { return client.up(); };
+    options.on_link = [&](Instant, bool, const std::optional<Error>& error) { why = error; };
+    const auto driver = connect_tcp(*loop, "127.0.0.1", slave.server->port(), client, options);
+    ASSERT_TRUE(loop->run_until([&] { return why.has_value(); }, kDeadline));
+    EXPECT_EQ(why->code, Code::timed_out);
+    EXPECT_EQ(why->subject.view(), driver->name());
+}
+
 /// Answers reads at once with their own bytes, and writes on request of the test.
 struct SlowWriter final : serve::Responder {
     [[nodiscard]] bool serves(UnitId unit) const override { return unit == UnitId{1}; }

@@ -12,7 +12,7 @@ constexpr Code kCodes[] = {
     Code::out_of_range, Code::malformed,    Code::too_short,        Code::too_long,         Code::unsupported,
     Code::not_found,    Code::overflow,     Code::not_writable,     Code::queue_full,       Code::syntax,
     Code::cannot_open,  Code::busy,         Code::connection_lost,  Code::timed_out,        Code::io_failed,
-    Code::replaced,     Code::bad_checksum, Code::modbus_exception, Code::unexpected_reply,
+    Code::replaced,     Code::bad_checksum, Code::modbus_exception, Code::unexpected_reply, Code::not_modbus,
 };
 
 TEST(Errors, EveryCodeHasATextWithAndWithoutNumbers) {
@@ -45,6 +45,10 @@ TEST(Errors, SayWhatHappened) {
         {{Code::cannot_open, "/dev/ttyUSB0", {EACCES}}, "/dev/ttyUSB0: cannot be opened: permission denied"},
         {{Code::connection_lost, "a:502", {ECONNRESET}},
          "a:502: the connection is lost: reset by the other end"},
+        {{Code::not_modbus, "a:22", {0x5353'482D'0D00}}, "a:22: the peer does not speak Modbus TCP"},
+        {{Code::not_modbus, "a:22", {0x5353'482D'0D00, 6}},
+         "a:22: the peer does not speak Modbus TCP: received 53 53 48 2D 0D 00 (SSH-..), expected 00 00 as "
+         "bytes 3 and 4, then a length of 2..254"},
         {{Code::io_failed, "x", {EFBIG}}, "x: reading or writing failed: File too large"},
     };
     for (const auto& [error, english] : cases) EXPECT_EQ(what(Language::english, error), english);
@@ -70,6 +74,9 @@ TEST(Errors, AdviseByWhatTheyAreAbout) {
         {{Code::cannot_open, "h:502", {EAI_AGAIN}}, "advice.host_name"},
         {{Code::modbus_exception, "", {2}}, "advice.exception.2"},
         {{Code::timed_out, "", {}}, "advice.timed_out"},
+        {{Code::bad_checksum, "rtu:///dev/ttyS0", {}}, "advice.bad_checksum"},
+        {{Code::bad_checksum, "rtu+tcp://gateway:4001", {}}, "advice.bad_checksum.tcp"},
+        {{Code::not_modbus, "a:22", {}}, "advice.not_modbus"},
     };
     for (const auto& [error, key] : cases) {
         EXPECT_TRUE(has(Language::english, key)) << key;

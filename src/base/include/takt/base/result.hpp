@@ -36,6 +36,7 @@ enum class Code : std::uint16_t {
     modbus_exception = 200,  ///< exception code
     bad_checksum,
     unexpected_reply,
+    not_modbus,  ///< subject, the first bytes that came as a number, how many (at most 8; 0: unknown)
 };
 
 /// The stable name of a code, as in "out_of_range": key of its text, and what --json shows.

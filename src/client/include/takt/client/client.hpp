@@ -28,8 +28,8 @@ public:
     /// @param repeatable  false: it is transmitted once, because the device must not execute it twice
     /// @returns a normal response or an exception, valid until the next request, empty for a broadcast;
     ///          timed_out (ms; if the response came late, also its delay in ms and the advised time-out in
-    ///          ms), bad_checksum, unexpected_reply, connection_lost; malformed when the stream is out
-    ///          of step
+    ///          ms), bad_checksum, unexpected_reply, connection_lost; not_modbus (the bytes) when the
+    ///          stream is out of step
     [[nodiscard]] Result<wire::ResponseView> transact(const wire::PreparedRequest& request,
                                                       bool repeatable = true);
 
@@ -55,6 +55,7 @@ private:
     [[nodiscard]] Duration expected_wait() const;
     void learn(const bus::Outcome& outcome);
     [[nodiscard]] Error timed_out() const;
+    [[nodiscard]] Error link_lost() const;
     void name_late_response(Error& error);
     [[nodiscard]] Error error_of(const bus::Outcome& outcome) const;
 

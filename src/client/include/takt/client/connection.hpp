@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
@@ -22,6 +23,8 @@ public:
     /// Must be called after the engine was given a request.
     virtual void poke() = 0;
     [[nodiscard]] virtual bool up() const = 0;
+    /// Why there is no link; nothing: there is one, or the reason is unknown.
+    [[nodiscard]] virtual std::optional<Error> link_error() const { return std::nullopt; }
     [[nodiscard]] virtual Instant now() const = 0;
     /// Moves bytes until `done()` is true, the connection is stopped, or `limit` has passed.
     virtual void run_until(const std::function<bool()>& done, Duration limit) = 0;

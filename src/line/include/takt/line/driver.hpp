@@ -23,7 +23,7 @@ namespace takt::line {
 class ConnectGate;
 
 /// Called when the link comes up (`why` is empty), goes down, or an attempt fails. `why`: cannot_open, busy,
-/// timed_out, connection_lost or io_failed, with the port or host as subject.
+/// timed_out, connection_lost, io_failed or (TCP) not_modbus, with the port or host as subject.
 /// Order: right before the engine's on_link(up), right after its on_link(down). Called on the loop's thread,
 /// never from the driver's constructor. It may stop the loop but not destroy the driver.
 using LinkListener = std::function<void(Instant t, bool up, const std::optional<Error>& why)>;

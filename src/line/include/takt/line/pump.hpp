@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "takt/base/engine.hpp"
+#include "takt/base/inplace_vector.hpp"
 #include "takt/line/byte_stream.hpp"
 #include "takt/line/loop.hpp"
 
@@ -74,6 +75,9 @@ public:
 
     [[nodiscard]] PumpCounters counters() const { return counters_; }
 
+    /// The beginning of the read after which the engine asked for the end. Empty: it asked at another time.
+    [[nodiscard]] Bytes rejected() const { return read_.span(); }
+
 private:
     void readable();
     void writable();
@@ -85,6 +89,8 @@ private:
     void arm();
     void limit_waiting(bool waiting);
     void end(const std::optional<Error>& why);
+
+    static constexpr std::size_t kShown = 8;
 
     ByteStream& stream_;
     Engine& engine_;
@@ -98,7 +104,8 @@ private:
     PumpCounters counters_;
     Instant wakeup_ = kNever;
     bool running_ = false;
-    std::optional<Error> input_end_;  // the peer sends nothing more
+    std::optional<Error> input_end_;            // the peer sends nothing more
+    InplaceVector<std::uint8_t, kShown> read_;  // the beginning of the read that is being processed
 };
 
 }  // namespace takt::line
