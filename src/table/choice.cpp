@@ -1,4 +1,4 @@
-// Offers the requests that may be sent to the arbiter, as the poller does (src/poll/schedule.cpp). All are
+// Offers the requests that may be sent to the arbiter, as the poller does (src/poll/request_offers.hpp). All are
 // offered for each transaction; there is no queue.
 #include <algorithm>
 #include <cstdint>

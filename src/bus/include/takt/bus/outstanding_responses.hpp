@@ -31,7 +31,7 @@ struct LateResponse {
 /// The shape of a received response of at least one byte; an exception has the length 0.
 [[nodiscard]] AnswerShape frame_shape(Bytes pdu);
 
-/// Late responses are waited for and expected this many times as long as they were late before.
+/// A late response is waited for, and expected, for this many times the delay of earlier ones of its unit.
 inline constexpr int kLatenessFactor = 2;
 
 /// A time-out for a device that answers after `delay`: at least a fifth longer, rounded up to 1, 1.5, 2, 3,
@@ -58,7 +58,12 @@ enum class Lateness : std::uint8_t {
 /// A request that ended without its response. Which responses it is mistaken for is known from unit, function
 /// and length; over Framing::tcp from the transaction id.
 struct OutstandingResponse {
-    enum class Phase : std::uint8_t { owed, suspected, passed, came };
+    enum class Phase : std::uint8_t {
+        owed,       ///< it may come
+        suspected,  ///< a later response that looks alike was not followed by another one: perhaps it is lost
+        passed,     ///< its unit has answered a later request, or it is taken for lost: it hardly comes
+        came,       ///< it was received; take_late() has not given it yet
+    };
 
     UnitId unit;
     Phase phase = Phase::owed;

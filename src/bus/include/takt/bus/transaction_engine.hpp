@@ -22,7 +22,8 @@ namespace takt::bus {
 /// One transaction inside an engine, occupied from submit() until its outcome is taken.
 class TransactionSlot {
     friend class TransactionCore;
-    /// confirming: a response was received that may be an earlier one; a further frame is waited for.
+    /// confirming: a response was received that may be that to an earlier request; a further frame is waited
+    /// for.
     enum class State : std::uint8_t { empty, waiting, sent, confirming, ended };
 
     State state = State::empty;
@@ -128,10 +129,11 @@ struct TransactionStorage {
 /// If other stations leave no silence on the line for a second, a waiting request ends as line_busy.
 ///
 /// The owner calls take_outcome() after each on_link, on_bytes, on_tick and cancel_all until there is none: a
-/// transaction occupies its slot until its outcome was taken. Never allocates; no I/O.
+/// transaction occupies its slot until its outcome was taken. Time must not run backwards. One owner, one
+/// thread. Never allocates; no I/O.
 class TransactionCore : public Engine {
 public:
-    /// @param storage      must outlive the engine; its slots and LineConfig::in_flight limit the number of
+    /// @param storage   must outlive the engine; its slots and LineConfig::in_flight limit the number of
     ///                  transactions at a time
     /// @param observer  notified of every frame; may be nullptr; must outlive the engine
     TransactionCore(const LineConfig& config, const TransactionStorage& storage,
@@ -172,15 +174,14 @@ public:
     [[nodiscard]] Ambiguity ambiguity(Instant t, UnitId unit, const AnswerShape& shape) const;
     /// Whether ambiguity() may be other than none for some request. O(1).
     [[nodiscard]] bool any_ambiguity(Instant t) const { return !numbered() && outstanding_.any_ambiguity(t); }
-    /// Whether a response of the unit is missing: what it seems to answer now need not be to the last
-    /// request.
+    /// Whether a response of the unit is missing: the next one need not belong to the last request.
     [[nodiscard]] bool remembers(UnitId unit) const { return outstanding_.remembers(unit); }
 
     /// No transaction waits or is in flight, and no outcome is left.
     [[nodiscard]] bool idle() const;
 
-    /// Continues where `other` is: link, counters, silences, late answers. Both are idle and have the same
-    /// framing.
+    /// Continues where `other` is: link, counters, silences, missing responses. Both are idle and have the
+    /// same framing.
     void take_over(const TransactionCore& other);
 
     [[nodiscard]] bool link_up() const { return link_up_; }

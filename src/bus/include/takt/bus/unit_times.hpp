@@ -33,7 +33,8 @@ struct UnitTimes {
     /// that is none, and then shows any delay.
     [[nodiscard]] Duration usual_lateness() const;
 
-    /// How long the response to the transaction is waited for, beyond Transaction::wait.
+    /// Sets what the transaction knows of its unit: late_limit, lateness, longest_delay, in_order.
+    /// @param response_timeout  of the device: the least late_limit, and an eighth of the greatest
     void set(Transaction& transaction, Duration response_timeout) const;
 };
 
