@@ -10,10 +10,14 @@ namespace {
 constexpr std::size_t kShortestFrame = 5;  // an exception over RTU
 constexpr std::size_t kExceptionPdu = 2;
 
+// Also if it is an exception.
+bool answers_function(const wire::Frame& frame, const wire::RequestShape& request) {
+    return wire::requested_function(frame.pdu[0]) == wire::requested_function(request.function);
+}
+
 }  // namespace
 
 using wire::FrameFault;
-using wire::Framing;
 
 void TransactionCore::on_bytes(Instant t, Bytes bytes) {
     if (!link_up_ || bytes.empty()) return;
@@ -66,7 +70,7 @@ void TransactionCore::notice_deadlines(Instant t) {
             continue;
         }
         // A frame that stays incomplete has a wrong length; it would swallow the next responses.
-        if (config_.framing == Framing::tcp && bytes_since_gap_ > 0) must_reconnect_ = true;
+        if (numbered() && bytes_since_gap_ > 0) must_reconnect_ = true;
         if (slot.broadcast)
             finish(t, slot, Status::ok);
         else
@@ -81,7 +85,7 @@ void TransactionCore::find_response(Instant t) {
 
 // As many bytes as the response has, and no frame: their silence may end after the deadline.
 bool TransactionCore::all_came(const Slot& slot) const {
-    return config_.framing != Framing::tcp && slot.request.fixed_length &&
+    return !numbered() && slot.request.fixed_length &&
            bytes_since_gap_ >= wire::frame_length(config_.framing, slot.request.response_length);
 }
 
@@ -117,9 +121,9 @@ void TransactionCore::on_fault(Instant t, const wire::FramerStep& step) {
     const FrameFault fault = step.fault;
     ++counters_.faults;
     if (fault == FrameFault::bad_header) must_reconnect_ = true;
-    if (config_.framing == Framing::tcp && fault == FrameFault::too_long)
+    if (numbered() && fault == FrameFault::too_long)
         if (Slot* slot = addressee(framer_.frame())) give_up(t, *slot, Status::unexpected_reply);
-    if (fault == FrameFault::surplus || config_.framing == Framing::tcp) return;
+    if (fault == FrameFault::surplus || numbered()) return;
     for (auto& slot : slots_) {
         if (slot.state != State::sent || slot.broadcast) continue;
         slot.garbled = true;
@@ -139,11 +143,10 @@ bool TransactionCore::may_be_echo(Instant t, const Slot& slot, std::size_t bytes
 }
 
 TransactionCore::Slot* TransactionCore::addressee(const wire::Frame& frame) {
-    const bool tcp = config_.framing == Framing::tcp;
     for (auto& slot : slots_) {
         if (!slot.in_flight() || slot.broadcast || slot.unit != frame.unit) continue;
-        if (tcp && slot.wire_id != frame.transaction) continue;
-        if (((frame.pdu[0] ^ slot.request.function) & 0x7FU) == 0) return &slot;
+        if (numbered() && slot.wire_id != frame.transaction) continue;
+        if (answers_function(frame, slot.request)) return &slot;
     }
     return nullptr;
 }
@@ -158,14 +161,14 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
         return;
     }
     const bool late = settle_late(t, frame.unit, frame_shape(frame.pdu), frame.transaction) != Lateness::none;
-    if (!late && config_.framing != Framing::tcp) note_other_unit(frame);
+    if (!late && !numbered()) note_other_unit(frame);
     pass_over(late);
 }
 
 void TransactionCore::note_other_unit(const wire::Frame& frame) {
     for (auto& slot : slots_)
         if (slot.state == State::sent && !slot.broadcast && slot.unit != frame.unit &&
-            ((frame.pdu[0] ^ slot.request.function) & 0x7FU) == 0)
+            answers_function(frame, slot.request))
             slot.other_unit = frame.unit;
 }
 
