@@ -14,14 +14,15 @@ constexpr Duration kSilence = std::chrono::milliseconds(50);  // that ends bytes
 constexpr Duration kPause = std::chrono::milliseconds(5);     // between two frames, or pieces of one
 constexpr std::size_t kMostRefused = 64;
 constexpr std::size_t kPast = 16384;  // frames of minutes
+constexpr Duration kUnknownDelay = std::chrono::milliseconds(100);
+constexpr Duration kHeld = std::chrono::minutes(1);  // the longest that a request may wait and be held
 
+// FNV-1a, 64 bits.
 std::uint64_t hash_of(std::uint8_t unit, const ByteVector& pdu) {
     std::uint64_t hash = 0xCBF29CE484222325 ^ unit;
     for (const auto byte : pdu) hash = (hash ^ byte) * 0x100000001B3;
     return hash;
 }
-constexpr Duration kUnknownDelay = std::chrono::milliseconds(100);
-constexpr Duration kHeld = std::chrono::minutes(1);  // the longest that a request may wait and be held
 
 }  // namespace
 

@@ -26,9 +26,8 @@
 // - when its unit has answered a later request, and twice its usual lateness (the median of the last three
 //   late answers) has passed since the request, but at least 8 of its usual delays;
 // - when what answered it may be something else: a frame that was received before, damaged bytes, a frame
-// with
-//   the length of another answer, or an exception that may refuse a request that has passed. Its own answer
-//   may follow.
+//   with the length of another answer, or an exception that may refuse a request that has passed. Its own
+//   answer may follow.
 // A unit has answered out of order when a frame comes that it owes only for a request that has passed, and
 // the same frame was not received before. A frame directly behind other bytes does not show it: the master
 // may have missed it.
@@ -52,6 +51,9 @@
 
 namespace takt::judge {
 
+/// The answers that are owed on one line, and the exemptions above. Over Modbus TCP nothing is owed: the
+/// transaction id tells answers apart. Events must come in the order of their time. One owner, one thread;
+/// allocates.
 class AnswerLedger {
 public:
     /// Longer than any simulated lateness.

@@ -8,8 +8,8 @@ namespace takt::judge {
 class Limits {
 public:
     static constexpr std::uint64_t kMostSteps = 40'000;  ///< in a second of virtual time
-    static constexpr std::size_t kMostGrowth = 1536U
-                                               << 10U;  ///< bytes, after kSettled: full queues, the ledger
+    /// Bytes, after kSettled: full queues, the ledger.
+    static constexpr std::size_t kMostGrowth = 1536U * 1024U;
     static constexpr Duration kSettled = std::chrono::minutes(2);
 
     explicit Limits(Complaints& complaints) : complaints_(complaints) {}
