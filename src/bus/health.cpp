@@ -30,7 +30,7 @@ std::optional<Instant> Health::early_probe_at(Instant last, Duration period) con
     return after(last, distance);
 }
 
-bool Health::probes_early(Instant t, Duration period) {
+bool Health::read_started(Instant t, Duration period) {
     const bool early = !answering() && t < probe_at_;
     if (early) probe_at_ = std::max(probe_at_, after(t, probe_period(period)));
     return early;

@@ -1,6 +1,4 @@
 // Response times: what the line measures of each device, and what it reports (delay_learner.hpp).
-#include <algorithm>
-
 #include "run.hpp"
 #include "takt/plan/guarantee.hpp"
 
@@ -11,23 +9,22 @@ void LinePoller::Run::begin_measuring(DeviceRun& device) {
                        !device.model->response_timeout_set && engine_.config().in_flight <= 1;
     device.delay_learner =
         DelayLearner(*device.model, plan::answer_wait(project_, line_, *device.model), grows);
-    device.wait = device.delay_learner.wait();
     device.times.lateness = device.delay_learner.lateness();
-    device.statistics.delays = device.delay_learner.finding();
 }
 
 void LinePoller::Run::on_late(const bus::LateResponse& late) {
-    const auto found = std::ranges::find_if(
-        devices_, [&](const DeviceRun& device) { return device.model->address == late.unit; });
-    if (found == devices_.end()) return;
-    ++found->statistics.late;
-    found->times.on_late(late);
-    report_delay(late.at, *found, found->delay_learner.on_late(late.delay, late.wait));
-    degrade_shifted(*found, late);
+    const auto index = device_at(late.unit);
+    if (!index) return;
+    auto& device = devices_[*index];
+    ++device.statistics.late;
+    device.times.on_late(late);
+    report_delay(late.at, *index, device.delay_learner.on_late(late.delay, late.wait));
+    degrade_shifted(device, late);
 }
 
 // Behind a gateway a response waits for those to the requests in flight before it.
-void LinePoller::Run::measure_delay(DeviceRun& device, const bus::Outcome& outcome, bool answered) {
+void LinePoller::Run::measure_delay(std::size_t index, const bus::Outcome& outcome, bool answered) {
+    auto& device = devices_[index];
     const auto& config = engine_.config();
     const bool broadcast = config.framing != wire::Framing::tcp && outcome.unit == kBroadcast;
     if (!outcome.sent || broadcast || outcome.status == bus::Status::link_lost) return;
@@ -40,15 +37,12 @@ void LinePoller::Run::measure_delay(DeviceRun& device, const bus::Outcome& outco
     const Duration tolerated =
         std::max(device.model->turnaround.value_or(Duration::zero()), silence) + config.margin;
     device.times.on_response(delay, !engine_.remembers(outcome.unit));
-    report_delay(outcome.ended_at, device, device.delay_learner.on_response(delay, tolerated));
+    report_delay(outcome.ended_at, index, device.delay_learner.on_response(delay, tolerated));
 }
 
-void LinePoller::Run::report_delay(Instant t, DeviceRun& device, const std::optional<DelayFinding>& found) {
-    device.wait = device.delay_learner.wait();
-    device.statistics.delays = device.delay_learner.finding();
-    const bool news = device.delay_learner.take_news();
+void LinePoller::Run::report_delay(Instant t, std::size_t index, const std::optional<DelayFinding>& found) {
+    const bool news = devices_[index].delay_learner.take_news();
     if (!observer_) return;
-    const auto index = static_cast<std::size_t>(&device - devices_.data());
     if (found) observer_->on_delays(t, plan_->line, index, *found);
     if (news) observer_->on_measured(t, plan_->line, index);
 }

@@ -8,11 +8,16 @@ using value::Reason;
 
 DeviceHealth::DeviceHealth(std::uint16_t attempts, const model::Backoff& backoff, bool enabled)
     : attempts_(attempts), enabled_(enabled), backoff_(backoff), health_(fresh()) {
-    condition_.state = enabled ? DeviceState::link_down : DeviceState::switched_off;
+    condition_.state = initial_state(false);
 }
 
 bus::Health DeviceHealth::fresh() const {
     return bus::Health(attempts_, bus::Backoff(backoff_.first, backoff_.limit));
+}
+
+DeviceState DeviceHealth::initial_state(bool link_up) const {
+    if (!enabled_) return DeviceState::switched_off;
+    return link_up ? DeviceState::unknown : DeviceState::link_down;
 }
 
 Reason DeviceHealth::unreachable(Reason no_link) const {
@@ -70,7 +75,7 @@ DeviceVerdict DeviceHealth::ended(Instant sent_at, Instant t, const OutcomeClass
 // ---- probes
 
 void DeviceHealth::read_started(Instant t, Duration period) {
-    probes_early_ = health_.probes_early(t, period);
+    probes_early_ = health_.read_started(t, period);
 }
 
 }  // namespace takt::poll

@@ -48,6 +48,8 @@ public:
     /// Failures in a row, at most `attempts`.
     [[nodiscard]] std::uint16_t failures() const { return health_.failures(); }
     [[nodiscard]] const DeviceCondition& condition() const { return condition_; }
+    /// The state of a device of which nothing is known.
+    [[nodiscard]] DeviceState initial_state(bool link_up) const;
     /// The health of a read of the device that begins anew.
     [[nodiscard]] bus::Health fresh() const;
 

@@ -11,19 +11,18 @@ using value::Reason;
 bool LinePoller::Run::on_part(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
                               std::size_t index) {
     using Ended = DistinctReads::Ended;
-    const bool ok = outcome_class.reason == Reason::ok;
-    const Ended ended = distinct_reads_.ended(index, ok, outcome_class.transient());
+    const Ended ended = distinct_reads_.ended(index, outcome_class);
     if (ended == Ended::planned) return false;
     if (ended == Ended::part) {
         publisher_.take(outcome.ended_at, index, outcome.request, outcome.response);
         ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
     }
-    read_again(outcome.ended_at, requests_[index]);
+    reads_.again(outcome.ended_at, index);
     return true;
 }
 
 void LinePoller::Run::set_times(const DeviceRun& device, bus::Transaction& transaction) const {
-    transaction.wait = device.wait;
+    transaction.wait = device.delay_learner.wait();
     device.times.set(transaction, device.model->response_timeout);
 }
 
@@ -32,7 +31,8 @@ void LinePoller::Run::degrade_shifted(const DeviceRun& device, const bus::LateRe
     for (const auto r : device.requests) {
         const auto& read = requests_[r].read;
         if (read && read->shape() == late.shape && read->last_start >= *late.out_of_order_since)
-            publisher_.degrade(late.at, requests_[r].variables, Quality::uncertain, Reason::ambiguous, false);
+            publisher_.degrade(late.at, requests_[r].variables, Quality::uncertain, Reason::ambiguous,
+                               Shown::last);
     }
 }
 

@@ -22,12 +22,13 @@ DistinctRead& DistinctReads::of(std::size_t request) {
     return *reads_[request];
 }
 
-DistinctReads::Ended DistinctReads::ended(std::size_t request, bool ok, bool transient) {
+DistinctReads::Ended DistinctReads::ended(std::size_t request, const OutcomeClass& outcome_class) {
     if (!known(request)) return Ended::planned;
     auto& read = *reads_[request];
+    const bool ok = outcome_class.reason == value::Reason::ok;
     const bool whole = read.whole();
     if (ok && whole) read.on_answered();
-    if (!read.sent() || transient) return Ended::planned;
+    if (!read.sent() || outcome_class.transient()) return Ended::planned;
     if (!ok) {
         read.on_refused();
         return Ended::other;

@@ -8,6 +8,7 @@
 
 #include "distinct_read.hpp"
 #include "heap_optional.hpp"
+#include "outcome_class.hpp"
 #include "tables.hpp"
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
@@ -51,9 +52,7 @@ public:
         part,     ///< some values have come; the planned read follows
         other,    ///< none of its values has come; the planned read follows
     };
-    /// @param ok         a normal response
-    /// @param transient  no response, or one in doubt
-    Ended ended(std::size_t request, bool ok, bool transient);
+    Ended ended(std::size_t request, const OutcomeClass& outcome_class);
 
 private:
     [[nodiscard]] bool known(std::size_t request) const { return request < reads_.size() && reads_[request]; }

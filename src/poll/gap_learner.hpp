@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "candidate.hpp"
+#include "job_id.hpp"
 #include "learning.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/plan/learning.hpp"

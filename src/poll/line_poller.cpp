@@ -127,7 +127,8 @@ LineStatistics LinePoller::statistics(Instant t) const {
 
 DeviceStatistics LinePoller::device(std::size_t device) const {
     TAKT_ASSERT(device < run_->devices_.size());
-    return {run_->devices_[device].health.condition(), run_->devices_[device].statistics};
+    const auto& run = run_->devices_[device];
+    return {run.health.condition(), run.statistics, run.delay_learner.finding(), run.noise_meter.finding()};
 }
 
 RequestStatistics LinePoller::request(std::size_t request) const {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "candidate.hpp"
+#include "job_id.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/bus/transaction.hpp"
 

@@ -18,7 +18,7 @@ struct OutcomeClass {
 
     [[nodiscard]] StatusCode status() const { return StatusCode{static_cast<std::uint16_t>(reason)}; }
     /// The same request may get another answer.
-    [[nodiscard]] bool transient() const { return !answered || busy || reason == value::Reason::ambiguous; }
+    [[nodiscard]] bool transient() const { return bus::OutcomeStatus{status(), answered, busy}.transient(); }
 };
 [[nodiscard]] OutcomeClass classify(const bus::Outcome& outcome);
 /// For a read-modify-write whose write is not sent: switched off if the read succeeded, else the class of the

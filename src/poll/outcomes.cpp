@@ -22,7 +22,7 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     auto& device = devices_[index];
     --device.in_flight;
     if (writes(kind_of(outcome.id))) device.writing = false;
-    count_outcome(device, outcome);
+    count_outcome(index, outcome);
     if (counters) counters->count(outcome);
     note_busy(outcome);
     const OutcomeClass outcome_class = classify(outcome);
@@ -30,7 +30,8 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     switch (device.health.ended(outcome.sent_at, t, outcome_class, device.in_flight > 0)) {
         case DeviceVerdict::ignored: return outcome_class;
         case DeviceVerdict::returned:
-            restart_device(t, index, true);
+            restart_device(t, index);
+            reads_.release_at_once(t, index, publisher_.splits());
             if (learner_) learner_->on_return(t, index);
             [[fallthrough]];
         case DeviceVerdict::answered:
@@ -38,7 +39,7 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
             return outcome_class;
         case DeviceVerdict::lost:
             set_device_state(t, index, DeviceState::not_answering);
-            degrade_device(t, index, Reason::not_answering, true);
+            degrade_device(t, index, Reason::not_answering, Shown::initial);
             if (device.health.probed()) drop_pending(t, index, Reason::not_answering);
             break;
         case DeviceVerdict::failed: break;
@@ -47,16 +48,18 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     return outcome_class;
 }
 
-void LinePoller::Run::count_outcome(DeviceRun& device, const bus::Outcome& outcome) {
+void LinePoller::Run::count_outcome(std::size_t index, const bus::Outcome& outcome) {
+    auto& device = devices_[index];
     auto& statistics = device.statistics;
     const auto timed = statistics.counters.time.count();
     statistics.counters.count(outcome);
     const bool answered = statistics.counters.time.count() != timed;
-    check_noise(device, outcome);
+    if (device.noise_meter.add(outcome.noise, statistics.counters) && observer_)
+        observer_->on_noise(outcome.ended_at, plan_->line, index, *device.noise_meter.finding());
     const Duration time = outcome.ended_at - outcome.sent_at;
     if (answered)
         statistics.recent_time += timed == 0 ? time : (time - statistics.recent_time) / kRecentResponses;
-    measure_delay(device, outcome, answered);
+    measure_delay(index, outcome, answered);
 }
 
 void LinePoller::Run::note_busy(const bus::Outcome& outcome) {
@@ -86,7 +89,7 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     }
     if (!devices_[request.device].health.enabled()) return;
     if (!outcome_class.answered) {
-        fail_read(t, request, outcome_class.reason);
+        fail_read(t, index, outcome_class.reason);
         return;
     }
     reads_.answered(t, index, outcome_class.busy);
@@ -96,55 +99,51 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
         publisher_.take(t, index, outcome.request, outcome.response);
         ages_->note_read(request.variables, outcome.sent_at, outcome.ended_at);
     } else if (outcome_class.reason == Reason::ambiguous) {
-        publisher_.degrade(t, request.variables, Quality::uncertain, Reason::ambiguous, false);
-        read_again(t, request);
-    } else if (!refused_with_gaps(outcome, request, outcome_class.reason)) {
-        publisher_.degrade(t, request.variables, Quality::bad, outcome_class.reason, false);
+        publisher_.degrade(t, request.variables, Quality::uncertain, Reason::ambiguous, Shown::last);
+        reads_.again(t, index);
+    } else if (!refused_with_gaps(outcome, index, outcome_class.reason)) {
+        publisher_.degrade(t, request.variables, Quality::bad, outcome_class.reason, Shown::last);
     }
     statuses_.read_ended(t, index, outcome_class.reason);
 }
 
 // The read half of 0x17.
 void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class,
-                                   RequestRun& request) {
+                                   std::size_t index) {
+    const auto& request = requests_[index];
     if (outcome_class.reason == Reason::ok) {
-        const auto index = static_cast<std::size_t>(&request - requests_.data());
         publisher_.take(outcome.ended_at, index, request.read->request.shape(), outcome.response);
         ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
     } else if (outcome_class.reason != Reason::link_lost) {
         const bool refused = outcome_class.answered && outcome_class.reason != Reason::ambiguous;
         const auto quality = refused ? Quality::bad : Quality::uncertain;
-        publisher_.degrade(outcome.ended_at, request.variables, quality, outcome_class.reason, false);
+        publisher_.degrade(outcome.ended_at, request.variables, quality, outcome_class.reason, Shown::last);
     }
 }
 
-void LinePoller::Run::fail_read(Instant t, RequestRun& request, Reason reason) {
-    const auto index = static_cast<std::size_t>(&request - requests_.data());
+void LinePoller::Run::fail_read(Instant t, std::size_t index, Reason reason) {
+    const auto& request = requests_[index];
     const bool slowed = reads_.failed(t, index);
     statuses_.note_failed(index, reason);
     if (!devices_[request.device].health.answering()) return;
     if (slowed) {
         periods_.interrupt(index);
-        publisher_.degrade(t, request.variables, Quality::bad, reason, true);
+        publisher_.degrade(t, request.variables, Quality::bad, reason, Shown::initial);
     } else {
-        publisher_.degrade(t, request.variables, Quality::uncertain, reason, false);
-        read_again(t, request);
+        publisher_.degrade(t, request.variables, Quality::uncertain, reason, Shown::last);
+        reads_.again(t, index);
     }
     statuses_.read_ended(t, index, reason);
 }
 
-void LinePoller::Run::read_again(Instant t, RequestRun& request) {
-    reads_.again(t, static_cast<std::size_t>(&request - requests_.data()));
-}
-
-void LinePoller::Run::degrade_device(Instant t, std::size_t index, Reason reason, bool to_default) {
+void LinePoller::Run::degrade_device(Instant t, std::size_t index, Reason reason, Shown shown) {
     std::vector<std::size_t> variables;
     for (std::size_t v = 0; v < variables_.size(); ++v) {
         if (variables_[v].device != index) continue;
         variables.push_back(v);
         ages_->forget(v);
     }
-    publisher_.degrade(t, variables, Quality::bad, reason, to_default);
+    publisher_.degrade(t, variables, Quality::bad, reason, shown);
     for (const auto r : devices_[index].requests) periods_.interrupt(r);
     statuses_.device_away(t, index, reason);
 }

@@ -19,17 +19,13 @@ ReadQueue::ReadQueue(std::span<const std::size_t> devices, std::size_t device_co
     devices_.reserve(device_count);
     for (auto& of_device : requests) devices_.emplace_back(std::move(of_device));
     dirty_.reserve(devices.size());
-    touch_all();
+    for (std::size_t request = 0; request < addresses_.size(); ++request) touch(request);
 }
 
 void ReadQueue::touch(std::size_t request) {
     if (is_dirty_[request]) return;
     is_dirty_[request] = true;
     dirty_.push_back(request);
-}
-
-void ReadQueue::touch_all() {
-    for (std::size_t request = 0; request < addresses_.size(); ++request) touch(request);
 }
 
 void ReadQueue::put(std::size_t request, const std::optional<QueueEntry>& entry) {

@@ -35,7 +35,6 @@ public:
     ReadQueue(std::span<const std::size_t> devices, std::size_t device_count);
 
     void touch(std::size_t request);
-    void touch_all();
 
     /// Updates the heaps to `t`. entry(request) → std::optional<QueueEntry>: nothing if the request is not
     /// polled or is in flight.

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "candidate.hpp"
 #include "heap_optional.hpp"
+#include "job_id.hpp"
 #include "jobs.hpp"
 #include "read_queue.hpp"
 #include "split.hpp"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "candidate.hpp"
+#include "job_id.hpp"
 #include "takt/base/result.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/bus/transaction_gate.hpp"

@@ -13,9 +13,7 @@ Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transacti
     if (!relay_->empty()) return fail(Code::queue_full, 1);
     if (!engine_.link_up()) return fail(Code::connection_lost);
     bus::Transaction relayed = transaction;
-    std::optional<std::size_t> device;
-    for (std::size_t d = 0; d < devices_.size(); ++d)
-        if (devices_[d].model->address == transaction.unit) device = d;
+    const auto device = device_at(transaction.unit);
     if (device) set_times(devices_[*device], relayed);
     TAKT_CHECK(relay_->put(relayed, device));
     if (device && devices_[*device].health.enabled() && !reachable(devices_[*device]))

@@ -218,8 +218,9 @@ void RequestOffers::offer_early_probes(Instant t) {
             arbiter.wake_at(*from);
             continue;
         }
-        const Duration lost = bus::failure_time(engine.config(), request(*read).read->request.pdu().size(),
-                                                shape_to_send(t, *read).pdu_length, device.wait);
+        const Duration lost =
+            bus::failure_time(engine.config(), request(*read).read->request.pdu().size(),
+                              shape_to_send(t, *read).pdu_length, device.delay_learner.wait());
         if (after(t, lost) > next_due) continue;
         offer_probe(t, *read, t);
     }

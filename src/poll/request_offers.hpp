@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <optional>
 
-#include "candidate.hpp"
 #include "command_queue.hpp"
 #include "distinct_reads.hpp"
 #include "eventful_requests.hpp"
+#include "job_id.hpp"
 #include "read_schedule.hpp"
 #include "tables.hpp"
 #include "takt/bus/arbiter.hpp"

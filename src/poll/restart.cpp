@@ -6,7 +6,7 @@
 
 namespace takt::poll {
 
-void LinePoller::Run::restart_device(Instant t, std::size_t index, bool at_once) {
+void LinePoller::Run::restart_device(Instant t, std::size_t index) {
     devices_[index].health.restart();
     statuses_.restart(index);
     reads_.restart(t, index);
@@ -15,7 +15,6 @@ void LinePoller::Run::restart_device(Instant t, std::size_t index, bool at_once)
         periods_.interrupt(r);
         publisher_.forget_parts(requests_[r].variables);
     }
-    if (at_once) reads_.release_at_once(t, index, publisher_.splits());
 }
 
 void LinePoller::Run::set_device_state(Instant t, std::size_t device, DeviceState state) {
@@ -64,10 +63,10 @@ void LinePoller::Run::on_link(Instant t, bool up) {
         auto& health = devices_[d].health;
         if (!health.enabled()) continue;
         if (!up) drop_read_backs(t, d, value::Reason::link_lost);
-        if (up) restart_device(t, d, false);
-        set_device_state(t, d, up ? DeviceState::unknown : DeviceState::link_down);
+        if (up) restart_device(t, d);
+        set_device_state(t, d, health.initial_state(up));
         health.observe(t);  // also before the link could be opened for the first time
-        if (!up) degrade_device(t, d, link_.no_link(), true);
+        if (!up) degrade_device(t, d, link_.no_link(), Shown::initial);
     }
     observe_line(t);
 }
@@ -84,12 +83,13 @@ void LinePoller::Run::switch_device(Instant t, std::size_t index, bool on) {
     auto& device = devices_[index];
     if (!device.health.enable(on)) return;
     if (on) {
-        restart_device(t, index, true);
-        set_device_state(t, index, link_.up_since() ? DeviceState::unknown : DeviceState::link_down);
+        restart_device(t, index);
+        reads_.release_at_once(t, index, publisher_.splits());
+        set_device_state(t, index, device.health.initial_state(link_.up_since().has_value()));
         return;
     }
     set_device_state(t, index, DeviceState::switched_off);
-    degrade_device(t, index, value::Reason::switched_off, false);
+    degrade_device(t, index, value::Reason::switched_off, Shown::last);
     for (const auto r : device.requests) periods_.pause(r);
     drop_pending(t, index, value::Reason::switched_off);
 }

@@ -97,8 +97,7 @@ void LinePoller::Run::add_variables() {
         begin_measuring(run);
         run.most_in_flight =
             static_cast<std::uint16_t>(std::min<std::size_t>(device.in_flight, engine_.config().in_flight));
-        const bool enabled = !device.poll_enable || is_true(store_[slots_.local(*device.poll_enable)].value);
-        run.health = DeviceHealth(device.attempts, plan::backoff_of(project_, device), enabled);
+        run.health = DeviceHealth(device.attempts, plan::backoff_of(project_, device), switched_on(device));
         for (std::size_t v = 0; v < device.variables.size(); ++v) {
             const auto slot = slots_.variable({plan_->line, d, v});
             if (variables_.empty()) first_slot_ = slot.value;
@@ -108,6 +107,16 @@ void LinePoller::Run::add_variables() {
                 written_values_.add(variables_.size() - 1, device.variables[v], slot);
         }
     }
+}
+
+bool LinePoller::Run::switched_on(const model::Device& device) const {
+    return !device.poll_enable || is_true(store_[slots_.local(*device.poll_enable)].value);
+}
+
+std::optional<std::size_t> LinePoller::Run::device_at(UnitId unit) const {
+    for (std::size_t d = 0; d < devices_.size(); ++d)
+        if (devices_[d].model->address == unit) return d;
+    return std::nullopt;
 }
 
 void LinePoller::Run::add_requests() {

@@ -1,6 +1,6 @@
 // The implementation of LinePoller: it owns the engine, the tables and the parts of a line, hands events to
 // the parts, and sends what the arbiter chooses (run.cpp, restart.cpp, start.cpp, distinct.cpp, outcomes.cpp,
-// ages.cpp, delays.cpp, noise.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp, relayed.cpp, trials.cpp,
+// ages.cpp, delays.cpp, writes.cpp, commands.cpp, modify.cpp, verify.cpp, relayed.cpp, trials.cpp,
 // replan.cpp, take_over.cpp). The parts are listed in docs/architecture.md, "The parts of the poller".
 #pragma once
 
@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "age_watch.hpp"
-#include "candidate.hpp"
 #include "command_queue.hpp"
 #include "distinct_reads.hpp"
 #include "engine_buffers.hpp"
@@ -95,13 +94,15 @@ public:
 private:
     // run.cpp
     void add_variables();
+    [[nodiscard]] bool switched_on(const model::Device& device) const;
+    [[nodiscard]] std::optional<std::size_t> device_at(UnitId unit) const;
     void add_requests();
     void add_read(std::size_t request, const std::optional<plan::RequestJob>& polled,
                   const std::optional<plan::RequestJob>& triggered);
     void add_write(std::size_t request, const plan::RequestJob& planned);
 
     // restart.cpp
-    void restart_device(Instant t, std::size_t device, bool at_once);
+    void restart_device(Instant t, std::size_t device);
     void set_device_state(Instant t, std::size_t device, DeviceState state);
     void check_connection(Instant t);
     void switch_device(Instant t, std::size_t device, bool on);
@@ -133,7 +134,7 @@ private:
                                       Instant since) const override;
     [[nodiscard]] bool fits_before_polling(Instant t, const Learning::TrialRead& trial_read) const;
     [[nodiscard]] std::vector<model::ItemRange> bridged_gaps(const RequestRun& request) const;
-    bool refused_with_gaps(const bus::Outcome& outcome, RequestRun& request, value::Reason reason);
+    bool refused_with_gaps(const bus::Outcome& outcome, std::size_t request, value::Reason reason);
 
     // relayed.cpp
     void share_line();
@@ -175,22 +176,18 @@ private:
     // outcomes.cpp
     OutcomeClass note_outcome(const bus::Outcome& outcome, std::size_t device,
                               bus::TransactionCounters* counters);
-    void count_outcome(DeviceRun& device, const bus::Outcome& outcome);
+    void count_outcome(std::size_t device, const bus::Outcome& outcome);
     void note_busy(const bus::Outcome& outcome);
     void on_read(const bus::Outcome& outcome, std::size_t request);
-    void on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class, RequestRun& request);
-    void fail_read(Instant t, RequestRun& request, value::Reason reason);
-    void read_again(Instant t, RequestRun& request);
-    void degrade_device(Instant t, std::size_t device, value::Reason reason, bool to_default);
+    void on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class, std::size_t request);
+    void fail_read(Instant t, std::size_t request, value::Reason reason);
+    void degrade_device(Instant t, std::size_t device, value::Reason reason, Shown shown);
 
     // delays.cpp
     void begin_measuring(DeviceRun& device);
     void on_late(const bus::LateResponse& late);
-    void measure_delay(DeviceRun& device, const bus::Outcome& outcome, bool answered);
-    void report_delay(Instant t, DeviceRun& device, const std::optional<DelayFinding>& found);
-
-    // noise.cpp
-    void check_noise(DeviceRun& device, const bus::Outcome& outcome);
+    void measure_delay(std::size_t device, const bus::Outcome& outcome, bool answered);
+    void report_delay(Instant t, std::size_t device, const std::optional<DelayFinding>& found);
 
     // writes.cpp
     [[nodiscard]] WriteJob write_job(bus::TransactionId id);

@@ -130,19 +130,18 @@ void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
     using bus::Status;
     const bool lost = outcome.status == Status::link_lost || outcome.status == Status::cancelled;
     if (!observer_ || outcome.status == Status::ok || (lost && !outcome.sent)) return;
-    FailedExchange failed{.unit = outcome.unit,
+    FailedExchange failed{.device = device_at(outcome.unit),
+                          .unit = outcome.unit,
                           .request = outcome.request,
                           .status = outcome.status,
                           .exception = outcome.exception,
                           .other_unit = outcome.status == Status::timeout ? outcome.other_unit : std::nullopt,
                           .took = outcome.ended_at - outcome.sent_at};
-    for (std::size_t d = 0; d < devices_.size(); ++d) {
-        const auto& model = *devices_[d].model;
-        if (model.address != outcome.unit) continue;
-        failed.device = d;
-        failed.attempts = std::max<std::uint16_t>(model.attempts, 1);
-        failed.attempt = std::min<std::uint16_t>(devices_[d].health.failures() + 1, failed.attempts);
-        if (devices_[d].health.probed()) failed.kind = FailedExchange::Kind::probe;
+    if (failed.device) {
+        const auto& device = devices_[*failed.device];
+        failed.attempts = std::max<std::uint16_t>(device.model->attempts, 1);
+        failed.attempt = std::min<std::uint16_t>(device.health.failures() + 1, failed.attempts);
+        if (device.health.probed()) failed.kind = FailedExchange::Kind::probe;
     }
     if (kind_of(outcome.id) == JobKind::relayed) failed.kind = FailedExchange::Kind::relayed;
     if (failed.kind != FailedExchange::Kind::attempt) failed.attempt = failed.attempts = 1;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "delay_learner.hpp"
 #include "device_health.hpp"
 #include "jobs.hpp"
+#include "noise_meter.hpp"
 #include "takt/bus/unit_times.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/line_poller.hpp"
@@ -32,11 +32,9 @@ struct RequestRun {
 struct DeviceRun {
     const model::Device* model = nullptr;
     std::vector<std::size_t> requests;
-    Duration wait{};  // delay_learner.wait()
     DeviceHealth health;
     DelayLearner delay_learner;
-    std::uint32_t least_noise = std::numeric_limits<std::uint32_t>::max();  // bytes before a noisy response
-    std::uint32_t most_noise = 0;
+    NoiseMeter noise_meter;
     bus::UnitTimes times;         // in this run; its lateness also in earlier ones
     std::uint16_t in_flight = 0;  // transactions
     std::uint16_t most_in_flight = 1;

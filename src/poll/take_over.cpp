@@ -53,25 +53,19 @@ void LinePoller::Run::take_over(Instant t, Run& old) {
 // A device that is new on the line begins like one whose link just came up.
 void LinePoller::Run::take_over_device(Instant t, Run& old, const LineMatch& match, std::size_t index) {
     auto& device = devices_[index];
-    const auto* const on = device.model->poll_enable
-                               ? std::get_if<bool>(&store_[slots_.local(*device.model->poll_enable)].value)
-                               : nullptr;
-    device.health.enable(!device.model->poll_enable || (on && *on));
+    device.health.enable(switched_on(*device.model));
     if (const auto before = match.device(index)) {
-        device.statistics = old.devices_[*before].statistics;
         const auto& was = old.devices_[*before];
-        const bool as_slow = device.wait == was.wait && device.model->turnaround == was.model->turnaround;
+        device.statistics = was.statistics;
+        device.noise_meter = was.noise_meter;
+        const bool as_slow = device.delay_learner.wait() == was.delay_learner.wait() &&
+                             device.model->turnaround == was.model->turnaround;
         device.delay_learner.take_over(was.delay_learner, as_slow);
-        device.wait = device.delay_learner.wait();
-        device.statistics.delays = device.delay_learner.finding();
         device.times = was.times;
         if (device.health.take_over(was.health)) return;
     }
-    if (link_.up_since()) restart_device(t, index, false);
-    set_device_state(t, index,
-                     !device.health.enabled() ? DeviceState::switched_off
-                     : link_.up_since()       ? DeviceState::unknown
-                                              : DeviceState::link_down);
+    if (link_.up_since()) restart_device(t, index);
+    set_device_state(t, index, device.health.initial_state(link_.up_since().has_value()));
     device.health.observe(t);
 }
 

@@ -72,8 +72,8 @@ void LinePoller::Run::start_trial(Instant t) {
 
 // The outcome of a trial does not count for the health of its device.
 void LinePoller::Run::on_trial(const bus::Outcome& outcome) {
-    auto& device = devices_[learner_->trial().device];
-    --device.in_flight;
+    const std::size_t device = learner_->trial().device;
+    --devices_[device].in_flight;
     count_outcome(device, outcome);
     note_busy(outcome);
     learner_->end(outcome);
@@ -117,17 +117,18 @@ std::vector<model::ItemRange> LinePoller::Run::bridged_gaps(const RequestRun& re
 
 // A refused read across gaps is repeated, so that a device that refuses now and then keeps its groups. After
 // kRefusalsToDoubt refusals the gaps are unconfirmed and tested again.
-bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, RequestRun& request, Reason reason) {
+bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, std::size_t index, Reason reason) {
     if (outcome.status != bus::Status::exception || !GapLearner::refuses(outcome.exception)) return false;
+    auto& request = requests_[index];
     const auto gaps = bridged_gaps(request);
     if (gaps.empty()) return false;
     const Instant t = outcome.ended_at;
     auto& read = *request.read;
-    publisher_.degrade(t, request.variables, Quality::uncertain, reason, false);
-    read_again(t, request);
+    publisher_.degrade(t, request.variables, Quality::uncertain, reason, Shown::last);
+    reads_.again(t, index);
     if (++read.refusals < kRefusalsToDoubt) return true;
     read.refusals = 0;
-    reads_.hold_back(t, static_cast<std::size_t>(&request - requests_.data()));
+    reads_.hold_back(t, index);
     learner_->doubt(request.device, read.request.function(), gaps);
     report_gap_events(t);
     return true;

@@ -109,7 +109,7 @@ void ValuePublisher::show_written(Instant t, std::span<const std::size_t> variab
 // ---- values that were not read
 
 void ValuePublisher::degrade(Instant t, std::span<const std::size_t> variables, Quality quality,
-                             Reason reason, bool to_default) {
+                             Reason reason, Shown shown) {
     begin();
     for (const auto v : variables) {
         const auto& model = *variable(v).model;
@@ -118,7 +118,7 @@ void ValuePublisher::degrade(Instant t, std::span<const std::size_t> variables, 
         value::Update update{variable(v).slot, std::nullopt, quality, reason};
         if (quality == Quality::uncertain && slot.quality != Quality::good) update.quality = slot.quality;
         if (const auto& initial = store_.info(variable(v).slot).initial;
-            to_default && !model.hold_last && !value::is_empty(initial))
+            shown == Shown::initial && !model.hold_last && !value::is_empty(initial))
             update.value = initial;
         updates_.push_back(update);
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,12 @@
 #include "written_values.hpp"
 
 namespace takt::poll {
+
+/// What a value that was not read shows.
+enum class Shown : std::uint8_t {
+    last,     ///< the last value
+    initial,  ///< its initial value; with hold_last, or without one, the last value
+};
 
 /// Publishes the values of a line to the store: what a response carries, what was written where nothing reads
 /// it, and the quality of values that were not read. The values of one response change together.
@@ -50,10 +57,9 @@ public:
     void show_written(Instant t, std::span<const std::size_t> variables);
 
     /// The values were not read. Variables without a read keep theirs.
-    /// @param quality     uncertain: at most; a bad value stays bad
-    /// @param to_default  values without hold_last become their default
+    /// @param quality  uncertain: at most; a bad value stays bad
     void degrade(Instant t, std::span<const std::size_t> variables, value::Quality quality,
-                 value::Reason reason, bool to_default);
+                 value::Reason reason, Shown shown);
 
     /// Published last; valid until the next call.
     [[nodiscard]] std::span<const value::Update> updates() const { return updates_; }

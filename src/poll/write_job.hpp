@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "candidate.hpp"
 #include "command_queue.hpp"
+#include "job_id.hpp"
 #include "outcome_class.hpp"
 #include "read_back.hpp"
 #include "takt/base/result.hpp"

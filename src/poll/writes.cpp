@@ -70,7 +70,7 @@ void LinePoller::Run::on_written(const bus::Outcome& outcome) {
     auto& device = devices_[write.device()];
     if (request && request->read && write_groups_[write.index()].kind == WriteKind::exchange &&
         reachable(device))
-        on_exchanged(outcome, outcome_class, *request);
+        on_exchanged(outcome, outcome_class, write.index());
     const WriteResult what = classify_write(outcome, outcome_class, write.repeatable(write.members()));
     write.note_attempt(execution(outcome, what));
     if (what.result != CommandResult::done || !write.read_back())

@@ -1,5 +1,5 @@
-// Offers the requests that may be sent to the arbiter, as the poller does (src/poll/request_offers.hpp). All are
-// offered for each transaction; there is no queue.
+// Offers the requests that may be sent to the arbiter, as the poller does (src/poll/request_offers.hpp). All
+// are offered for each transaction; there is no queue.
 #include <algorithm>
 #include <cstdint>
 
@@ -160,7 +160,7 @@ void Executor::start_read(Instant t, std::uint32_t index, bool by_trigger) {
     state.by_trigger = by_trigger;
     state.last_start = t;
     auto& owner = devices_[device_of(planned)];
-    owner.probed_early = owner.health.probes_early(t, Duration(planned.period));
+    owner.probed_early = owner.health.read_started(t, Duration(planned.period));
     if (by_trigger) {
         state.read_triggered = false;
     } else {

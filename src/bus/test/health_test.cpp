@@ -45,11 +45,11 @@ TEST(Health, ProbesEarlyOncePerPeriodWhileTheBackOffIsLonger) {
     EXPECT_EQ(health.early_probe_at(at(1s), 500ms), at(1500ms));
     EXPECT_EQ(health.early_probe_at(at(1s), 0s), at(2s));  // no period: the first back-off
     EXPECT_EQ(health.early_probe_at(at(1s), 2s), std::nullopt);
-    EXPECT_TRUE(health.probes_early(at(2800ms), 500ms));
+    EXPECT_TRUE(health.read_started(at(2800ms), 500ms));
     EXPECT_EQ(health.probe_at(), at(3300ms));
-    EXPECT_FALSE(health.probes_early(at(3300ms), 500ms));
+    EXPECT_FALSE(health.read_started(at(3300ms), 500ms));
     EXPECT_TRUE(health.answered());
-    EXPECT_FALSE(health.probes_early(at(0s), 500ms));
+    EXPECT_FALSE(health.read_started(at(0s), 500ms));
 }
 
 }  // namespace

@@ -13,6 +13,10 @@ using bus::Ambiguity;
 using Ended = DistinctReads::Ended;
 using Kind = plan::ReadAlternative::Kind;
 
+constexpr OutcomeClass kOk{.reason = value::Reason::ok, .answered = true};
+constexpr OutcomeClass kRefused{.reason = value::exception_reason(2), .answered = true};
+constexpr OutcomeClass kTimeout{.reason = value::Reason::timeout};
+
 /// One device with one planned read of the registers 0..3. Nothing else may be read: there are parts only.
 struct Line {
     Line()
@@ -47,8 +51,8 @@ TEST(DistinctReads, WithoutAnAlternativeEachEndIsThatOfThePlannedRead) {
     ASSERT_EQ(line.plan.lines[0].requests.size(), 1U);
     EXPECT_TRUE(line.reads.whole(0));
     line.reads.send(0, nullptr);
-    EXPECT_EQ(line.reads.ended(0, true, false), Ended::planned);
-    EXPECT_EQ(line.reads.ended(0, false, false), Ended::planned);
+    EXPECT_EQ(line.reads.ended(0, kOk), Ended::planned);
+    EXPECT_EQ(line.reads.ended(0, kRefused), Ended::planned);
 }
 
 TEST(DistinctReads, APartHasSomeValuesAndIsReadOnce) {
@@ -57,10 +61,10 @@ TEST(DistinctReads, APartHasSomeValuesAndIsReadOnce) {
     ASSERT_TRUE(part && part->kind == Kind::part);
     EXPECT_LT(part->quantity, 4);
     EXPECT_FALSE(line.reads.whole(0));
-    EXPECT_EQ(line.reads.ended(0, false, true), Ended::planned) << "no response";
-    EXPECT_EQ(line.reads.ended(0, true, false), Ended::part);
+    EXPECT_EQ(line.reads.ended(0, kTimeout), Ended::planned) << "no response";
+    EXPECT_EQ(line.reads.ended(0, kOk), Ended::part);
     EXPECT_EQ(line.send(), nullptr) << "the planned read follows";
-    EXPECT_EQ(line.reads.ended(0, true, false), Ended::planned);
+    EXPECT_EQ(line.reads.ended(0, kOk), Ended::planned);
     EXPECT_NE(line.send(), nullptr);
 }
 
@@ -69,7 +73,7 @@ TEST(DistinctReads, WhatTheDeviceRefusesIsNotSentAgain) {
     const auto* first = line.send();
     ASSERT_NE(first, nullptr);
     const auto refused = *first;
-    EXPECT_EQ(line.reads.ended(0, false, false), Ended::other);
+    EXPECT_EQ(line.reads.ended(0, kRefused), Ended::other);
     const auto* second = line.send();
     EXPECT_TRUE(!second || *second != refused);
 }
@@ -77,7 +81,7 @@ TEST(DistinctReads, WhatTheDeviceRefusesIsNotSentAgain) {
 TEST(DistinctReads, ANewPlanForgetsTheAlternatives) {
     Line line;
     ASSERT_NE(line.send(), nullptr);
-    EXPECT_EQ(line.reads.ended(0, true, false), Ended::part);
+    EXPECT_EQ(line.reads.ended(0, kOk), Ended::part);
     line.reads.set_requests(line.plan.lines[0].requests);
     EXPECT_TRUE(line.reads.whole(0));
     EXPECT_NE(line.send(), nullptr) << "its part may be sent again";

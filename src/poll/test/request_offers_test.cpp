@@ -43,7 +43,7 @@ public:
         only.model = &described.lines[0].devices[0];
         only.health = DeviceHealth(1, {.first = 8s, .limit = 8s}, true);
         only.health.set_reads(true);
-        only.wait = 100ms;
+        only.delay_learner = DelayLearner(*only.model, 100ms, false);
         only.requests = {kPolled, kTriggered, kGroup};
         plans.resize(3);
         plans[kPolled].period = 100ms;

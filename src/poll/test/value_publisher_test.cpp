@@ -120,11 +120,14 @@ TEST(ValuePublisher, PartsOfALongValueAreShownTogether) {
 TEST(ValuePublisher, ValuesThatWereNotReadAreDegraded) {
     Published line;
     line.take(0, 10, 3);
-    line.publisher.degrade(line.now, line.requests[0].variables, Quality::uncertain, Reason::timeout, false);
+    line.publisher.degrade(line.now, line.requests[0].variables, Quality::uncertain, Reason::timeout,
+                           Shown::last);
     EXPECT_EQ(line.shown(0) + " " + line.shown(1) + " " + line.shown(2), "10? 11? 12?");
-    line.publisher.degrade(line.now, line.requests[0].variables, Quality::bad, Reason::not_answering, true);
+    line.publisher.degrade(line.now, line.requests[0].variables, Quality::bad, Reason::not_answering,
+                           Shown::initial);
     EXPECT_EQ(line.shown(0) + " " + line.shown(1) + " " + line.shown(2), "10! 7! 12!");
-    line.publisher.degrade(line.now, line.requests[0].variables, Quality::uncertain, Reason::timeout, false);
+    line.publisher.degrade(line.now, line.requests[0].variables, Quality::uncertain, Reason::timeout,
+                           Shown::last);
     EXPECT_EQ(line.shown(0), "10!") << "bad stays bad";
 }
 

@@ -67,7 +67,7 @@ public:
     [[nodiscard]] std::optional<Instant> early_probe_at(Instant last, Duration period) const;
     /// A read is sent; while not answering it is a probe. An early one postpones the next one by its period.
     /// @returns whether it is an early one: its failure does not count
-    [[nodiscard]] bool probes_early(Instant t, Duration period);
+    [[nodiscard]] bool read_started(Instant t, Duration period);
 
 private:
     [[nodiscard]] Duration probe_period(Duration period) const;

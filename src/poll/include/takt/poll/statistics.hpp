@@ -64,15 +64,16 @@ struct DeviceCondition {
 /// What was counted and measured of the transactions with a device.
 struct DeviceTraffic {
     bus::TransactionCounters counters;
-    std::uint64_t late = 0;              ///< responses that came after their transaction had timed out
-    std::optional<DelayFinding> delays;  ///< the device is slower than a setting says
-    std::optional<NoiseFinding> noise;   ///< before three of its responses, and one in a hundred
-    std::uint64_t verified = 0;          ///< writes that were read back as written
-    std::uint64_t differed = 0;          ///< and those that were not
-    Duration recent_time{};              ///< mean of about the last eight times of `counters`
+    std::uint64_t late = 0;      ///< responses that came after their transaction had timed out
+    std::uint64_t verified = 0;  ///< writes that were read back as written
+    std::uint64_t differed = 0;  ///< and those that were not
+    Duration recent_time{};      ///< mean of about the last eight times of `counters`
 };
 
-struct DeviceStatistics : DeviceCondition, DeviceTraffic {};
+struct DeviceStatistics : DeviceCondition, DeviceTraffic {
+    std::optional<DelayFinding> delays;  ///< the device is slower than a setting says
+    std::optional<NoiseFinding> noise;   ///< before three of its responses, and one in a hundred
+};
 
 struct LineStatistics {
     bus::LineCounters counters;

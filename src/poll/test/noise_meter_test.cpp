@@ -1,10 +1,25 @@
-// Noise before responses becomes a finding.
+// Noise before responses becomes a finding: by itself, and on a line.
+#include "../noise_meter.hpp"
+
 #include <gtest/gtest.h>
 
 #include "bench.hpp"
 
 namespace takt::poll::test {
 namespace {
+
+TEST(NoiseMeter, ThreeNoisyResponsesAndOneInAHundredAreAFinding) {
+    NoiseMeter meter;
+    EXPECT_FALSE(meter.add(2, {.answered = 1, .noisy_answers = 1}));
+    EXPECT_FALSE(meter.add(0, {.answered = 2, .noisy_answers = 1}));
+    EXPECT_FALSE(meter.add(1, {.answered = 3, .noisy_answers = 2}));
+    EXPECT_FALSE(meter.add(1, {.answered = 301, .noisy_answers = 3})) << "fewer than one in a hundred";
+    EXPECT_FALSE(meter.finding());
+    EXPECT_TRUE(meter.add(1, {.answered = 302, .noisy_answers = 4}));
+    EXPECT_EQ(meter.finding(), (NoiseFinding{.least = 1, .most = 2}));
+    EXPECT_FALSE(meter.add(5, {.answered = 303, .noisy_answers = 5})) << "it was reported";
+    EXPECT_EQ(meter.finding(), (NoiseFinding{.least = 1, .most = 5}));
+}
 
 TEST(Noise, ThatComesAgainIsReportedOnce) {
     Bench bench(project({device(1, {int16("a", 0).read(3)}), device(2, {int16("b", 0).read(3)})}));
