@@ -52,8 +52,9 @@ public:
 
     [[nodiscard]] bool full() const { return commands_.size() + outcomes_.size() >= capacity_; }
     [[nodiscard]] bool empty() const { return commands_.empty(); }
-    /// The queue is not full. A waiting command for the same variable that is written with its group, and has
-    /// another value, is refused as superseded: a group is written with the latest value of each member.
+    /// Requires that it is not full. A waiting command for the same variable that is written with its group,
+    /// and has another value, is refused as superseded: a group is written with the latest value of each
+    /// member.
     void add(Instant t, PendingCommand command);
     /// The command ends before it was added.
     void refuse(Instant t, const value::WriteCommand& command, bool rounded, value::Reason reason);
@@ -85,7 +86,7 @@ public:
     }
     /// nullptr: it has ended.
     [[nodiscard]] PendingCommand* find(std::uint64_t order);
-    /// It has not ended.
+    /// Requires that it has not ended.
     [[nodiscard]] PendingCommand& at(std::uint64_t order);
     /// The attempt failed and may be repeated.
     /// @param attempts  of its device

@@ -12,6 +12,11 @@
 
 namespace takt::poll {
 
+/// The shape of the answer to the second step, which writes one register.
+inline bus::AnswerShape written_shape(wire::Function function) {
+    return bus::answer_shape(function, 1);
+}
+
 /// The two steps of a read-modify-write, one at a time on a line. To keep it atomic on the line, the caller
 /// sends nothing else while it is active.
 class ModifySequence {

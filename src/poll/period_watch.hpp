@@ -11,6 +11,8 @@
 
 namespace takt::poll {
 
+using bus::PeriodMeter;
+
 /// Measures how often each polled request and each variable is really read, and finds overruns, also while a
 /// read is awaited. A value that several requests read in parts has the period of its first part.
 ///

@@ -1,4 +1,4 @@
-#include "jobs.hpp"
+#include "rate_limited_event.hpp"
 
 namespace takt::poll {
 

@@ -1,29 +1,14 @@
-// The read half of a request of the plan, and what both halves share.
+// Triggers, writes and changes that wait to be sent: their order and their admission.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
-#include <vector>
 
 #include "takt/base/time.hpp"
 #include "takt/base/token_bucket.hpp"
-#include "takt/bus/counters.hpp"
-#include "takt/bus/health.hpp"
-#include "takt/bus/release.hpp"
-#include "takt/bus/transaction.hpp"
 #include "takt/model/project.hpp"
-#include "takt/wire/prepared_request.hpp"
 
 namespace takt::poll {
-
-using bus::Backoff;
-using bus::busy_backoff;
-using bus::Health;
-using bus::PeriodicRelease;
-using bus::PeriodMeter;
 
 /// Numbers commands and triggers in the order of their arrival.
 class ArrivalCounter {
@@ -35,14 +20,16 @@ private:
 };
 
 /// The admission of an event (a command, a trigger, a change) to the queue, at the rate of its token bucket.
-/// Events that arrive while one waits are merged with it.
+/// Events that arrive while one waits are merged with it. Its owner decides when it waits no more. Never
+/// allocates.
 struct RateLimitedEvent {
     std::optional<TokenBucket> bucket;
-    std::optional<Duration> deadline;  // of what the bucket admits
+    std::optional<Duration> deadline;  ///< of what the bucket admits
     bool admitted = false;
-    std::uint64_t order = 0;  // of arrival, among commands and triggers
+    std::uint64_t order = 0;  ///< of arrival, among commands and triggers
 
     RateLimitedEvent() = default;
+    /// @param admission  nothing: every event is admitted at once
     explicit RateLimitedEvent(const std::optional<model::RateLimit>& admission);
 
     /// An event arrives while none waits.
@@ -56,22 +43,5 @@ struct RateLimitedEvent {
         return admitted;
     }
 };
-
-/// The read half of a request of the plan; ReadSchedule has its schedule.
-struct ReadJob {
-    wire::PreparedRead request;
-    std::size_t rank = 0;   // among all jobs of the line, in the order of the plan
-    Duration deadline{};    // relative to the release
-    bool polled = false;    // by period
-    unsigned refusals = 0;  // in a row, of a read across gaps
-    Instant last_start = Instant::min();
-
-    [[nodiscard]] bus::AnswerShape shape() const { return bus::answer_shape(request.shape()); }
-};
-
-/// The shape of the answer to a write of one register.
-inline bus::AnswerShape written_shape(wire::Function function) {
-    return bus::answer_shape(function, 1);
-}
 
 }  // namespace takt::poll

@@ -13,7 +13,7 @@ namespace takt::poll {
 void ReadSchedule::add(std::size_t index, Duration period, std::optional<RateLimitedEvent> trigger) {
     if (index >= reads_.size()) reads_.resize(index + 1);
     auto& read = reads_[index];
-    read.release = PeriodicRelease(period);
+    read.release = bus::PeriodicRelease(period);
     read.health = tables_.devices[request(index).device].health.fresh();
     if (trigger) read.trigger = HeapOptional(Triggering{.event = std::move(*trigger)});
 }

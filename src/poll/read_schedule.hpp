@@ -9,11 +9,13 @@
 
 #include "heap_optional.hpp"
 #include "job_id.hpp"
-#include "jobs.hpp"
+#include "rate_limited_event.hpp"
 #include "read_queue.hpp"
 #include "split.hpp"
 #include "tables.hpp"
 #include "takt/bus/arbiter.hpp"
+#include "takt/bus/health.hpp"
+#include "takt/bus/release.hpp"
 
 namespace takt::poll {
 
@@ -150,7 +152,7 @@ public:
     [[nodiscard]] ReadSchedule take_reads(const LineTables& old);
     /// A read goes on where the same one of the old plan is.
     void carry(std::size_t read, const ReadSchedule& old, std::size_t old_read);
-    /// A read is triggered too if this one of the old plan with the same trigger is.
+    /// `old_read` has the same trigger: if it is triggered, `read` is triggered too.
     void carry_trigger(std::size_t read, const ReadSchedule& old, std::size_t old_read);
     /// No variable is read later than by the old plan: if its next release is later, a release is added.
     void keep_due(Instant t, const ReadSchedule& old);
@@ -166,9 +168,9 @@ private:
         bool started = false;  // without a bucket: it has taken its token of the line
     };
     struct Read {
-        PeriodicRelease release{Duration::zero()};
-        Health health{1};
-        Backoff busy = busy_backoff();
+        bus::PeriodicRelease release{Duration::zero()};
+        bus::Health health{1};
+        bus::Backoff busy = bus::busy_backoff();
         Instant not_before = Instant::min();  // back-off after exceptions 5 and 6
         std::optional<Instant> retry;         // when a failed polled read came back into the queue
         HeapOptional<Triggering> trigger;     // if it has a read trigger

@@ -24,7 +24,7 @@ public:
 
     /// Neither a transaction nor an outcome is in it.
     [[nodiscard]] bool empty() const { return !transaction_ && !outcome_; }
-    /// It is empty.
+    /// Requires empty().
     /// @param device  that the transaction is for, if the line has it
     /// @returns out_of_range for an empty request
     [[nodiscard]] Result<void> put(const bus::Transaction& transaction, std::optional<std::size_t> device);

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "modify_sequence.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/bus/failure_time.hpp"
 #include "transfer.hpp"

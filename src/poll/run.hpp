@@ -14,7 +14,6 @@
 #include "distinct_reads.hpp"
 #include "engine_buffers.hpp"
 #include "gap_learner.hpp"
-#include "jobs.hpp"
 #include "line_match.hpp"
 #include "link_watch.hpp"
 #include "load_meter.hpp"
@@ -60,9 +59,8 @@ public:
     EngineBuffers engine_buffers_;
     bus::TransactionCore engine_;
 
-    std::vector<VariableRun>
-        variables_;  // in the order of the project: slots first_slot_, first_slot_ + 1, ...
-    std::uint32_t first_slot_ = 0;
+    std::vector<VariableRun> variables_;  // in the order of the project
+    std::uint32_t first_slot_ = 0;        // that of the first variable; the others follow it
     std::vector<DeviceRun> devices_;
     std::vector<RequestRun> requests_;
     WrittenValues written_values_;

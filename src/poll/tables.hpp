@@ -1,4 +1,5 @@
-// The tables of a line: requests, devices, variables.
+// The tables of a line: requests, devices, variables. LinePoller::Run owns and changes them; parts read them
+// (LineTables).
 #pragma once
 
 #include <cstdint>
@@ -8,8 +9,8 @@
 
 #include "delay_learner.hpp"
 #include "device_health.hpp"
-#include "jobs.hpp"
 #include "noise_meter.hpp"
+#include "read_job.hpp"
 #include "takt/bus/unit_times.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/line_poller.hpp"
@@ -20,6 +21,7 @@
 
 namespace takt::poll {
 
+/// One request of the plan that runs.
 struct RequestRun {
     const plan::Request* plan = nullptr;
     std::size_t device = 0;
@@ -29,6 +31,7 @@ struct RequestRun {
     bus::TimeStatistics attempt_time;  // of its reads, answered or not
 };
 
+/// One device of the line, for as long as the poller lives.
 struct DeviceRun {
     const model::Device* model = nullptr;
     std::vector<std::size_t> requests;
@@ -53,6 +56,7 @@ inline bool full(const DeviceRun& device) {
     return device.in_flight >= device.most_in_flight;
 }
 
+/// One variable of the line.
 struct VariableRun {
     const model::Variable* model = nullptr;
     value::SlotId slot;

@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "command_queue.hpp"
-#include "jobs.hpp"
 #include "outcome_class.hpp"
+#include "rate_limited_event.hpp"
 #include "read_back.hpp"
+#include "takt/bus/health.hpp"
 #include "takt/plan/plan.hpp"
 #include "write_progress.hpp"
 #include "written_values.hpp"
@@ -41,7 +42,7 @@ struct WriteGroup {
     bool triggered = false;  ///< by its trigger
     bool reported_waiting = false;
     std::uint16_t failures = 0;
-    Backoff busy = busy_backoff();
+    bus::Backoff busy = bus::busy_backoff();
     Instant not_before = Instant::min();
 
     WriteProgress progress;
