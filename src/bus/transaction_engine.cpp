@@ -18,7 +18,7 @@ using wire::Function;
 constexpr Duration kAdapterSilence = 30ms;  // longer than the latency timer of USB adapters (16 ms)
 constexpr Duration kStreamSilence = 50ms;
 constexpr Duration kLeastBusyLimit = 1s;
-// See docs/decisions/0032-in-step.md, "Confirmation" and "What is remembered".
+// Why so long: docs/decisions/0032-in-step.md.
 constexpr Duration kRemembered = 5min;      // how long a missing response is recognised
 constexpr int kSuspicionFactor = 2;         // time-outs that requests wait after a response in doubt
 constexpr Duration kLongestExpected = 30s;  // within which two responses in doubt do not prove a loss
