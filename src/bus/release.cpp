@@ -40,6 +40,8 @@ std::uint64_t PeriodicRelease::serve(Instant t) {
 namespace {
 
 constexpr int kLongestInterval = 4;  // periods
+constexpr int kKeptPeriods = 10;
+constexpr Duration kKeptTime = std::chrono::seconds(10);
 
 constexpr Duration tolerated(Duration period) {
     return period + period / 20;
@@ -55,6 +57,7 @@ Instant PeriodMeter::overrun_due() const {
 bool PeriodMeter::waiting(Instant t) {
     if (t < overrun_due()) return false;
     overrun_ = true;
+    kept_since_ = t;
     pace_ = std::max(pace_, t - last_);
     return true;
 }
@@ -64,6 +67,7 @@ bool PeriodMeter::started(Instant t) {
     last_ = t;
     if (!running_) {
         running_ = true;
+        kept_since_ = t;
         return false;
     }
     pace_ = pace_ == Duration::zero() ? interval : pace_ + (interval - pace_) / 8;
@@ -71,9 +75,11 @@ bool PeriodMeter::started(Instant t) {
     const Duration longest = tolerated(period_);
     long_ones_ = static_cast<std::uint8_t>(long_ones_ << 1 | (interval > longest ? 1 : 0));
     const bool before = overrun_;
-    if (std::popcount(long_ones_) >= 3 && pace_ > longest) overrun_ = true;
+    const int long_ones = std::popcount(long_ones_);
+    if (long_ones >= 3 && pace_ > longest) overrun_ = true;
+    if (long_ones > 1) kept_since_ = t;
     // The mean restarts with the current interval: past overruns must not begin a new one.
-    if (before && interval <= longest && std::popcount(long_ones_) <= 1) {
+    if (before && interval <= longest && t - kept_since_ >= std::max(kKeptTime, kKeptPeriods * period_)) {
         overrun_ = false;
         pace_ = interval;
     }

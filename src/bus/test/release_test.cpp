@@ -96,6 +96,8 @@ TEST(PeriodMeter, TellsAnOverrunOnceAndItsEnd) {
     run(10, 130ms);
     EXPECT_EQ(changes, 1);
     EXPECT_TRUE(meter.overrun());
+    run(100, 100ms);
+    EXPECT_EQ(changes, 1) << "not yet for 10 s";
     run(20, 100ms);
     EXPECT_EQ(changes, 2);
     EXPECT_FALSE(meter.overrun());
@@ -112,12 +114,49 @@ TEST(PeriodMeter, AnOverrunEndsWhenPeriodsHoldAgainThoughOneIsLateNowAndThen) {
     };
     run(10, 900ms);
     ASSERT_TRUE(meter.overrun());
-    for (int i = 0; i < 6; ++i) {
+    for (int i = 0; i < 16; ++i) {
         run(7, 100ms);
         run(1, 110ms);
     }
     EXPECT_FALSE(meter.overrun());
     EXPECT_LT(meter.pace(), 105ms) << "what was before does not count any more";
+}
+
+// Every second something else is more urgent, for three periods.
+TEST(PeriodMeter, ALineNearItsLimitDoesNotChangeTheStateWithEveryRound) {
+    PeriodMeter meter(100ms);
+    Instant now = at(0ms);
+    int changes = 0;
+    const auto run = [&](int count, Duration period) {
+        for (int i = 0; i < count; ++i) changes += meter.started(now += period) ? 1 : 0;
+    };
+    for (int i = 0; i < 60; ++i) {
+        run(3, 150ms);
+        run(7, 98ms);
+    }
+    EXPECT_EQ(changes, 1);
+    EXPECT_TRUE(meter.overrun());
+}
+
+TEST(PeriodMeter, TheEndOfAnOverrunTakesTenPeriodsAndAnInterruptionDoesNotCount) {
+    PeriodMeter meter(10s);
+    Instant now = at(0ms);
+    const auto run = [&](int count, Duration period) {
+        for (int i = 0; i < count; ++i) meter.started(now += period);
+    };
+    run(1, 0s);
+    run(8, 20s);
+    ASSERT_TRUE(meter.overrun());
+    run(15, 10s);
+    EXPECT_TRUE(meter.overrun()) << "until the sixth, two of the last eight are too long";
+    run(1, 10s);
+    EXPECT_FALSE(meter.overrun());
+    run(8, 20s);
+    ASSERT_TRUE(meter.overrun());
+    meter.interrupt();
+    run(1, 1h);
+    run(9, 10s);
+    EXPECT_TRUE(meter.overrun());
 }
 
 TEST(PeriodMeter, AsFastAsTheLineAllowsIsNeverTooSlow) {
@@ -164,7 +203,10 @@ TEST(PeriodMeter, AnIntervalOfMoreThanFourPeriodsIsAnOverrunWhileItLasts) {
     EXPECT_FALSE(meter.waiting(at(900ms))) << "it is reported once";
     EXPECT_FALSE(meter.started(at(1000ms)));
     EXPECT_TRUE(meter.overrun());
-    EXPECT_TRUE(meter.started(at(1100ms))) << "it ends with a good period";
+    EXPECT_FALSE(meter.started(at(1100ms)));
+    EXPECT_TRUE(meter.overrun()) << "it ends when the period was kept for 10 s";
+    for (Duration t = 1200ms; t < 10'500ms; t += 100ms) EXPECT_FALSE(meter.started(at(t)));
+    EXPECT_TRUE(meter.started(at(10'500ms)));
     EXPECT_FALSE(meter.overrun());
     meter.interrupt();
     EXPECT_EQ(meter.overrun_due(), kNever);

@@ -86,8 +86,9 @@ public:
     /// The mean of about the last eight of them.
     [[nodiscard]] Duration recent() const { return recent_; }
     /// An overrun begins when at least three of the last eight periods and the moving mean are more than 5 %
-    /// too long, or while one of them lasts for longer than four. It ends when at most one of the last eight
-    /// periods is too long, and the latest is not.
+    /// too long, or while one of them lasts for longer than four. It ends when the period was kept for ten
+    /// periods and for 10 s: all that time at most one of the last eight periods was too long, and the latest
+    /// is not. So a line near its limit does not change the state with every round.
     [[nodiscard]] bool overrun() const { return overrun_; }
 
 private:
@@ -96,7 +97,8 @@ private:
     bool overrun_ = false;
     std::uint8_t long_ones_ = 0;  // the last eight periods, one bit each: too long
     bool has_answer_ = false;
-    Instant last_;  // start
+    Instant kept_since_;  // of an overrun
+    Instant last_;        // start
     Duration pace_{};
     Instant last_answered_;
     Duration recent_{};
