@@ -47,12 +47,15 @@ class Forgetful(Device):
 
 
 def test_a_line_that_loses_answers():
-    with PtyLine(Forgetful(7, registers=registers(*MAP))) as line:
+    device = Forgetful(7, registers=registers(*MAP))
+    with PtyLine(device) as line:
         result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 250, "--json", "--timeout", "2s",
                       deadline=200).json
         assert holding(result)["ranges"] == [list(r) for r in MAP]
-        assert result["transmissions"] <= result["requests"] * 15 / 10 + 3, \
-            "a lost answer costs one repetition; the next two answers of its shape are in doubt"
+        # A lost answer costs one repetition. The answer may still come, so the next two normal responses that look like it
+        # are repeated. After those two it counts as lost; an exception in doubt is taken without a repetition.
+        lost = device.answered // 10
+        assert lost >= 14 and result["requests"] + lost <= result["transmissions"] <= result["requests"] + 3 * lost
 
 
 def test_a_device_that_refuses_by_silence():
