@@ -128,9 +128,11 @@ struct Failing {
     std::size_t readings;
 };
 
+// Of "once": the lost one, two in doubt, and the one that counts. A reading back is not altered, so the lost
+// response looks like those that follow. After two of them it counts as lost (OutstandingResponses).
 TEST(Verify, AReadingBackThatFailsIsRepeatedAndThenTheOutcomeIsUnknown) {
     constexpr Failing kCases[] = {
-        {"once", 1, {}, CommandResult::done, Reason::ok, 4},  // the next two may be late: no other length
+        {"once", 1, {}, CommandResult::done, Reason::ok, 4},
         {"always", 99, {}, CommandResult::unknown, Reason::timeout, 3},
         {"refused", 0, 2, CommandResult::unknown, value::exception_reason(2), 1},
         {"busy", 0, 6, CommandResult::unknown, value::exception_reason(6), 3},
