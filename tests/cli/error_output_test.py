@@ -6,12 +6,12 @@ import re
 import signal
 import socket
 import subprocess
-import threading
 
 import pytest
 
 import endpoints
 from fake_slave import TcpSlave, tcp_answer
+from peer_base import TcpPeer
 from program import TAKT, environment, start, takt, until
 from projects import at, tcp
 
@@ -199,28 +199,16 @@ def test_interrupted_before_there_is_a_connection(swallower):
 
 # --- words
 
-class Greeter:
-    """A server that is not Modbus: it greets each connection. `connections` counts them."""
+class Greeter(TcpPeer):
+    """A server that is not Modbus: it greets each connection."""
 
     def __init__(self, greeting):
-        self.server, self.connections = socket.create_server(("127.0.0.1", 0)), []
-        self.port = self.server.getsockname()[1]
-        threading.Thread(target=self._run, args=(greeting,), daemon=True).start()
+        self._greeting, self._peers = greeting, []
+        super().__init__()
 
-    def _run(self, greeting):
-        with contextlib.suppress(OSError):
-            while True:
-                peer, _ = self.server.accept()
-                self.connections.append(peer)
-                peer.sendall(greeting)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.server.close()
-        for peer in self.connections:
-            peer.close()
+    def _connected(self, peer):
+        self._peers.append(peer)
+        peer.sendall(self._greeting)
 
 
 @pytest.mark.parametrize("command", [["read", "holding", 0], ["read", "holding", 0, "--watch", "100ms", "--for", "1s"], ["probe"]],

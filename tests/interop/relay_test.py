@@ -10,6 +10,7 @@ from pymodbus.client import ModbusTcpClient
 import pytest
 
 import endpoints
+from fake_slave import SerialPeer
 from frames import crc16
 from program import PEERS, Running, start, takt, until
 
@@ -41,39 +42,30 @@ POLLED = """    devices:
           - {name: Polled, type: uint16, register: 7, read: 3, period: 200ms}"""
 
 
-class Bus:
+class Bus(SerialPeer):
     """Slaves on a pty: register r of unit u holds 100·u + r until it is written. `dead` units do not answer,
     and no unit answers while `gate` is not set."""
 
     def __init__(self, port, units=(1, 3), delay=0.002):
-        import serial as pyserial
-        self.line = pyserial.Serial(port, 115200, timeout=0.01)
+        super().__init__(port)
         self.units, self.delay = units, delay
         self.dead, self.late = set(), {}
         self.written, self.seen = {}, []
-        self.stop, self.gate = threading.Event(), threading.Event()
+        self.gate = threading.Event()
         self.gate.set()
-        self.thread = threading.Thread(target=self._run, daemon=True)
-        self.thread.start()
+        self._received = b""
 
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.stop.set()
+    def __exit__(self, *error):
         self.gate.set()
-        self.thread.join()
-        self.line.close()
+        super().__exit__(*error)
 
-    def _run(self):
-        received = b""
-        while not self.stop.is_set():
-            received += self.line.read(1) + self.line.read(self.line.in_waiting)
-            if len(received) < 8:
-                continue
-            if crc16(received[:-2]) == received[-2:]:
-                self._answer(received[0], received[1:-2])
-            received = b""
+    def _serve_once(self):
+        self._received += self._line.read(1) + self._line.read(self._line.in_waiting)
+        if len(self._received) < 8:
+            return
+        if crc16(self._received[:-2]) == self._received[-2:]:
+            self._answer(self._received[0], self._received[1:-2])
+        self._received = b""
 
     def _answer(self, unit, pdu):
         self.seen.append((unit, pdu))
@@ -93,7 +85,7 @@ class Bus:
         else:
             answer = bytes([pdu[0] | 0x80, 1])
         frame = bytes([unit]) + answer
-        self.line.write(frame + crc16(frame))
+        self._line.write(frame + crc16(frame))
 
 
 @pytest.fixture
