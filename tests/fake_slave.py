@@ -1,29 +1,20 @@
 """Slaves with scripted answers, on a serial port or as a TCP server."""
-import threading
-
 import serial as pyserial
 
 from frames import request
-from peer_base import TcpPeer
+from peer_base import TcpPeer, ThreadedPeer
 
 
-class SerialPeer:
-    """Works on a serial port in a thread of its own while the context lasts: `_serve_once()` again and again, each time
-    for a moment."""
+class SerialPeer(ThreadedPeer):
+    """Works on a serial port: `_serve_once()` again and again, each time for a moment."""
 
     def __init__(self, port):
         self._port = port
 
-    def __enter__(self):
+    def _open(self):
         self._line = pyserial.Serial(self._port, timeout=0.02)
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
-        return self
 
-    def __exit__(self, *_):
-        self._stop.set()
-        self._thread.join()
+    def _close(self):
         self._line.close()
 
     def _run(self):
@@ -139,12 +130,8 @@ class RtuDevices(SerialPeer):
     answer. A broadcast reaches all and is not answered."""
 
     def __init__(self, port, devices, delay=0.0):
-        self.devices, self.delay, self.seen = devices, delay, []
+        self.devices, self.delay, self.seen, self._held = devices, delay, [], b""
         super().__init__(port)
-
-    def __enter__(self):
-        self._held = b""
-        return super().__enter__()
 
     def _serve_once(self):
         self._held += self._line.read(1) + self._line.read(self._line.in_waiting)

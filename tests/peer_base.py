@@ -6,15 +6,12 @@ import threading
 import tty
 
 
-class PtyPeer:
-    """A pseudo-terminal while the context lasts: `port` is the path to open. `_run()` works on it until `_stop` is set, in a
-    thread of its own."""
+class ThreadedPeer:
+    """While the context lasts: `_open()`, then `_run()` in a thread of its own until `_stop` is set, then `_close()`."""
 
     def __enter__(self):
+        self._open()
         self._stop = threading.Event()
-        self._master, self._slave = os.openpty()
-        tty.setraw(self._slave)
-        self.port = os.ttyname(self._slave)
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
         return self
@@ -22,6 +19,18 @@ class PtyPeer:
     def __exit__(self, *_):
         self._stop.set()
         self._thread.join()
+        self._close()
+
+
+class PtyPeer(ThreadedPeer):
+    """Works on a pseudo-terminal: `port` is the path to open."""
+
+    def _open(self):
+        self._master, self._slave = os.openpty()
+        tty.setraw(self._slave)
+        self.port = os.ttyname(self._slave)
+
+    def _close(self):
         os.close(self._master)
         os.close(self._slave)
 
