@@ -157,6 +157,17 @@ bool OutstandingResponses::expects(std::uint16_t wire_id) const {
     return std::ranges::any_of(all(), [&](const auto& e) { return e.outstanding() && e.wire_id == wire_id; });
 }
 
+// A unit that does not keep the order may have answered one that has passed instead of `found`. Then `found`,
+// for which requests wait, stays.
+OutstandingResponse& OutstandingResponses::in_order_or_passed(OutstandingResponse& found,
+                                                              const AnswerShape& frame) {
+    if (found.in_order || found.wire_id != 0) return found;
+    const auto passed = std::ranges::find_if(all(), [&](const auto& entry) {
+        return entry.phase == Phase::passed && entry.may_be(found.unit, frame);
+    });
+    return passed == all().end() ? found : *passed;
+}
+
 Lateness OutstandingResponses::settle(UnitId unit, const AnswerShape& shape,
                                       std::optional<std::uint16_t> wire_id, Instant begin, Instant end) {
     OutstandingResponse* found = nullptr;
@@ -168,24 +179,27 @@ Lateness OutstandingResponses::settle(UnitId unit, const AnswerShape& shape,
         if (!found || precedes(entry, *found)) found = &entry;
     }
     if (!found) return Lateness::none;
-    const bool out_of_order = found->phase == Phase::passed;
+    const bool out_of_order = found->phase == Phase::passed || found->overtaken;
     const Lateness lateness = out_of_order ? Lateness::out_of_order : Lateness::in_order;
     // It may answer any of them: none may be taken for settled.
     if (shape.pdu_length == 0 && !wire_id && !one_length(unit, shape.function)) return lateness;
     const Duration delay = std::max(begin - found->end, Duration::zero());
+    const bool overtakes = !wire_id && shape.pdu_length != 0;
     for (auto& entry : all()) {
         if (!entry.outstanding() || entry.unit != unit) continue;
         entry.end = std::max(entry.end, end);
         const bool expected = end < std::max(entry.expected_until, entry.confirm_until);
         if (entry.phase == Phase::suspected || (out_of_order && expected)) entry.phase = Phase::owed;
+        if (overtakes && &entry < found && !entry.may_be(unit, shape)) entry.overtaken = true;
     }
     OutstandingResponse came = *found;
     came.phase = Phase::came;
     came.delay = delay;
     came.came_at = end;
     came.out_of_order = out_of_order;
-    if (--found->count == 0)
-        *found = came;
+    OutstandingResponse& settled = in_order_or_passed(*found, shape);
+    if (--settled.count == 0)
+        settled = came;
     else if (size_ < memory_.size())
         memory_[size_++] = came;
     return lateness;
@@ -263,6 +277,8 @@ Instant OutstandingResponses::earliest(UnitId unit, const AnswerShape& shape) co
     for (const auto& entry : all())
         if (entry.phase != Phase::passed && entry.may_be(unit, shape))
             earliest = std::max(earliest, entry.hold_until);
+        else if (entry.phase == Phase::owed && entry.unit == unit)
+            earliest = std::max(earliest, entry.patient_until);
     return earliest;
 }
 

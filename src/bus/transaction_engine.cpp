@@ -115,6 +115,7 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
     slot.wait = transaction.wait;
     slot.late_limit = transaction.late_limit.value_or(transaction.wait);
     slot.lateness = transaction.lateness;
+    slot.patience = transaction.patience;
     slot.longest_delay = std::min(transaction.longest_delay.value_or(slot.wait), slot.wait);
     slot.in_order = transaction.in_order;
     slot.broadcast = broadcast;
@@ -242,14 +243,22 @@ Duration TransactionCore::expected_time(const Slot& slot) {
     return std::clamp<Duration>(kLatenessFactor * slot.lateness, least, std::max(least, kLongestExpected));
 }
 
+// Instant::min() where the response is not expected while requests that look alike wait.
+Instant TransactionCore::patient_until(const Slot& slot, Instant hold_until) const {
+    const Instant until = slot.request_end + slot.patience + config_.frame_time(slot.shape().pdu_length);
+    return slot.patience > Duration::zero() && until <= hold_until ? until : Instant::min();
+}
+
 void TransactionCore::expect_response(Instant t, const Slot& slot, Instant hold_until) {
     outstanding_.add(
         {.unit = slot.unit,
          .wire_id = numbered() ? slot.wire_id : std::uint16_t{0},
+         .in_order = slot.in_order,
          .shape = slot.shape(),
          .end = std::max(slot.request_end, slot.unit_busy_until),
          .expired_at = t,
          .hold_until = hold_until,
+         .patient_until = patient_until(slot, hold_until),
          .expected_until = t + expected_time(slot),
          .confirm_until = t + OutstandingResponses::confirmation_time(slot.wait),
          .forget_at = std::max(hold_until, t + kRemembered),

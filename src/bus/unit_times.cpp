@@ -10,6 +10,7 @@ namespace {
 constexpr int kRecentResponses = 16;   // over which the longest delay decays
 constexpr int kDoubtfulResponses = 4;  // over which it grows if they may be late ones
 constexpr int kLongestHold = 8;        // response time-outs
+constexpr int kPatienceFactor = 4;     // a quarter longer than late responses usually take
 
 }  // namespace
 
@@ -34,6 +35,7 @@ void UnitTimes::on_late(const LateResponse& late) {
     lateness = std::max(lateness, late.delay);
     std::ranges::rotate(last_late, last_late.begin() + 1);
     last_late.back() = late.delay;
+    missing = false;
     if (late.out_of_order_since) in_order = false;
 }
 
@@ -50,6 +52,9 @@ void UnitTimes::set(Transaction& transaction, Duration response_timeout) const {
     transaction.lateness = usual_lateness();
     transaction.longest_delay = longest_delay;
     transaction.in_order = in_order;
+    const bool comes = in_order && !missing;
+    transaction.patience =
+        comes ? transaction.lateness + transaction.lateness / kPatienceFactor : Duration::zero();
 }
 
 }  // namespace takt::bus

@@ -32,6 +32,7 @@ void LinePoller::Run::measure_delay(std::size_t index, const bus::Outcome& outco
     if (config.in_flight > 1) return;
     const Duration delay = bus::response_delay(config, outcome);
     if (outcome.status == bus::Status::ambiguous) return device.times.on_response(delay, false);
+    if (outcome.status == bus::Status::timeout) return device.times.on_missing();
     if (!answered || outcome.response.empty()) return;
     const Duration silence = line_.is_serial() ? engine_.silence() : Duration::zero();
     const Duration tolerated =

@@ -24,6 +24,7 @@ bus::OutcomeStatus Executor::note_outcome(const bus::Outcome& outcome, std::uint
     const bool early_probe = std::exchange(state.probed_early, false);
     if (!state.enabled || ended.status == StatusCode::link_lost) return ended;
     if (ended.answered) note_delay(outcome, state);
+    if (outcome.status == bus::Status::timeout) state.times.on_missing();
     if (ended.answered) {
         if (state.health.answered()) restart_device(outcome.ended_at, index, true);
         if (state.away) restore_statuses(index);

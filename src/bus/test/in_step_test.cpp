@@ -54,6 +54,29 @@ TEST(InStep, AUnitThatDoesNotAnswerInOrderIsNotFreedByALaterAnswer) {
     EXPECT_GT(line.engine.earliest_start(UnitId{1}, {3, 6}), at(115ms));
 }
 
+// Request 1 times out at about 70 ms.
+TEST(InStep, AUnitIsSentNothingUntilItsLateResponseUsuallyComes) {
+    struct Case {
+        Duration patience;  // from the end of the request, at about 14 ms
+        Duration earliest;
+    };
+    for (const auto& c : {Case{0ms, 0ms}, Case{80ms, 90ms}, Case{200ms, 0ms}}) {
+        Rig line;
+        line.now = at(10ms);
+        auto asked = transaction(1, 1, kTwo, 50ms);
+        asked.patience = c.patience;
+        line.submit(line.now, asked);
+        line.run_until(at(75ms));
+        ASSERT_EQ(line.last().status, Status::timeout);
+        const Instant others = line.engine.earliest_start(UnitId{1}, {3, 8});
+        EXPECT_GE(others, at(c.earliest));
+        EXPECT_LT(others, at(c.earliest + 80ms)) << "longer than those that look alike wait: not at all";
+        EXPECT_LT(line.engine.earliest_start(UnitId{2}, {3, 8}), at(80ms));
+        line.receive(line.now, rtu(1, kOld));
+        EXPECT_LT(line.engine.earliest_start(UnitId{1}, {3, 8}), at(80ms)) << "it has come";
+    }
+}
+
 TEST(InStep, ALateResponseThatIsFollowedByTheOwnOneIsDropped) {
     AfterTimeout line;
     line.run_until(at(130ms));

@@ -68,6 +68,30 @@ TEST(UnitTimes, TheUsualLatenessIsTheMedianOfTheLastThree) {
     EXPECT_EQ(late(2100ms), 2s);
 }
 
+TEST(UnitTimes, ALateResponseIsWaitedForWhileTheyUsuallyCome) {
+    UnitTimes times;
+    const auto patience = [&] {
+        Transaction transaction;
+        times.set(transaction, 100ms);
+        return transaction.patience;
+    };
+    LateResponse late;
+    late.delay = 120ms;
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_EQ(patience(), 0ms) << "not known how late they are";
+        times.on_missing();
+        times.on_late(late);
+    }
+    EXPECT_EQ(patience(), 150ms);
+    times.on_missing();
+    EXPECT_EQ(patience(), 0ms) << "the last one did not come";
+    times.on_late(late);
+    EXPECT_EQ(patience(), 150ms);
+    late.out_of_order_since = Instant{};
+    times.on_late(late);
+    EXPECT_EQ(patience(), 0ms) << "the unit answers other requests meanwhile";
+}
+
 TEST(UnitTimes, TheDelayEndsWithTheFirstByteOfTheResponse) {
     Outcome outcome;
     outcome.status = Status::ambiguous;

@@ -69,20 +69,23 @@ struct OutstandingResponse {
     Phase phase = Phase::owed;
     std::uint16_t wire_id = 0;  ///< Framing::tcp; else 0
     std::uint16_t count = 1;    ///< such responses; the times are those of the last one
+    bool in_order = true;       ///< its unit answers requests in their order, as far as is known
+    bool overtaken = false;     ///< the response to a later request of its unit came late
     bool out_of_order = false;  ///< Phase::came
     AnswerShape shape;
     std::uint16_t other_length = 0;  ///< of another response that it may be instead; that of `shape`: none
     Instant end;                     ///< of the request, or of the last answer of the unit before its own
     Instant expired_at;              ///< when its transaction ended
     Instant hold_until;              ///< requests that look alike wait until then
-    Instant expected_until;          ///< until then two others in doubt do not prove that it was lost
-    Instant confirm_until;           ///< Phase::passed: until then responses that look alike are confirmed
-    Instant check_at;                ///< Phase::passed: the next response after that is confirmed too
-    Instant forget_at;               ///< the response is not expected to come at all after that
-    Duration hold{};                 ///< Phase::suspected: requests that look alike wait so long again
-    Duration wait{};                 ///< Transaction::wait
-    Duration delay{};                ///< Phase::came
-    Instant came_at;                 ///< Phase::came
+    Instant patient_until = Instant::min();  ///< Phase::owed: all requests to the unit wait until then
+    Instant expected_until;                  ///< until then two others in doubt do not prove that it was lost
+    Instant confirm_until;  ///< Phase::passed: until then responses that look alike are confirmed
+    Instant check_at;       ///< Phase::passed: the next response after that is confirmed too
+    Instant forget_at;      ///< the response is not expected to come at all after that
+    Duration hold{};        ///< Phase::suspected: requests that look alike wait so long again
+    Duration wait{};        ///< Transaction::wait
+    Duration delay{};       ///< Phase::came
+    Instant came_at;        ///< Phase::came
 
     [[nodiscard]] bool outstanding() const { return phase != Phase::came; }
     [[nodiscard]] bool may_be(UnitId of, const AnswerShape& frame) const;
@@ -202,6 +205,7 @@ private:
     [[nodiscard]] std::span<OutstandingResponse> all() { return memory_.first(size_); }
     [[nodiscard]] std::span<const OutstandingResponse> all() const { return memory_.first(size_); }
     [[nodiscard]] bool have_memory();
+    OutstandingResponse& in_order_or_passed(OutstandingResponse& found, const AnswerShape& frame);
     void erase(std::size_t index);
     void make_room(Instant now);
     bool merge();

@@ -71,6 +71,9 @@ struct Transaction {
     std::optional<Duration> late_limit;
     /// How late late responses of the unit usually are. Zero: not known.
     Duration lateness{};
+    /// If the response is late, nothing is sent to the unit until so long after the end of the request: it
+    /// usually comes by then. Ends with the first response that looks like it. Zero: does not wait.
+    Duration patience{};
     /// The longest time from a request to the first byte of its response that was seen, at most `wait`;
     /// default: `wait`.
     std::optional<Duration> longest_delay;

@@ -52,6 +52,7 @@ class TransactionSlot {
     Duration wait{};
     Duration late_limit{};
     Duration lateness{};
+    Duration patience{};
     Duration longest_delay{};
     Instant submitted_at;
     Instant sent_at;
@@ -220,6 +221,7 @@ private:
     void pass_over(bool late);
     void give_up(Instant t, Slot& slot, Status status);
     [[nodiscard]] static Duration expected_time(const Slot& slot);
+    [[nodiscard]] Instant patient_until(const Slot& slot, Instant hold_until) const;
     void expect_response(Instant t, const Slot& slot, Instant hold_until);
     void finish(Instant t, Slot& slot, Status status, const wire::ResponseView& response = {});
     Bytes send(Instant t, Slot& slot);

@@ -22,11 +22,14 @@ struct UnitTimes {
     Duration lateness{};                    ///< the longest delay of a late response
     std::array<Duration, 3> last_late{};    ///< the delays of the last ones; zero: not so many
     bool in_order = true;                   ///< it answers requests in their order
+    bool missing = false;                   ///< a response is, since the last late one
 
     /// A response in time.
     /// @param certain  it answers the last request: no other response of the unit is missing. Others shorten
     ///                 nothing, and lengthen slowly
     void on_response(Duration delay, bool certain);
+    /// No response in time.
+    void on_missing() { missing = true; }
     void on_late(const LateResponse& late);
 
     /// The median of the last three; zero if there are not so many. A frame may be taken for a late response
