@@ -309,6 +309,7 @@ private:
     void note_served(Transaction& transaction) const;
     void check_sample(Instant t, VariableNumber v, const value::Slot& slot);
     void check_age(Instant t, VariableNumber v);
+    void check_outage(Instant t, VariableNumber v) const;
     void check_stale(Instant t, VariableNumber v, const value::Slot& slot) const;
     void check_advance(Instant t);
     [[nodiscard]] Duration lost_since(Instant from) const;

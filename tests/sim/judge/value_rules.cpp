@@ -360,6 +360,19 @@ void LineJudge::check_age(Instant t, VariableNumber v) {
              "it is from " + milliseconds(age) + " ago and shown as good");
 }
 
+// The master marks the values when it counts a device as not answering, and when the link is lost.
+void LineJudge::check_outage(Instant t, VariableNumber v) const {
+    const std::size_t device = variables_[v].device;
+    const auto answers_now = [device](const Transaction& each) {
+        return !each.over && each.device == device;
+    };
+    if (!variables_[v].good || std::ranges::any_of(transactions_, answers_now)) return;
+    if (!up_)
+        complain("value_true", t, name_of(v) + " not good while its line is closed", "shown as good");
+    else if (devices_[device].dead())
+        complain("value_true", t, name_of(v) + " not good while its device does not answer", "shown as good");
+}
+
 void LineJudge::look(Instant t, const value::Store& store, std::uint32_t first_slot,
                      const std::vector<std::uint64_t>& ended) {
     check_length(t, ended);
@@ -372,7 +385,9 @@ void LineJudge::look(Instant t, const value::Store& store, std::uint32_t first_s
     for (VariableNumber v = 0; v < variables_.size(); ++v) {
         const value::Slot& slot = store[{first_slot + static_cast<std::uint32_t>(v)}];
         if (slot.batch == variables_[v].batch) {
-            if (sweep) check_age(t, v);
+            if (!sweep) continue;
+            check_age(t, v);
+            check_outage(t, v);
             continue;
         }
         variables_[v].batch = slot.batch;
