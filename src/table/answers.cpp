@@ -22,9 +22,9 @@ bus::OutcomeStatus Executor::note_outcome(const bus::Outcome& outcome, std::uint
     auto& state = devices_[index];
     state.in_flight = false;
     const bool early_probe = std::exchange(state.probed_early, false);
+    if (outcome.status == bus::Status::timeout) state.times.on_missing();
     if (!state.enabled || ended.status == StatusCode::link_lost) return ended;
     if (ended.answered) note_delay(outcome, state);
-    if (outcome.status == bus::Status::timeout) state.times.on_missing();
     if (ended.answered) {
         if (state.health.answered()) restart_device(outcome.ended_at, index, true);
         if (state.away) restore_statuses(index);
@@ -69,9 +69,10 @@ void Executor::on_read(const bus::Outcome& outcome, std::uint32_t index) {
     const bool probe = !devices_[device_of(planned)].health.answering();
     const auto ended = note_outcome(outcome, device_of(planned));
     const Instant t = outcome.ended_at;
-    // The return of the device has released all its reads at once. This one has just been read.
-    if (probe && ended.status == StatusCode::ok && is_polled(planned) && state.release.next() <= t)
-        state.release.serve(t);
+    // The return of the device has released all its reads at once. This one has just been read, or is read
+    // again because its response is in doubt.
+    const bool came = ended.status == StatusCode::ok || ended.status == StatusCode::ambiguous;
+    if (probe && came && is_polled(planned) && state.release.next() <= t) state.release.serve(t);
     if (ended.status == StatusCode::link_lost) {
         state.read_triggered = state.read_triggered || state.by_trigger;
         return;
