@@ -69,6 +69,26 @@ TEST(Delays, AResponseAfterTheLateLimitIsNamedWithItsOwnDelay) {
     expect_finding(bench, Setting::response_timeout, 260ms, 100ms, 400ms);
 }
 
+// The late response shows that the device does not answer in order: what was read since it was missing may
+// be that of an earlier request.
+TEST(Delays, AResponseOutOfOrderMarksTheValuesThatWereReadSince) {
+    Bench bench(project({device(1, {int16("a", 0).read(3).every(1s), int16("b", 100).read(4).every(1s)})}));
+    bench.run_until(3500ms);
+    bench.players[1].silent_about = {0};
+    bench.run_until(4050ms);
+    bench.players[1].silent_about = {};
+    bench.run_until(7500ms);
+    ASSERT_EQ(bench.slot("a").quality, value::Quality::good);
+    const std::uint8_t late[] = {3, 2, 0, 7};
+    const auto frame = wire::encode_frame(wire::Framing::rtu, UnitId{1}, 0, late);
+    bench.master.line(0).on_bytes(bench.now, frame.span());
+    EXPECT_EQ(bench.slot("a").quality, value::Quality::uncertain);
+    EXPECT_EQ(bench.slot("a").reason, value::Reason::ambiguous);
+    EXPECT_EQ(bench.slot("b").quality, value::Quality::good);
+    bench.run_until(9500ms);
+    EXPECT_EQ(bench.slot("a").quality, value::Quality::good);
+}
+
 TEST(Delays, AResponseLaterThanTheTurnaroundIsNamedThoughItIsInTime) {
     Bench bench(project({slow_device(500ms, 20ms)}));
     bench.players[1].turnaround = 60ms;
