@@ -10,10 +10,16 @@ bool is_enough(const model::MeasuredTimes& measured) {
     return measured.exchanges >= model::MeasuredTimes::kEnough;
 }
 
-/// "8ms"; empty if the project writes or learns the turnaround, or too little was measured.
+/// Some responses came after their time-out. A turnaround that is long enough for them is no turnaround.
+bool has_late(const model::MeasuredTimes& measured) {
+    return measured.lateness > measured.longest;
+}
+
+/// "8ms"; empty if the project writes or learns the turnaround, too little was measured, or responses are
+/// late.
 std::string advised_turnaround(const model::Device& device, const model::MeasuredTimes& measured) {
-    if (device.turnaround || device.learn_turnaround || !is_enough(measured)) return {};
-    const auto advised = bus::advised_timeout(measured.worst());
+    if (device.turnaround || device.learn_turnaround || !is_enough(measured) || has_late(measured)) return {};
+    const auto advised = bus::advised_timeout(measured.longest);
     return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(advised).count()) + "ms";
 }
 
@@ -58,6 +64,7 @@ std::string turnaround_text(const Texts& texts, const model::Device& device,
                             const model::MeasuredTimes& measured) {
     if (device.turnaround || measured.exchanges == 0) return {};
     const char* const code = !is_enough(measured)      ? "app.turnaround.few"
+                             : has_late(measured)      ? "app.turnaround.late"
                              : device.learn_turnaround ? "app.turnaround.learnt"
                                                        : "app.turnaround.measured";
     return texts(code, {{"device", device.name},

@@ -1,5 +1,5 @@
-"""docs/guarantees.md: a response that is late by any amount is never published as a good value of another register, nor as newer
-than it is. The long form of this test is tests/late_field.py."""
+"""docs/guarantees.md: a late response is not published as a good value of another register, nor as newer than it is. The long form
+of this test is tests/late_field.py."""
 import pytest
 
 from late_field import run_field

@@ -271,16 +271,15 @@ TEST(SummaryReport, ResponseTimesOfADevice) {
         const Texts texts(language);
         const auto text = summary_text(texts, snapshot);
         expect_complete(text);
-        expect_contains(text, texts("app.turnaround.measured", {{"device", "Котёл"},
-                                                                {"longest", "7.60 ms"},
-                                                                {"p999", "7.10 ms"},
-                                                                {"count", "3120"},
-                                                                {"advised", "500ms"}}));
+        expect_contains(
+            text,
+            texts("app.turnaround.late",
+                  {{"device", "Котёл"}, {"longest", "7.60 ms"}, {"p999", "7.10 ms"}, {"count", "3120"}}));
         expect_contains(
             text, texts("app.late_responses",
                         {{"device", "Котёл"}, {"late", "3"}, {"attempts", "3123"}, {"lateness", "412 ms"}}));
     }
-    EXPECT_JSON(at(summary_json(snapshot), "lines", 0, "devices", 0, "turnaround", "advised"), "500ms");
+    EXPECT_JSON(at(summary_json(snapshot), "lines", 0, "devices", 0, "turnaround", "advised"), file::Json());
     times.late = 0;
     times.lateness = {};
     expect_contains(summary_text(english(), snapshot), "over 3120 exchanges: turnaround: 10ms\n");
