@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <ranges>
 #include <set>
 #include <span>
 #include <utility>
@@ -48,6 +49,16 @@ void derive(Editor& editor) {
     editor.note_project("derive_timeouts", "false", "true");
 }
 
+// The least turnaround or time-out to propose: a fifth above the longest response time measured, late
+// responses included, rounded up to a value of kTimes.
+Duration least_wait(const model::Device& device) {
+    const Duration worst = device.times.measured.worst();
+    const Duration least = worst + worst / 5;
+    const auto from_below = std::views::reverse(kTimes);
+    const auto proposed = std::ranges::lower_bound(from_below, least);
+    return proposed == from_below.end() ? least : Duration(*proposed);
+}
+
 // The proof takes the time-out for a turnaround that is not known. A shorter time-out would prove as much,
 // and give up devices that answer later.
 std::vector<Step> turnarounds() {
@@ -56,9 +67,12 @@ std::vector<Step> turnarounds() {
         steps.emplace_back([=](Editor& editor) {
             auto& devices = editor.line().devices;
             for (std::size_t d = 0; d < devices.size(); ++d) {
-                if (devices[d].expected_turnaround() || devices[d].response_timeout <= limit) continue;
-                editor.note_device(d, "turnaround", "", duration_text(limit));
-                devices[d].turnaround = limit;
+                auto& device = devices[d];
+                const Duration shorter = std::max<Duration>(limit, least_wait(device));
+                if (device.expected_turnaround() || device.response_timeout <= shorter) continue;
+                editor.note_device(d, "turnaround", device.learn_turnaround ? "learn" : "",
+                                   duration_text(shorter));
+                device.turnaround = shorter;
             }
         });
     return steps;
@@ -73,7 +87,8 @@ std::vector<Step> time_outs() {
             for (std::size_t d = 0; d < devices.size(); ++d) {
                 auto& device = devices[d];
                 if (!device.turnaround || !device.response_timeout_set) continue;
-                const Duration shorter = std::max<Duration>(time_out, *device.turnaround);
+                const Duration shorter =
+                    std::max({Duration(time_out), *device.turnaround, least_wait(device)});
                 if (device.response_timeout <= shorter) continue;
                 editor.note_device(d, "response_timeout", duration_text(device.response_timeout),
                                    duration_text(shorter));

@@ -113,6 +113,59 @@ TEST(Measures, AnUnknownTurnaroundIsToBeMeasured) {
     expect_all_to_work(project, found);
 }
 
+/// One device without a turnaround, which was measured.
+model::Project measured_project(const model::MeasuredTimes& measured) {
+    auto project = test::project({}, {int16(0).read(3).every(100ms), int16(100).read(3).every(100ms)});
+    auto& device = project.lines[0].devices[0];
+    device.response_timeout = 400ms;
+    device.response_timeout_set = true;
+    device.times.measured = measured;
+    return project;
+}
+
+/// The values that measures propose for this key.
+std::vector<std::string> proposed(const std::vector<Measure>& measures, std::string_view key) {
+    std::vector<std::string> values;
+    for (const auto& measure : measures)
+        for (const auto& change : measure.changes)
+            if (change.key == key) values.push_back(change.to);
+    return values;
+}
+
+TEST(Measures, ATurnaroundBelowTheMeasuredOneIsNotProposed) {
+    EXPECT_EQ(proposed(measures_of(measured_project({})), "turnaround"), std::vector<std::string>{"30ms"});
+    const auto slow = measured_project({.exchanges = 618, .longest = 45ms, .p999 = 45ms});
+    EXPECT_TRUE(proposed(measures_of(slow), "turnaround").empty());
+    const auto late = measured_project({.exchanges = 618, .longest = 8ms, .late = 79, .lateness = 307ms});
+    EXPECT_TRUE(proposed(measures_of(late), "turnaround").empty());
+}
+
+TEST(Measures, EachDeviceKeepsItsMeasuredTurnaround) {
+    auto project = measured_project({});
+    auto slower = project.lines[0].devices[0];
+    slower.address = UnitId{2};
+    slower.times.measured = {.exchanges = 12, .longest = 21ms};
+    project.lines[0].devices.push_back(slower);
+    EXPECT_EQ(proposed(measures_of(project), "turnaround"), (std::vector<std::string>{"10ms", "30ms"}));
+}
+
+TEST(Measures, ATimeOutBelowTheMeasuredResponsesIsNotProposed) {
+    auto project = measured_project({.exchanges = 618, .longest = 90ms, .p999 = 90ms});
+    project.lines[0].devices[0].turnaround = 5ms;
+    project.faults_set = true;
+    for (auto& variable : project.lines[0].devices[0].variables) variable.period = 400ms;
+    EXPECT_EQ(proposed(measures_of(project), "response_timeout"), std::vector<std::string>{"200ms"});
+}
+
+TEST(Measures, ATurnaroundThatIsLearntWasNotUnset) {
+    auto project = measured_project({.exchanges = 12, .longest = 8ms, .p999 = 8ms});
+    project.lines[0].devices[0].learn_turnaround = true;
+    const auto found = measures_of(project);
+    ASSERT_FALSE(found.empty());
+    EXPECT_EQ(found.front().changes.front().key, "turnaround");
+    EXPECT_EQ(found.front().changes.front().from, "learn");
+}
+
 TEST(Measures, GroupingAndAMeasuredTurnaroundComeFirstTogether) {
     std::vector<test::Item> variables;
     for (std::uint16_t i = 0; i < 60; ++i) variables.push_back(int16(i).read(3).every(100ms));
