@@ -77,6 +77,7 @@ def test_a_learnt_turnaround_is_kept_and_used(project, pair, tmp_path):
         plan = takt("plan", path, "--json", code=None).json
         note = next(f for f in plan["findings"] if f["code"] == "guarantee.response_measured")
         assert note["severity"] == "note" and f"over {times['exchanges']} exchanges, not known" in note["message"]
+        assert note["advice"].startswith(f"{note['value']} is the longest response time measured, late responses included")
         line = plan["lines"][0]
         assert line["response_times"][0]["turnaround"]["exchanges"] == times["exchanges"]
         assert line["requests"][0]["c_us"] < first["requests"][0]["c_us"], "not the whole time-out"

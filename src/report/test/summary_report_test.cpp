@@ -264,7 +264,8 @@ TEST(SummaryReport, ResponseTimesOfADevice) {
     auto& times = snapshot.lines[0].times[0];
     times = {.exchanges = 12, .longest = 7600us, .p999 = 7600us, .attempts = 12};
     expect_contains(summary_text(english(), snapshot),
-                    "\n  Котёл: turnaround at most 7.60 ms, exchanges measured: 12, too few to use\n");
+                    "\n  Котёл: turnaround of responses in time at most 7.60 ms, exchanges measured: 12, "
+                    "too few to use\n");
     times = {
         .exchanges = 3120, .longest = 7600us, .p999 = 7100us, .attempts = 3123, .late = 3, .lateness = 412ms};
     for (const auto language : kLanguages) {
@@ -279,6 +280,8 @@ TEST(SummaryReport, ResponseTimesOfADevice) {
             text, texts("app.late_responses",
                         {{"device", "Котёл"}, {"late", "3"}, {"attempts", "3123"}, {"lateness", "412 ms"}}));
     }
+    expect_contains(summary_text(english(), snapshot),
+                    "Котёл: turnaround of responses in time at most 7.60 ms, 99.9 % within 7.10 ms");
     EXPECT_JSON(at(summary_json(snapshot), "lines", 0, "devices", 0, "turnaround", "advised"), file::Json());
     times.late = 0;
     times.lateness = {};
