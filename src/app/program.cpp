@@ -102,7 +102,7 @@ int run_program(int argc, char** argv) {
     if (parsed.asked == CommandLine::Asked::nothing_valid) {
         const Texts texts(early_language());
         print_status(parsed.text);
-        print_error(texts(parsed.error.code, parsed.error.arguments));
+        print_error(option_error_text(texts, parsed.error));
         if (parsed.text.empty()) print_status(texts("app.option.help") + '\n');
         return static_cast<int>(ExitCode::usage);
     }

@@ -231,7 +231,9 @@ def test_a_project_with_a_peer_that_is_not_modbus(project):
 
 
 @pytest.mark.parametrize("arguments, words", [
-    (["scan", "tcp://10.0.0.5-1"], "'10.0.0.5-1' is not valid, correct form: 10.0.0.5-254"),
+    (["read", "tcp://host:99999", "holding", 0],
+     "TARGET tcp://host:99999: port: the value 99999 is out of range, allowed: 1..65535"),
+    (["scan", "tcp://10.0.0.5-1"], "TARGET tcp://10.0.0.5-1: '10.0.0.5-1' is not valid, correct form: 10.0.0.5-254"),
     (["scan", "tcp://10.0.0.0/99"], "correct form: 10.0.0.0/24"),
     (["scan", "tcp://127.0.0.1", "--bauds", "9600x"], "'--bauds 9600x' is not valid, correct form: 9600,19200"),
     (["scan", "tcp://127.0.0.1", "--units", "a"], "correct form: 1-10,16"),

@@ -5,6 +5,7 @@
 
 #include "commands/input_files.hpp"
 #include "commands/run_project.hpp"
+#include "options/option_error.hpp"
 #include "output.hpp"
 #include "takt/line/target.hpp"
 #include "takt/plan/proof.hpp"
@@ -28,7 +29,7 @@ bool move_line(const Texts& texts, model::Project& project, const std::string& t
     }
     const auto target = line::parse_target(text);
     if (!target) {
-        print_error(texts.describe(target.error()));
+        print_error(option_error_text(texts, target_error("--port", text, target.error())));
         return false;
     }
     if (target->framing != line.framing) {

@@ -212,6 +212,14 @@ Option& Option::longest(std::size_t bytes) {
     return *this;
 }
 
+Option& Option::check(std::function<void(const std::string&)> check) {
+    option_->check([check = std::move(check)](const std::string& text) {
+        check(text);
+        return std::string();
+    });
+    return *this;
+}
+
 Option& Option::count(int least, int most) {
     option_->expected(least, most);
     return *this;

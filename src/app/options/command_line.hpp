@@ -38,6 +38,8 @@ public:
     Option& one_of(std::vector<std::string> words);
     /// At most this many bytes.
     Option& longest(std::size_t bytes);
+    /// Calls `check` with each value; it may call reject().
+    Option& check(std::function<void(const std::string&)> check);
     /// From `least` to `most` values.
     Option& count(int least, int most);
     /// One value each time it is given; all are taken.

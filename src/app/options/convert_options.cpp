@@ -58,7 +58,10 @@ void add_convert(CommandLine& line, const CommonOptions& common) {
         .number(
             "--unit", [&](int unit) { options.unit = static_cast<std::uint8_t>(unit); }, "help.convert.unit")
         .range(0, 255);
-    convert.value("--target", options.target, "help.convert.target").value_name("TARGET").show_default();
+    convert.value("--target", options.target, "help.convert.target")
+        .value_name("TARGET")
+        .show_default()
+        .check([](const std::string& url) { check_target("--target", url); });
     add_word(convert, "--addresses", options.reading.addresses, kAddresses, "help.convert.addresses")
         .value_name("NOTATION")
         .marks(options.addresses_given);

@@ -1,10 +1,13 @@
 // scan and probe.
 #include <algorithm>
+#include <span>
+#include <string>
 
 #include "commands/probe_command.hpp"
 #include "commands/scan_command.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
+#include "takt/client/port_scan.hpp"
 
 namespace takt::app {
 namespace {
@@ -12,7 +15,13 @@ namespace {
 void add_scan(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<ScanOptions>();
     auto scan = line.root().command("scan", "help.scan", [&] { return app::scan(common, options); });
-    scan.value("TARGET", options.targets, "help.scan.targets").required().count(1, 64);
+    scan.value("TARGET", options.targets, "help.scan.targets")
+        .required()
+        .count(1, 64)
+        .check([](const std::string& url) {
+            if (const auto targets = client::scan_targets(std::span(&url, 1), {}); !targets)
+                reject(target_error("TARGET", url, targets.error()));
+        });
     scan.value("--units", options.units, "help.scan.units").value_name("LIST");
     scan.value("--bauds", options.bauds, "help.scan.bauds").value_name("LIST");
     scan.value("--parities", options.parities, "help.scan.parities").value_name("LIST");

@@ -60,4 +60,14 @@ OptionError option_error(std::string_view words) {
     return {"app.option.other", {{"words", std::string(words)}}};
 }
 
+OptionError target_error(std::string_view option, std::string_view url, const Error& why) {
+    return {"app.option.target", {{"option", std::string(option)}, {"value", std::string(url)}}, why};
+}
+
+std::string option_error_text(const Texts& texts, const OptionError& error) {
+    auto arguments = error.arguments;
+    if (error.why) arguments.emplace_back("why", texts.describe(*error.why));
+    return texts(error.code, arguments);
+}
+
 }  // namespace takt::app

@@ -1,9 +1,11 @@
 // Why the options of a command are not accepted.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "takt/base/result.hpp"
 #include "texts.hpp"
 
 namespace takt::app {
@@ -12,6 +14,7 @@ namespace takt::app {
 struct OptionError {
     std::string code;
     Texts::Arguments arguments;
+    std::optional<Error> why = {};  ///< the argument {why}, in words
 
     friend bool operator==(const OptionError&, const OptionError&) = default;
 };
@@ -19,5 +22,11 @@ struct OptionError {
 /// The error that CLI11 describes in English. Names and values are taken from its words.
 /// Words that are not known become "app.option.other".
 [[nodiscard]] OptionError option_error(std::string_view words);
+
+/// The error of a URL that line::parse_target() or the parsers of module discover do not accept.
+/// @param option  the name of the option or argument
+[[nodiscard]] OptionError target_error(std::string_view option, std::string_view url, const Error& why);
+
+[[nodiscard]] std::string option_error_text(const Texts& texts, const OptionError& error);
 
 }  // namespace takt::app

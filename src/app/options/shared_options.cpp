@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "takt/line/target.hpp"
 #include "takt/model/byte_order.hpp"
 #include "takt/model/scalar.hpp"
 
@@ -9,6 +10,11 @@ namespace takt::app {
 
 void reject_word(const std::string& option, const std::string& value, const std::string& allowed) {
     reject({"app.option.word", {{"option", option}, {"value", value}, {"allowed", allowed}}});
+}
+
+void check_target(const std::string& option, const std::string& url) {
+    if (const auto target = line::parse_target(url); !target)
+        reject(target_error(option, url, target.error()));
 }
 
 Option add_duration(Command& command, const std::string& name, std::function<void(Duration)> set,
@@ -83,7 +89,9 @@ void add_order(Command& command, ByteOrder& order) {
 }
 
 void add_client(Command& command, ClientOptions& options) {
-    command.value("TARGET", options.target, "help.target").required();
+    command.value("TARGET", options.target, "help.target").required().check([](const std::string& url) {
+        check_target("TARGET", url);
+    });
     command.value("--unit", options.unit, "help.unit").range(0, 255).default_text("1");
     add_timeout(command, options.timeout, "help.timeout");
     command.value("--attempts", options.attempts, "help.attempts").range(1, 255).show_default();

@@ -18,6 +18,9 @@ namespace takt::app {
 [[noreturn]] void reject_word(const std::string& option, const std::string& value,
                               const std::string& allowed);
 
+/// Rejects a URL that is no target (line::parse_target()).
+void check_target(const std::string& option, const std::string& url);
+
 /// A duration as in a project file (model::parse_duration), at most a year.
 Option add_duration(Command& command, const std::string& name, std::function<void(Duration)> set,
                     const std::string& help);
