@@ -15,8 +15,9 @@ TEST(OptionError, NamesAndValuesAreTakenFromTheWordsOfTheParser) {
 
 TEST(OptionError, ATargetIsNamedWithTheReason) {
     const Error port{Code::out_of_range, "port", {99999, 1, 65535}};
-    EXPECT_EQ(option_error_text(Texts(text::Language::english), target_error("TARGET", "tcp://h:99999", port)),
-              "TARGET tcp://h:99999: port: the value 99999 is out of range, allowed: 1..65535");
+    EXPECT_EQ(
+        option_error_text(Texts(text::Language::english), target_error("TARGET", "tcp://h:99999", port)),
+        "TARGET tcp://h:99999: port: the value 99999 is out of range, allowed: 1..65535");
     const Error scheme{Code::syntax, "h:502 → tcp://h:502", {}};
     EXPECT_EQ(option_error_text(Texts(text::Language::english), target_error("--target", "h:502", scheme)),
               "--target h:502: 'h:502' is not valid, correct form: tcp://h:502");
