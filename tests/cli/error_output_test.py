@@ -231,6 +231,8 @@ def test_a_project_with_a_peer_that_is_not_modbus(project):
 
 
 @pytest.mark.parametrize("arguments, words", [
+    (["demo", "--for", "-1ms"], "--for: -1ms is out of range, allowed: 0s..8784h"),
+    (["demo", "--for", "10"], "--for: '10' is not a duration, allowed: a number with its unit, as in 500ms, 10s"),
     (["read", "tcp://host:99999", "holding", 0],
      "TARGET tcp://host:99999: port: the value 99999 is out of range, allowed: 1..65535"),
     (["scan", "tcp://10.0.0.5-1"], "TARGET tcp://10.0.0.5-1: '10.0.0.5-1' is not valid, correct form: 10.0.0.5-254"),

@@ -1,6 +1,7 @@
 #include "options/shared_options.hpp"
 
 #include <chrono>
+#include <utility>
 
 #include "takt/line/target.hpp"
 #include "takt/model/byte_order.hpp"
@@ -17,32 +18,35 @@ void check_target(const std::string& option, const std::string& url) {
         reject(target_error(option, url, target.error()));
 }
 
+namespace {
+
+/// At most a year; a number with a sign is out of range too.
+Option add_time(Command& command, const std::string& name, std::pair<Duration, const char*> least,
+                std::function<void(Duration)> set, const std::string& help) {
+    static constexpr Duration kLongest = std::chrono::hours(366 * 24);
+    const auto read = [=, set = std::move(set)](const std::string& text) {
+        const bool is_negative = text.starts_with('-') && model::parse_duration(text.substr(1));
+        const auto time = model::parse_duration(text);
+        const bool too_large = !time && time.error() == model::ScalarError::too_large;
+        if (is_negative || too_large || (time && (*time < least.first || *time > kLongest)))
+            reject({"app.option.range",
+                    {{"option", name}, {"value", text}, {"least", least.second}, {"greatest", "8784h"}}});
+        if (!time) reject({"app.option.duration", {{"option", name}, {"value", text}}});
+        set(*time);
+    };
+    return command.text(name, read, help).value_name("TIME");
+}
+
+}  // namespace
+
 Option add_duration(Command& command, const std::string& name, std::function<void(Duration)> set,
                     const std::string& help) {
-    static constexpr Duration kLongest = std::chrono::hours(366 * 24);
-    return command
-        .text(
-            name,
-            [set = std::move(set), name](const std::string& text) {
-                const auto time = model::parse_duration(text);
-                if (!time || *time > kLongest)
-                    reject({"app.option.duration", {{"option", name}, {"value", text}}});
-                set(*time);
-            },
-            help)
-        .value_name("TIME");
+    return add_time(command, name, {Duration::zero(), "0s"}, std::move(set), help);
 }
 
 Option add_wait(Command& command, const std::string& name, std::function<void(Duration)> set,
                 const std::string& help) {
-    return add_duration(
-        command, name,
-        [set = std::move(set), name](Duration time) {
-            if (time < std::chrono::milliseconds(1))
-                reject({"app.option.least", {{"option", name}, {"least", "1ms"}}});
-            set(time);
-        },
-        help);
+    return add_time(command, name, {std::chrono::milliseconds(1), "1ms"}, std::move(set), help);
 }
 
 const std::map<std::string, DataType>& type_words() {
