@@ -144,7 +144,8 @@ std::optional<model::Node> read_yaml(const Source& source, std::size_t& nodes_le
         return std::nullopt;
     }
     if (builder.has_content()) return builder.take_root();
-    reporter.error("file.empty", {.file = source.file()});
+    const bool blank = source.text().find_first_not_of(" \t\r\n") == std::string_view::npos;
+    reporter.error(blank ? "file.empty" : "file.no_content", {.file = source.file()});
     return std::nullopt;
 }
 

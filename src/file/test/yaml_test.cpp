@@ -77,8 +77,9 @@ TEST(Yaml, SaysWhereAndWhyItCannotBeRead) {
     };
     const Case cases[] = {
         {"", "0:0 empty"},
-        {"# nothing\n", "0:0 empty"},
-        {"---\n~\n", "0:0 empty"},
+        {"\n \r\n", "0:0 empty"},
+        {"# nothing\n", "0:0 no_content"},
+        {"---\n~\n", "0:0 no_content"},
         {"a: 1\n---\nb: 2\n", "2:1 second_document"},
         {"a: 1\n...\n--- 2\n", "3:1 second_document"},
         {"  a: 1\nb: 2\n", "2:1 left_over"},
