@@ -140,6 +140,16 @@ TEST(ValuePublisher, OnlyVariablesThatNothingReadsShowWhatWasWritten) {
     EXPECT_EQ(line.shown(3), "5");
 }
 
+TEST(ValuePublisher, VariablesThatNothingReadsKeepTheirQualityWhileTheirDeviceDoesNotAnswer) {
+    Published line;
+    const std::vector<std::size_t> all{0, 3};
+    line.take(0, 10, 3);
+    line.written.note_sent(3, value::Value(std::int64_t{5}));
+    line.publisher.show_written(line.now, all);
+    line.publisher.degrade(line.now, all, Quality::bad, Reason::not_answering, Shown::initial);
+    EXPECT_EQ(line.shown(0) + " " + line.shown(3), "10! 5");
+}
+
 TEST(ValuePublisher, AValueReadBackIsShownUnlessItIsReadInParts) {
     Published line;
     line.publisher.begin();
