@@ -122,7 +122,7 @@ private:
         std::deque<Executed> believed;            // that its device confirmed, or that no device answers
         std::optional<Words> read_items;          // as last read well
         std::uint64_t batch = 0;
-        bool good = false;
+        bool good = false;   // by a read
         Instant sampled_at;  // the moment of what is shown
     };
     /// The values of a device and their times.
@@ -308,6 +308,7 @@ private:
     void set_most_wait();
     void note_served(Transaction& transaction) const;
     void check_sample(Instant t, VariableNumber v, const value::Slot& slot);
+    void note_sample(VariableNumber v, const Transaction& source);
     void check_age(Instant t, VariableNumber v);
     void check_outage(Instant t, VariableNumber v) const;
     void check_stale(Instant t, VariableNumber v, const value::Slot& slot) const;

@@ -223,9 +223,7 @@ bool LineJudge::shows_false_history(Instant t, VariableNumber v, const value::Sl
         last.served_at = std::max(last.end, last.heard_at);  // some time between the two
         last.values = values;
         note_found(last);
-        variables_[v].good = true;
-        variables_[v].sampled_at = last.served_at;
-        variables_[v].read_items = items;
+        if (variables_[v].model->read) note_sample(v, last);
         return true;
     }
     return false;
@@ -287,9 +285,15 @@ void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slo
         return;
     }
     if (source->received.answer != Answer::good || source->received.among_others) note_found(*source);
-    variable.good = true;
-    variable.sampled_at = source->served_at;
-    variable.read_items = items_of(*source, v);
+    note_sample(v, *source);
+}
+
+// Only of a variable that is read. Another one has no age, and keeps the value last written or compared while
+// its device is away.
+void LineJudge::note_sample(VariableNumber v, const Transaction& source) {
+    variables_[v].good = true;
+    variables_[v].sampled_at = source.served_at;
+    variables_[v].read_items = items_of(source, v);
 }
 
 // The time beyond C of an answer in pieces, behind disturbances, or behind others in its server.

@@ -37,6 +37,32 @@ void write_s(Story& story, Duration when, std::uint8_t value) {
     story.ask(when, 1, {6, 0, 20, 0, value}, Purpose::write, 1);
 }
 
+/// `p` (register 30) or `q` (31) is written, and `read` comes as the answer to its verification.
+void write_verified(Story& story, Duration when, value::CommandId id, std::uint8_t start, std::uint8_t value,
+                    std::uint8_t read) {
+    story.command(when, id, start == 30 ? "p" : "q", value);
+    story.ask(when + 1ms, 1, {6, 0, start, 0, value}, Purpose::write, id);
+    story.execute(start, {value});
+    story.answer({6, 0, start, 0, value});
+    story.ask(when + 50ms, 1, {3, 0, start, 0, 1}, Purpose::read_back, id);
+    story.serve(wire::Area::holding_register, start, {value});
+    story.answer({3, 2, 0, read});
+    story.show(start == 30 ? "p" : "q", read);
+    if (value == read)
+        story.outcome(when + 80ms, id, CommandResult::done);
+    else
+        story.outcome(when + 80ms, id, CommandResult::refused, value::Reason::differs);
+}
+
+/// The reads of `v` and `w` fail until device 1 does not answer. The values of the others stay as they are.
+void lose_device(Story& story, Duration when) {
+    story.ask(when, 1, {3, 0, 0, 0, 2});
+    story.ask(when + 100ms, 1, {3, 0, 0, 0, 2}, Purpose::repetition);
+    for (const auto* name : {"v", "w"}) story.show(name, 1, value::Quality::bad);
+    story.read(when + 300ms, 2, 4, 0, "y", 400);
+    story.look(when + 1200ms);
+}
+
 const Case kCases[] = {
     {"polling does not go on", "polling_advances",
      [](Story& story) {
@@ -82,6 +108,19 @@ const Case kCases[] = {
      [](Story& story) {
          read_pair(story, 0ms, 100, 200);
          story.look(5s);
+     }},
+    {"a good value of a device that does not answer", "value_true",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.read(100ms, 1, 4, 10, "x", 300);
+         lose_device(story, 1000ms);
+     }},
+    {"a written value compared by a copy, then its device does not answer", "",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         write_verified(story, 200ms, 1, 31, 5, 5);
+         write_verified(story, 400ms, 2, 30, 6, 5);
+         lose_device(story, 1000ms);
      }},
     {"a write without an order", "write_done_exact", [](Story& story) { write_s(story, 0ms, 9); }},
     {"another value than ordered", "write_done_exact",

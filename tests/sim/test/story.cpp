@@ -25,6 +25,8 @@ lines:
           - {name: w, type: uint16, register: 1, read: 0x03, write: 0x10, write_on_change: true}
           - {name: x, type: uint16, register: 10, read: 0x04, period: 2s}
           - {name: s, type: uint16, register: 20, read: none, write: 0x06}
+          - {name: p, type: uint16, register: 30, read: none, write: 0x06, verify: true}
+          - {name: q, type: uint16, register: 31, read: none, write: 0x06, verify: true}
       - name: two
         address: 2
         turnaround: 10ms
@@ -130,8 +132,8 @@ void Story::command(Duration when, value::CommandId id, const std::string& name,
     judge_->on_command(at(when), command, number(name));
 }
 
-void Story::outcome(Duration when, value::CommandId id, value::CommandResult result) {
-    judge_->on_outcome(at(when), {.id = id, .result = result});
+void Story::outcome(Duration when, value::CommandId id, value::CommandResult result, value::Reason reason) {
+    judge_->on_outcome(at(when), {.id = id, .result = result, .reason = reason});
 }
 
 std::string Story::complaint() const {

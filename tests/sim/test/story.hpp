@@ -15,8 +15,9 @@ namespace takt::simtest {
 using namespace std::chrono_literals;
 
 /// Device 1: `v` and `w` (holding registers 0 and 1, polled each second, written on change as one group), `x`
-/// (input register 10, each two seconds), `s` (holding register 20, written by command); device 2: `y` (input
-/// register 0, each four seconds). Locals: `on` enables device 2.
+/// (input register 10, each two seconds), `s` (holding register 20, written by command), `p` and `q` (holding
+/// registers 30 and 31, written by command and verified); device 2: `y` (input register 0, each four
+/// seconds). Locals: `on` enables device 2.
 class Story {
 public:
     Story();
@@ -45,7 +46,8 @@ public:
     void set(Duration when, const std::string& name, std::int64_t value);
     void command(Duration when, value::CommandId id, const std::string& name, std::int64_t value,
                  std::optional<Duration> expires = {});
-    void outcome(Duration when, value::CommandId id, value::CommandResult result);
+    void outcome(Duration when, value::CommandId id, value::CommandResult result,
+                 value::Reason reason = value::Reason::ok);
     void enable(Duration when, bool on) { judge_->on_local(at(when), 0, !on, on); }
     void finish(Duration when) { judge_->finish(at(when), store_, first_slot_); }
 
