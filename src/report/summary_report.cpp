@@ -181,6 +181,20 @@ std::string findings_text(const host::Snapshot& snapshot, const Texts& texts, st
     return text;
 }
 
+/// Bytes between the transactions, as a driver that is disabled too late sends them after a response. Where
+/// late or foreign frames were received too, their bytes are among the counted ones.
+std::string idle_noise_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t index) {
+    constexpr std::uint64_t kLeast = 3;
+    constexpr std::uint64_t kOneIn = 100;  // responses
+    const auto& line = snapshot.configuration->project().lines[index];
+    const auto& counters = snapshot.lines[index].statistics.counters;
+    const auto bytes = counters.unsolicited_bytes;
+    if (line.framing == wire::Framing::tcp || counters.late_answers > 0 || counters.foreign_frames > 0 ||
+        bytes < kLeast || bytes * kOneIn < counters.answered + counters.exceptions)
+        return {};
+    return "  " + texts("app.noise.idle", {{"line", line.name}, {"count", std::to_string(bytes)}}) + '\n';
+}
+
 std::string times_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
     std::string text;
     const auto& devices = snapshot.configuration->project().lines[line].devices;
@@ -315,8 +329,10 @@ std::string summary_text(const Texts& texts, const host::Snapshot& snapshot, std
         };
         text += (i == 0 ? "" : "\n") + wrapped(heading_text(snapshot, texts, i), columns) +
                 table(device_table) +
-                wrapped(findings_text(snapshot, texts, i) + times_text(snapshot, texts, i), columns) + '\n' +
-                table(request_table);
+                wrapped(findings_text(snapshot, texts, i) + idle_noise_text(snapshot, texts, i) +
+                            times_text(snapshot, texts, i),
+                        columns) +
+                '\n' + table(request_table);
     }
     return text;
 }

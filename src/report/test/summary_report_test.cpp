@@ -257,6 +257,28 @@ TEST(SummaryReport, NothingMeasuredIsADashAndNull) {
     expect_contains(at(line, "devices", 0).dump(), R"("turnaround":null,"late_responses":null)");
 }
 
+TEST(SummaryReport, NoiseBetweenTheTransactionsIsNamed) {
+    const auto shown = [](std::uint64_t bytes, std::uint64_t answered, std::uint64_t late,
+                          std::uint64_t foreign) {
+        auto snapshot = snapshot_of(plant());
+        auto& counters = snapshot.lines[0].statistics.counters;
+        counters.unsolicited_bytes = bytes;
+        counters.answered = answered;
+        counters.late_answers = late;
+        counters.foreign_frames = foreign;
+        const auto text = summary_text(english(), snapshot);
+        return text.find("\n  " + std::to_string(bytes) +
+                         " bytes of noise while no request was in flight on main: "
+                         "check bias and driver enable\n") != std::string::npos;
+    };
+    EXPECT_TRUE(shown(360, 360, 0, 0));
+    EXPECT_TRUE(shown(3, 300, 0, 0));
+    EXPECT_FALSE(shown(3, 301, 0, 0)) << "single glitches are only counted";
+    EXPECT_FALSE(shown(2, 2, 0, 0));
+    EXPECT_FALSE(shown(360, 360, 1, 0)) << "bytes of a late response";
+    EXPECT_FALSE(shown(360, 360, 0, 1)) << "bytes of another master";
+}
+
 TEST(SummaryReport, ResponseTimesOfADevice) {
     auto project = project_of(kPlant);
     project.lines[0].devices[0].turnaround.reset();
