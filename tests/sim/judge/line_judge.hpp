@@ -154,6 +154,7 @@ private:
         bool may_be_triggered = false;           // while its device counts as dead, but may have answered
         std::set<VariableNumber> set_bits;       // of a register, that were set and are not under way since
         std::set<VariableNumber> taken_bits;     // those that the write under way takes with it
+        std::set<VariableNumber> changed;        // what its last write certainly changed
         bool modifying = false;                  // its register was read, to be written back
         bool repeat = false;                     // it may be sent again
         bool open = false;                       // whether its last write was done is not known
@@ -291,6 +292,8 @@ private:
     [[nodiscard]] bool may_be_replaced(const plan::Request& request, Instant t) const;
     [[nodiscard]] plan::ReadAlternatives alternatives_to(const plan::Request& request) const;
     [[nodiscard]] bool writes_range_of(const Asked& asked, const plan::Request& request) const;
+    [[nodiscard]] std::set<VariableNumber> changed_by(const Transaction& transaction,
+                                                      const RequestState& group) const;
     void check_group(const Transaction& transaction, const RequestState& group);
     void check_bits_taken(const Transaction& transaction, const RequestState& group);
     void check_written(const Transaction& transaction, VariableNumber v,

@@ -111,6 +111,7 @@ void LineJudge::carry(const RequestState& old, RequestState& now) const {
     now.set_since = old.set_since;
     now.triggered_since = old.triggered_since;
     now.set_bits = old.set_bits;
+    now.changed = old.changed;
     now.repeat = old.repeat;
     now.open = old.open;
     now.last_admitted = old.last_admitted;

@@ -79,7 +79,8 @@ void LineJudge::settle_before(const Transaction& transaction) {
     }
 }
 
-// A read may be repeated. A different value is written again if that is safe.
+// A read may be repeated. A different value is written again if all that was changed is safe to repeat. The
+// other bits of its register need not be.
 void LineJudge::settle_read_back(const Transaction& transaction, Instant t) {
     const bool good = transaction.received.answer == Answer::good;
     const bool maybe_again = !good || transaction.unsure();
@@ -98,7 +99,7 @@ void LineJudge::settle_read_back(const Transaction& transaction, Instant t) {
     if (transaction.request) {
         auto& group = requests_[*transaction.request];
         const bool safe = std::ranges::all_of(
-            group.members, [&](VariableNumber v) { return variables_[v].model->safe_to_repeat; });
+            group.changed, [&](VariableNumber v) { return variables_[v].model->safe_to_repeat; });
         if (maybe_again) group.read_back_since = t;
         group.repeat = safe;
         for (auto& [id, command] : commands_)

@@ -79,6 +79,7 @@ void LineJudge::take_group(Transaction& transaction) {
     transaction.repeated = group.repeat;
     take_group_commands(transaction, modifies);
     check_group(transaction, group);
+    group.changed = changed_by(transaction, group);
     if (group.exchanged) group.forget_edges();
     group.repeat = group.modifying = group.exchanged = false;
     if (modifies) return;  // later orders are written by the next write
@@ -254,6 +255,35 @@ void LineJudge::check_group(const Transaction& transaction, const RequestState& 
         }
     }
     if (group.plan->read_modify_write) check_kept_bits(transaction, mask);
+}
+
+// All members of a group; of the bits of a register those in the mask. Of a read-modify-write those that were
+// ordered since the last attempt, and those that differ from the register as read. A bit that has its value
+// already and was ordered before a failed attempt, or is written by a trigger, is not known.
+std::set<VariableNumber> LineJudge::changed_by(const Transaction& transaction,
+                                               const RequestState& group) const {
+    const Asked& asked = transaction.asked;
+    std::set<VariableNumber> changed(group.members.begin(), group.members.end());
+    if (!asked.masks && !group.plan->read_modify_write) return changed;
+    unsigned bits = asked.masks ? ~unsigned{asked.and_mask} : 0U;
+    if (!asked.masks && !transactions_.empty() && transactions_.back().received.values.size() == 1) {
+        const Transaction& before = transactions_.back();
+        const unsigned written = asked.values.at(0);
+        bits = before.received.values[0] ^ written;
+        for (const Words& read : before.further) bits &= read.at(0) ^ written;
+    }
+    const auto ordered = [&](VariableNumber v) {
+        return group.taken_bits.contains(v) ||
+               std::ranges::any_of(transaction.commands, [&](const value::CommandId id) {
+                   const auto found = commands_.find(id);
+                   return found != commands_.end() && found->second.variable == v;
+               });
+    };
+    std::erase_if(changed, [&](VariableNumber v) {
+        const bool differs = (bits >> variables_[v].model->bit.value_or(0) & 1U) != 0;
+        return !differs && (asked.masks || !ordered(v));
+    });
+    return changed;
 }
 
 // The written value is the last one set, else the last one read, else the default. Any other value is a

@@ -54,6 +54,19 @@ void write_verified(Story& story, Duration when, value::CommandId id, std::uint8
         story.outcome(when + 80ms, id, CommandResult::refused, value::Reason::differs);
 }
 
+/// Register 40 of device 3 is read, `written` is confirmed but not executed, and another value is read back.
+void modify_ignored(Story& story, Duration when, std::uint8_t written) {
+    story.ask(when, 3, {3, 0, 40, 0, 1}, Purpose::before_write);
+    story.serve(wire::Area::holding_register, 40, {0});
+    story.answer({3, 2, 0, 0});
+    story.ask(when + 50ms, 3, {6, 0, 40, 0, written});
+    story.ignore();
+    story.answer({6, 0, 40, 0, written});
+    story.ask(when + 100ms, 3, {3, 0, 40, 0, 1}, Purpose::read_back);
+    story.serve(wire::Area::holding_register, 40, {0});
+    story.answer({3, 2, 0, 0});
+}
+
 /// The reads of `v` and `w` fail until device 1 does not answer. The values of the others stay as they are.
 void lose_device(Story& story, Duration when) {
     story.ask(when, 1, {3, 0, 0, 0, 2});
@@ -265,6 +278,32 @@ const Case kCases[] = {
          story.ask(100ms, 1, {3, 0, 0, 0, 2});
          story.ask(200ms, 1, {3, 0, 0, 0, 2}, Purpose::repetition);
          story.probe_early(3990ms, 1, {3, 0, 0, 0, 2});
+     }},
+    {"a bit that is safe to repeat is written again beside one that is not", "",
+     [](Story& story) {
+         story.set(10ms, "a", 1);
+         modify_ignored(story, 20ms, 1);
+         story.ask(170ms, 3, {3, 0, 40, 0, 1}, Purpose::before_write);
+     }},
+    {"a bit that is not safe to repeat is written again", "write_done_exact",
+     [](Story& story) {
+         story.set(10ms, "b", 1);
+         modify_ignored(story, 20ms, 2);
+         story.ask(170ms, 3, {3, 0, 40, 0, 1}, Purpose::before_write);
+     }},
+    {"two bits are written again, and one is not safe to repeat", "write_done_exact",
+     [](Story& story) {
+         story.set(10ms, "a", 1);
+         story.set(10ms, "b", 0);  // it has this value already
+         modify_ignored(story, 20ms, 1);
+         story.ask(170ms, 3, {3, 0, 40, 0, 1}, Purpose::before_write);
+     }},
+    {"a bit that is not safe to repeat is written again after a failed read", "write_done_exact",
+     [](Story& story) {
+         story.set(10ms, "b", 1);
+         story.ask(20ms, 3, {3, 0, 40, 0, 1}, Purpose::before_write);
+         modify_ignored(story, 120ms, 2);
+         story.ask(270ms, 3, {3, 0, 40, 0, 1}, Purpose::before_write);
      }},
     {"an old value in a group", "group_whole",
      [](Story& story) {

@@ -36,6 +36,15 @@ lines:
         poll_enable: on
         variables:
           - {name: y, type: uint16, register: 0, read: 0x04}
+      - name: three
+        address: 3
+        turnaround: 10ms
+        response_timeout: 50ms
+        attempts: 2
+        read_modify_write: true
+        variables:
+          - {name: a, type: bool, register: 40, bit: 0, read: none, write: 0x06, write_on_change: true, verify: true, safe_to_repeat: true}
+          - {name: b, type: bool, register: 40, bit: 1, read: none, write: 0x06, write_on_change: true, verify: true}
 locals:
   - {name: on, type: bool, default: true}
 )";
@@ -54,12 +63,14 @@ Story::Story() {
     link(0ms, true);
 }
 
-std::optional<std::size_t> Story::request_of(std::uint8_t unit, const std::vector<std::uint8_t>& pdu) const {
+std::optional<std::size_t> Story::request_of(std::uint8_t unit, const std::vector<std::uint8_t>& pdu,
+                                             poll::Purpose purpose) const {
+    const bool for_write = purpose == poll::Purpose::before_write || purpose == poll::Purpose::read_back;
     const auto& requests = plan_.lines[0].requests;
     for (std::size_t r = 0; r < requests.size(); ++r) {
-        const auto function = pdu[0] < 5 ? requests[r].read : requests[r].write;
+        const auto function = pdu[0] < 5 && !for_write ? requests[r].read : requests[r].write;
         if (requests[r].device + 1 == unit && requests[r].start == pdu[1] * 256 + pdu[2] && function &&
-            static_cast<std::uint8_t>(*function) == pdu[0])
+            (for_write || static_cast<std::uint8_t>(*function) == pdu[0]))
             return r;
     }
     return std::nullopt;
@@ -76,7 +87,7 @@ void Story::ask(Duration when, std::uint8_t unit, std::vector<std::uint8_t> pdu,
                           .early = early,
                           .device = std::size_t{unit} - 1,
                           .command = command};
-    if (!command) sending.request = request_of(unit, pdu);
+    if (!command) sending.request = request_of(unit, pdu, sending.purpose);
     judge_->on_sent(now_, frame.span(), judge::Claim{now_, sending});
 }
 

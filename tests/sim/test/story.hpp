@@ -17,7 +17,8 @@ using namespace std::chrono_literals;
 /// Device 1: `v` and `w` (holding registers 0 and 1, polled each second, written on change as one group), `x`
 /// (input register 10, each two seconds), `s` (holding register 20, written by command), `p` and `q` (holding
 /// registers 30 and 31, written by command and verified); device 2: `y` (input register 0, each four
-/// seconds). Locals: `on` enables device 2.
+/// seconds); device 3: `a` and `b` (bits 0 and 1 of holding register 40, written on change by one
+/// read-modify-write and verified; only `a` is safe to repeat). Locals: `on` enables device 2.
 class Story {
 public:
     Story();
@@ -59,7 +60,8 @@ public:
 private:
     [[nodiscard]] static Instant at(Duration since) { return Instant{} + since; }
     [[nodiscard]] std::optional<std::size_t> request_of(std::uint8_t unit,
-                                                        const std::vector<std::uint8_t>& pdu) const;
+                                                        const std::vector<std::uint8_t>& pdu,
+                                                        poll::Purpose purpose) const;
     [[nodiscard]] value::SlotId slot(const std::string& name) const { return *store_.find(name); }
     [[nodiscard]] judge::VariableNumber number(const std::string& name) const {
         return slot(name).value - first_slot_;
@@ -76,7 +78,7 @@ private:
     std::uint8_t unit_ = 0;
     Instant end_;
     Instant now_;
-    std::vector<std::uint64_t> sent_{0, 0};
+    std::vector<std::uint64_t> sent_{0, 0, 0};
 };
 
 }  // namespace takt::simtest
