@@ -171,11 +171,13 @@ OutstandingResponse& OutstandingResponses::in_order_or_passed(OutstandingRespons
 Lateness OutstandingResponses::settle(UnitId unit, const AnswerShape& shape,
                                       std::optional<std::uint16_t> wire_id, Instant begin, Instant end) {
     OutstandingResponse* found = nullptr;
+    Instant last_end = Instant::min();
     for (auto& entry : all()) {
         const bool matches = wire_id ? entry.outstanding() && entry.unit == unit &&
                                            entry.wire_id == *wire_id && entry.shape.function == shape.function
                                      : entry.may_be(unit, shape);
         if (!matches || end >= entry.forget_at) continue;
+        last_end = std::max(last_end, entry.end);
         if (!found || precedes(entry, *found)) found = &entry;
     }
     if (!found) return Lateness::none;
@@ -195,6 +197,7 @@ Lateness OutstandingResponses::settle(UnitId unit, const AnswerShape& shape,
     OutstandingResponse came = *found;
     came.phase = Phase::came;
     came.delay = delay;
+    came.least_delay = std::max(begin - last_end, Duration::zero());
     came.came_at = end;
     came.out_of_order = out_of_order;
     OutstandingResponse& settled = in_order_or_passed(*found, shape);
@@ -292,6 +295,7 @@ std::optional<LateResponse> OutstandingResponses::take_late() {
         .at = found->came_at,
         .delay = found->delay,
         .wait = found->wait,
+        .least_delay = found->least_delay,
         .out_of_order_since = found->out_of_order ? std::optional(found->expired_at) : std::nullopt};
     erase(static_cast<std::size_t>(found - all().begin()));
     return late;

@@ -161,8 +161,17 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
         return;
     }
     const bool late = settle_late(t, frame.unit, frame_shape(frame.pdu), frame.transaction) != Lateness::none;
-    if (!late && !numbered()) note_other_unit(frame);
+    if (!late && !numbered()) {
+        note_other_unit(frame);
+        note_surplus(t, frame.unit, frame.pdu);
+    }
     pass_over(late);
+}
+
+void TransactionCore::note_surplus(Instant t, UnitId unit, Bytes pdu) {
+    if (numbered()) return;
+    if (surplus_.size() == kMostSurplus) surplus_.drop_front(1);
+    surplus_.push_back({unit, frame_shape(pdu), frame_hash(pdu), t});
 }
 
 void TransactionCore::note_other_unit(const wire::Frame& frame) {
@@ -233,7 +242,9 @@ void TransactionCore::take_response(Instant t, Slot& slot, const wire::Frame& fr
         pass_over(true);
     } else if (confirming) {
         pass_over(false);
+        note_surplus(t, unit, pdu);
     } else {
+        note_surplus(t, unit, pdu);
         give_up(t, slot, Status::unexpected_reply);
     }
 }
@@ -253,6 +264,7 @@ void TransactionCore::confirm(Instant t, Slot& slot, Bytes pdu) {
         const Lateness lateness = settle_late(slot.received_at, slot.unit, slot.shape(), 0);
         const bool in_order = lateness == Lateness::in_order && slot.in_order;
         if (!in_order && !std::ranges::equal(pdu, outgoing_.span())) slot.unordered = true;
+        if (lateness == Lateness::none) note_surplus(slot.received_at, slot.unit, outgoing_.span());
         pass_over(lateness != Lateness::none);
     }
     if (unusual(t, slot, pdu)) slot.unordered = true;
@@ -263,15 +275,20 @@ void TransactionCore::confirm(Instant t, Slot& slot, Bytes pdu) {
     if (slot.deadline <= t && !more_follows_) conclude(t, slot);
 }
 
-// Over a stream the response before is sent on its line first, for a time that is not known here.
+// When a response is complete that takes as long as those of the unit usually do. Over a stream its request
+// and the response before it are sent on another line first, for a time that is not known here.
+Instant TransactionCore::quiet_at(Instant from, const Slot& slot, std::size_t pdu_length) const {
+    return from + (slot.request_end - slot.sent_at) + config_.frame_time(pdu_length) + silence_ +
+           config_.margin;
+}
+
 Instant TransactionCore::confirmation_end(Instant t, const Slot& slot) const {
     const Ambiguity left = ambiguity(t, slot.unit, slot.shape());
     if (left == Ambiguity::none) return t;
-    const Duration frame = config_.frame_time(outgoing_.size());
     const bool independent = left == Ambiguity::passed && config_.is_serial();
     const Instant from =
         independent ? std::max(t, slot.request_end + slot.longest_delay) : t + slot.longest_delay;
-    return from + (slot.request_end - slot.sent_at) + frame + silence_ + config_.margin;
+    return quiet_at(from, slot, outgoing_.size());
 }
 
 // The response that is missing was lost, or it is that to this request.

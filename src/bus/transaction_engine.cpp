@@ -273,6 +273,7 @@ void TransactionCore::finish(Instant t, Slot& slot, Status status, const wire::R
     if (!slot.sent_once) slot.sent_at = slot.request_end = t;
     slot.fill(response.pdu());
     slot.response = response.moved_to(slot.content());
+    if (status == Status::ok) slot.quiet_at = quiet_at(t + slot.longest_delay, slot, slot.pdu_size);
     slot.noise = response.empty() ? 0 : static_cast<std::uint32_t>(noise_);
     if (slot.broadcast && status == Status::ok) ++counters_.broadcasts;
     if (!slot.sent_once) ++counters_.not_sent;
@@ -293,7 +294,15 @@ Outcome TransactionCore::outcome_of(const Slot& slot) {
             .response = slot.response,
             .sent_at = slot.sent_at,
             .request_end = slot.request_end,
-            .ended_at = slot.ended_at};
+            .ended_at = slot.ended_at,
+            .quiet_at = slot.quiet_at};
+}
+
+std::optional<SurplusFrame> TransactionCore::take_surplus() {
+    if (surplus_.empty()) return std::nullopt;
+    const SurplusFrame first = surplus_[0];
+    surplus_.drop_front(1);
+    return first;
 }
 
 std::optional<Outcome> TransactionCore::take_outcome() {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "line_tasks.hpp"
+#include "step_check.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/shares.hpp"
 #include "transaction_cost.hpp"
@@ -42,12 +43,19 @@ std::vector<JobBound> bounds_of(const model::Project& project, const LineTasks& 
                                 Effort* effort) {
     const Responses unknown(line.tasks.size());
     const bool all = scope == Scope::everything;
-    const auto plain = response_times(line.tasks, effort);
-    const auto with_faults = !all ? unknown
-                             : project.faults.burst == 0
-                                 ? plain
-                                 : response_times_with_faults(line.tasks, fault_rate(project.faults), effort);
-    const auto with_dead = all ? response_times_with_dead_device(line.tasks, effort) : unknown;
+    using Tasks = std::vector<Task>;
+    const auto plain =
+        responses_with_holds(line, [&](const Tasks& tasks) { return response_times(tasks, effort); });
+    const auto with_faults =
+        !all ? unknown
+        : project.faults.burst == 0
+            ? plain
+            : responses_with_holds(line, [&](const Tasks& tasks) {
+                  return response_times_with_faults(tasks, fault_rate(project.faults), effort);
+              });
+    const auto with_dead = !all ? unknown : responses_with_holds(line, [&](const Tasks& tasks) {
+        return response_times_with_dead_device(tasks, effort);
+    });
     std::vector<JobBound> bounds;
     for (const LineJob& job : line.jobs) {
         JobBound made{.request = job.request, .cause = job.cause};
@@ -237,7 +245,7 @@ LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan
     if (is_saturated(plan)) made.utilization = std::max(1.0, made.utilization);
     made.relayed_share = share_of(line, line.relayed);
     made.client_share = share_of(line, line.clients);
-    made.feasible_edf = scope == Scope::everything && feasible_edf(line.tasks);
+    made.feasible_edf = scope == Scope::everything && feasible_edf(tasks_and_holds(line));
     set_verdict(made);
     return made;
 }

@@ -20,9 +20,16 @@ struct LineJob {
     std::optional<Microseconds> deadline;
 };
 
+/// The reads of one unit that may be asked without pause (step_check.hpp).
+struct StepHold {
+    std::vector<std::size_t> tasks;
+    Microseconds hold = 0;  ///< they wait so long, once each wire::kStepCheckInterval; others go meanwhile
+};
+
 struct LineTasks {
     std::vector<Task> tasks;
     std::vector<LineJob> jobs;           ///< in the order of the plan's requests
+    std::vector<StepHold> holds;         ///< of few lines
     std::optional<std::size_t> relayed;  ///< the task of relayed requests
     std::optional<std::size_t> clients;  ///< the task of commands of clients
 };

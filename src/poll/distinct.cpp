@@ -1,5 +1,7 @@
 // In step: what follows from reads that were sent in the place of planned ones, and from late responses
 // (docs/decisions/0032-in-step.md). RequestOffers decides which read is sent.
+#include <utility>
+
 #include "run.hpp"
 
 namespace takt::poll {
@@ -26,13 +28,31 @@ void LinePoller::Run::set_times(const DeviceRun& device, bus::Transaction& trans
     device.times.set(transaction, device.model->response_timeout);
 }
 
-void LinePoller::Run::degrade_shifted(const DeviceRun& device, const bus::LateResponse& late) {
-    if (!late.out_of_order_since) return;
+void LinePoller::Run::note_in_step(const bus::Outcome& outcome) {
+    if (outcome.status != bus::Status::ok || engine_.config().framing == wire::Framing::tcp) return;
+    if (const auto index = device_at(outcome.unit)) devices_[*index].times.step.on_response(outcome);
+}
+
+void LinePoller::Run::on_surplus(const bus::SurplusFrame& frame) {
+    const auto index = device_at(frame.unit);
+    if (!index) return;
+    auto& device = devices_[*index];
+    ++device.statistics.surplus;
+    const auto since = device.times.step.on_surplus(frame);
+    if (!since) return;
+    degrade_shifted(frame.at, device, frame.shape, *since);
+    if (!std::exchange(device.statistics.shifted, true) && observer_)
+        observer_->on_surplus(frame.at, plan_->line, *index);
+}
+
+// The values of responses like that one (an exception is like all of its function) that were read since.
+void LinePoller::Run::degrade_shifted(Instant t, const DeviceRun& device, const bus::AnswerShape& shape,
+                                      Instant since) {
     for (const auto r : device.requests) {
         const auto& read = requests_[r].read;
-        if (read && read->shape() == late.shape && read->last_start >= *late.out_of_order_since)
-            publisher_.degrade(late.at, requests_[r].variables, Quality::uncertain, Reason::ambiguous,
-                               Shown::last);
+        if (!read || read->last_start < since || read->shape().function != shape.function) continue;
+        if (shape.pdu_length != 0 && read->shape() != shape) continue;
+        publisher_.degrade(t, requests_[r].variables, Quality::uncertain, Reason::ambiguous, Shown::last);
     }
 }
 

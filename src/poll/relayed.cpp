@@ -32,7 +32,9 @@ void LinePoller::Run::offer_relayed(Instant t) {
         // renew that.
         if (device.relayed_last && reachable(device) && reads_.any_due(t, *index)) return;
     }
-    offers_.offer(t, relay_->unit(), relay_->shape(), Instant::min(), relay_->candidate(t));
+    const auto device = relay_->device();
+    const Instant due = device ? devices_[*device].times.step.earliest_relayed(t, relay_->shape()) : t;
+    offers_.offer(t, relay_->unit(), relay_->shape(), due, relay_->candidate(t));
 }
 
 void LinePoller::Run::start_relayed(Instant t) {

@@ -113,7 +113,10 @@ void RequestOffers::offer_triggered(Instant t, std::size_t index) {
     candidate.by_trigger = true;
     if (const bool* const started = reads.line_token(index); started && !*started)
         parts_.arbiter.defer(t, candidate);
-    offer(t, device_of(index).model->address, shape_to_send(t, index), reads.not_before(index), candidate);
+    const auto shape = shape_to_send(t, index);
+    const auto& device = device_of(index);
+    const Instant due = std::max(reads.not_before(index), device.times.step.earliest(t, shape));
+    offer(t, device.model->address, shape, due, candidate);
 }
 
 // @returns whether it may be sent now
@@ -122,7 +125,9 @@ bool RequestOffers::offer_polled(Instant t, std::size_t index) {
     if (!parts_.reads.waits(index)) return false;
     const Instant due = parts_.reads.due(index);
     if (due <= t && request(index).plan->period > Duration::zero()) arbiter.keep_round();
-    const Instant start = std::max(due, earliest(device_of(index), shape_to_send(t, index)));
+    const auto shape = shape_to_send(t, index);
+    const auto& device = device_of(index);
+    const Instant start = std::max({due, earliest(device, shape), device.times.step.earliest(t, shape)});
     if (start <= t)
         arbiter.offer(t, start, arbiter.polled(t, parts_.reads.polled(index)));
     else
@@ -236,9 +241,13 @@ Instant RequestOffers::line_free() const {
 
 const plan::ReadAlternative* RequestOffers::alternative_to(Instant t, std::size_t index) {
     const auto& engine = parts_.engine;
-    if (!parts_.distinct_reads || !engine.any_ambiguity(t)) return nullptr;
+    if (!parts_.distinct_reads) return nullptr;
     const UnitId unit = device_of(index).model->address;
-    const auto planned = engine.ambiguity(t, unit, request(index).read->shape());
+    const auto shape = request(index).read->shape();
+    auto planned = engine.any_ambiguity(t) ? engine.ambiguity(t, unit, shape) : bus::Ambiguity::none;
+    // Another length shows without a pause that the device is in step.
+    if (device_of(index).times.step.earliest(t, shape) > t)
+        planned = std::max(planned, bus::Ambiguity::passed);
     if (planned == bus::Ambiguity::none) return nullptr;
     return parts_.distinct_reads->choose(index, planned, [&](wire::Function read, std::uint16_t quantity) {
         return engine.ambiguity(t, unit, bus::answer_shape(read, quantity));

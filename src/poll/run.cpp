@@ -231,6 +231,7 @@ void LinePoller::Run::on_tick(Instant t) {
 
 void LinePoller::Run::take_outcomes() {
     while (const auto late = engine_.take_late()) on_late(*late);
+    while (const auto frame = engine_.take_surplus()) on_surplus(*frame);
     while (const auto outcome = engine_.take_outcome()) on_outcome(*outcome);
 }
 

@@ -169,7 +169,9 @@ private:
     void set_times(const DeviceRun& device, bus::Transaction& transaction) const;
     bool on_part(const bus::Outcome& outcome, const OutcomeClass& outcome_class, std::size_t request);
     /// The values that may come from late responses, because the device does not answer in order.
-    void degrade_shifted(const DeviceRun& device, const bus::LateResponse& late);
+    void note_in_step(const bus::Outcome& outcome);
+    void on_surplus(const bus::SurplusFrame& frame);
+    void degrade_shifted(Instant t, const DeviceRun& device, const bus::AnswerShape& shape, Instant since);
 
     // outcomes.cpp
     OutcomeClass note_outcome(const bus::Outcome& outcome, std::size_t device,

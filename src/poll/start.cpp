@@ -150,6 +150,7 @@ void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
 
 void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
     report_failure(outcome);
+    note_in_step(outcome);
     const auto index = index_of(outcome.id);
     if (unlimited_event(outcome.id)) arbiter_.event_ended(std::max(outcome.ended_at, offers_.line_free()));
     switch (kind_of(outcome.id)) {

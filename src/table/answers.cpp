@@ -39,6 +39,8 @@ bus::OutcomeStatus Executor::note_outcome(const bus::Outcome& outcome, std::uint
 
 void Executor::note_delay(const bus::Outcome& outcome, DeviceState& state) const {
     if (engine_.config().framing != wire::Framing::tcp && outcome.unit == kBroadcast) return;
+    if (outcome.status == bus::Status::ok && engine_.config().framing != wire::Framing::tcp)
+        state.times.step.on_response(outcome);
     const bool certain = outcome.status != bus::Status::ambiguous && !engine_.remembers(outcome.unit);
     state.times.on_response(bus::response_delay(engine_.config(), outcome), certain);
 }
@@ -47,18 +49,26 @@ void Executor::note_late(const bus::LateResponse& late) {
     for (std::uint32_t d = 0; d < devices_.size(); ++d) {
         if (UnitId{device(d).unit} != late.unit) continue;
         devices_[d].times.on_late(late);
-        if (late.out_of_order_since) degrade_shifted(d, late);
+        if (late.out_of_order_since) degrade_shifted(d, late.shape, *late.out_of_order_since);
     }
 }
 
-// The values that may come from late responses, because the device does not answer in order.
-void Executor::degrade_shifted(std::uint32_t index, const bus::LateResponse& late) {
+void Executor::note_surplus(const bus::SurplusFrame& frame) {
+    for (std::uint32_t d = 0; d < devices_.size(); ++d)
+        if (UnitId{device(d).unit} == frame.unit)
+            if (const auto since = devices_[d].times.step.on_surplus(frame))
+                degrade_shifted(d, frame.shape, *since);
+}
+
+// The values of responses like that one (an exception is like all of its function) that were read since.
+void Executor::degrade_shifted(std::uint32_t index, const bus::AnswerShape& shape, Instant since) {
     const auto record = device(index);
     for (std::uint32_t i = 0; i < record.entry_count; ++i) {
         const auto e = record.first_entry - line_.first_entry + i;
         const auto planned = entry(e);
-        if (!is_read(planned) || entries_[e].last_start < *late.out_of_order_since) continue;
-        if (late.shape == read_shape(planned))
+        if (!is_read(planned) || entries_[e].last_start < since) continue;
+        const auto read = read_shape(planned);
+        if (read == shape || (shape.pdu_length == 0 && read.function == shape.function))
             degrade(planned, Quality::uncertain, StatusCode::ambiguous, false);
     }
 }

@@ -55,16 +55,17 @@ Instant Executor::polling_due(const EntryState& state) {
 void Executor::consider_read(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit) {
     const auto& state = entries_[index];
     const auto shape = read_shape(entry);
+    const Instant in_step = devices_[device_of(entry)].times.step.earliest(t, shape);
     if (state.read_triggered) {
         auto candidate = bus::Arbiter::event(id_of(index, !kWrites), state.read_order);
         candidate.by_trigger = true;
         if (!state.read_admitted) arbiter_.defer(t, candidate);
-        consider(t, unit, shape, state.read_not_before, candidate);
+        consider(t, unit, shape, std::max(state.read_not_before, in_step), candidate);
     }
     if (!is_polled(entry)) return;
     const Instant due = polling_due(state);
     if (due <= t && entry.period > 0) arbiter_.keep_round();
-    consider(t, unit, shape, due, arbiter_.polled(t, polled_read(index, entry)));
+    consider(t, unit, shape, std::max(due, in_step), arbiter_.polled(t, polled_read(index, entry)));
 }
 
 void Executor::consider_write(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit) {

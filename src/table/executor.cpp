@@ -256,6 +256,7 @@ Instant Executor::next_wakeup() const {
 
 void Executor::take_outcomes() {
     while (const auto late = engine_.take_late()) note_late(*late);
+    while (const auto frame = engine_.take_surplus()) note_surplus(*frame);
     while (const auto outcome = engine_.take_outcome()) {
         const auto index = entry_of(outcome->id);
         const bool written = is_write(outcome->id);

@@ -43,10 +43,12 @@ TEST(LateResponses, ALateResponseHasTheDelayOfItsOwnRequestOnASerialLine) {
     rig.receive(first_byte + length, rtu(1, "03 04 11 11 22 22"));
     const auto late = rig.engine.take_late();
     ASSERT_TRUE(late);
-    EXPECT_EQ(
-        *late,
-        (LateResponse{
-            .unit = UnitId{1}, .shape = {3, 6}, .at = first_byte + length, .delay = 148ms, .wait = 100ms}));
+    EXPECT_EQ(*late, (LateResponse{.unit = UnitId{1},
+                                   .shape = {3, 6},
+                                   .at = first_byte + length,
+                                   .delay = 148ms,
+                                   .wait = 100ms,
+                                   .least_delay = 148ms}));
     EXPECT_FALSE(rig.engine.take_late());
     EXPECT_EQ(rig.engine.counters().late_answers, 1U);
     EXPECT_EQ(rig.engine.counters().foreign_frames, 0U);

@@ -140,6 +140,21 @@ TEST(OutstandingResponses, AreSuspectedAndPassWhenNothingFollowsAResponseThatLoo
     EXPECT_EQ(late.responses.take_late()->delay, 100ms) << "the response to the last request";
 }
 
+TEST(OutstandingResponses, TheDelayIsThatOfTheOldestAndAtLeastThatOfTheNewest) {
+    Outstanding late;
+    for (const Duration end : {50ms, 450ms})
+        late.responses.add({.unit = kUnit,
+                            .shape = kRead2,
+                            .end = at(end),
+                            .expired_at = at(end + 100ms),
+                            .forget_at = at(10s)});
+    ASSERT_TRUE(late.settle("03 04 00 01 00 02", 700ms));
+    const auto came = late.responses.take_late();
+    ASSERT_TRUE(came);
+    EXPECT_EQ(came->delay, 650ms);
+    EXPECT_EQ(came->least_delay, 250ms);
+}
+
 // The response was the one that had passed, as it seems: then that to its request is missing.
 TEST(OutstandingResponses, OnesThatHavePassedAreConfirmedLongerAfterAResponseInDoubt) {
     for (const bool in_doubt : {false, true}) {

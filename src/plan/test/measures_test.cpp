@@ -133,7 +133,7 @@ std::vector<std::string> proposed(const std::vector<Measure>& measures, std::str
 }
 
 TEST(Measures, ATurnaroundBelowTheMeasuredOneIsNotProposed) {
-    EXPECT_EQ(proposed(measures_of(measured_project({})), "turnaround"), std::vector<std::string>{"30ms"});
+    EXPECT_EQ(proposed(measures_of(measured_project({})), "turnaround"), std::vector<std::string>{"20ms"});
     const auto slow = measured_project({.exchanges = 618, .longest = 45ms, .p999 = 45ms});
     EXPECT_TRUE(proposed(measures_of(slow), "turnaround").empty());
     const auto late = measured_project({.exchanges = 618, .longest = 8ms, .late = 79, .lateness = 307ms});
@@ -142,11 +142,12 @@ TEST(Measures, ATurnaroundBelowTheMeasuredOneIsNotProposed) {
 
 TEST(Measures, EachDeviceKeepsItsMeasuredTurnaround) {
     auto project = measured_project({});
+    for (auto& variable : project.lines[0].devices[0].variables) variable.period = 140ms;
     auto slower = project.lines[0].devices[0];
     slower.address = UnitId{2};
     slower.times.measured = {.exchanges = 12, .longest = 21ms};
     project.lines[0].devices.push_back(slower);
-    EXPECT_EQ(proposed(measures_of(project), "turnaround"), (std::vector<std::string>{"10ms", "30ms"}));
+    EXPECT_EQ(proposed(measures_of(project), "turnaround"), (std::vector<std::string>{"15ms", "30ms"}));
 }
 
 TEST(Measures, ATimeOutBelowTheMeasuredResponsesIsNotProposed) {
@@ -354,8 +355,9 @@ TEST(GuaranteeFindings, AMeasuredTurnaroundIsNotedAsMeasured) {
     EXPECT_EQ(findings[0].arguments[1].second, "Meter");
     EXPECT_EQ(findings[0].arguments[2].second, "3120");
 
-    // 19 requests of 103 ms every 2 s fit only without the one that may block them.
-    for (const std::size_t slow : {38U, 39U}) device.variables[slow].period = 20s;
+    // 17 requests of 103 ms every 2 s fit only without the one that may block them, and the check of each
+    // second.
+    for (std::size_t slow = 34; slow < 40; ++slow) device.variables[slow].period = 60s;
     EXPECT_EQ(judged(3120, 100ms), Verdict::response_unknown) << "the maximum is too long, p99.9 is not";
     EXPECT_EQ(worst_of(verdict_of(project)), Severity::note);
     EXPECT_EQ(verdict_of(project).front().code, "guarantee.late");

@@ -191,6 +191,7 @@ struct RecordingObserver : PollObserver {
     std::vector<Sending> sendings;
     std::vector<DelayFinding> delays;
     std::vector<NoiseFinding> noise;
+    int surplus = 0;
 
     void on_verify_failed(Instant, std::size_t, std::size_t, std::size_t, const value::Value& written,
                           const value::Value& read) override {
@@ -217,6 +218,7 @@ struct RecordingObserver : PollObserver {
     void on_noise(Instant, std::size_t, std::size_t, const NoiseFinding& finding) override {
         noise.push_back(finding);
     }
+    void on_surplus(Instant, std::size_t, std::size_t) override { ++surplus; }
     void on_learnt(Instant, std::size_t, const GapEvent& event) override { gap_events.push_back(event); }
     void on_sending(Instant, std::size_t, const Sending& sending) override { sendings.push_back(sending); }
 };

@@ -89,6 +89,31 @@ TEST(Delays, AResponseOutOfOrderMarksTheValuesThatWereReadSince) {
     EXPECT_EQ(bench.slot("a").quality, value::Quality::good);
 }
 
+// A device that answered twice is one response behind. A response that nothing asked for shows it, unless it
+// only repeats the last one.
+TEST(Delays, ASurplusResponseMarksTheValuesThatWereReadSince) {
+    Bench bench(project({device(1, {int16("a", 0).read(3).every(1s), int16("b", 100).read(3).every(1s),
+                                    int16("c", 0).read(4).every(10s)})}));
+    bench.run_until(3500ms);
+    const auto receive = [&](std::uint8_t low) {
+        const std::uint8_t pdu[] = {3, 2, 0x55, low};
+        const auto frame = wire::encode_frame(wire::Framing::rtu, UnitId{1}, 0, pdu);
+        bench.master.line(0).on_bytes(bench.now, frame.span());
+    };
+    for (const auto* const name : {"a", "b", "c"}) ASSERT_EQ(bench.slot(name).quality, value::Quality::good);
+    receive(1);
+    EXPECT_EQ(bench.slot("b").quality, value::Quality::uncertain);
+    EXPECT_EQ(bench.slot("b").reason, value::Reason::ambiguous);
+    EXPECT_EQ(bench.slot("c").quality, value::Quality::good) << "of another shape";
+    EXPECT_EQ(statistics(bench).surplus, 1U);
+    EXPECT_EQ(bench.observed.surplus, 1);
+    bench.run_until(4500ms);
+    EXPECT_EQ(bench.slot("b").quality, value::Quality::good);
+    receive(1);
+    EXPECT_EQ(bench.slot("b").quality, value::Quality::uncertain);
+    EXPECT_EQ(bench.observed.surplus, 1) << "named once";
+}
+
 TEST(Delays, AResponseLaterThanTheTurnaroundIsNamedThoughItIsInTime) {
     Bench bench(project({slow_device(500ms, 20ms)}));
     bench.players[1].turnaround = 60ms;

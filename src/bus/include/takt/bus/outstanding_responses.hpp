@@ -22,6 +22,9 @@ struct LateResponse {
     /// meanwhile, from that answer on: a device that works on one request at a time had not begun before.
     Duration delay{};
     Duration wait{};  ///< Transaction::wait of the request
+    /// If it answers the last request that it may answer; `delay` is that of the first one. The true delay is
+    /// not shorter.
+    Duration least_delay{};
     /// The unit had answered a later request before: it does not answer in order. Responses of this shape
     /// that were received since this instant may have been late ones; nothing if it answered in order.
     std::optional<Instant> out_of_order_since;
@@ -79,13 +82,14 @@ struct OutstandingResponse {
     Instant hold_until;              ///< requests that look alike wait until then
     Instant patient_until = Instant::min();  ///< Phase::owed: all requests to the unit wait until then
     Instant expected_until;                  ///< until then two others in doubt do not prove that it was lost
-    Instant confirm_until;  ///< Phase::passed: until then responses that look alike are confirmed
-    Instant check_at;       ///< Phase::passed: the next response after that is confirmed too
-    Instant forget_at;      ///< the response is not expected to come at all after that
-    Duration hold{};        ///< Phase::suspected: requests that look alike wait so long again
-    Duration wait{};        ///< Transaction::wait
-    Duration delay{};       ///< Phase::came
-    Instant came_at;        ///< Phase::came
+    Instant confirm_until;   ///< Phase::passed: until then responses that look alike are confirmed
+    Instant check_at;        ///< Phase::passed: the next response after that is confirmed too
+    Instant forget_at;       ///< the response is not expected to come at all after that
+    Duration hold{};         ///< Phase::suspected: requests that look alike wait so long again
+    Duration wait{};         ///< Transaction::wait
+    Duration delay{};        ///< Phase::came
+    Duration least_delay{};  ///< Phase::came
+    Instant came_at;         ///< Phase::came
 
     [[nodiscard]] bool outstanding() const { return phase != Phase::came; }
     [[nodiscard]] bool may_be(UnitId of, const AnswerShape& frame) const;

@@ -9,10 +9,12 @@
 
 #include "takt/base/bounded_vector.hpp"
 #include "takt/base/engine.hpp"
+#include "takt/base/inplace_vector.hpp"
 #include "takt/base/result.hpp"
 #include "takt/bus/counters.hpp"
 #include "takt/bus/echo_filter.hpp"
 #include "takt/bus/outstanding_responses.hpp"
+#include "takt/bus/step_watch.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/wire/framer.hpp"
 #include "takt/wire/traffic.hpp"
@@ -60,6 +62,7 @@ class TransactionSlot {
     Instant deadline;
     Instant received_at;  // State::confirming: the last byte of the last response
     Instant ended_at;
+    Instant quiet_at;
     Instant unit_busy_until = Instant::min();  // a late response of its unit was received then
     std::uint64_t order = 0;                   // of the outcomes
 
@@ -171,6 +174,11 @@ public:
     /// oldest.
     [[nodiscard]] std::optional<LateResponse> take_late() { return outstanding_.take_late(); }
 
+    /// The next frame that is the response to no request; Framing::tcp: none. Of more than kMostSurplus that
+    /// were not taken the oldest are lost.
+    [[nodiscard]] std::optional<SurplusFrame> take_surplus();
+    static constexpr std::size_t kMostSurplus = 4;
+
     /// Whether the response to a request could be mistaken for another one. Framing::tcp: none.
     [[nodiscard]] Ambiguity ambiguity(Instant t, UnitId unit, const AnswerShape& shape) const;
     /// Whether ambiguity() may be other than none for some request. O(1).
@@ -212,7 +220,9 @@ private:
     void take_response(Instant t, Slot& slot, const wire::Frame& frame);
     [[nodiscard]] bool unusual(Instant t, const Slot& slot, Bytes pdu) const;
     void confirm(Instant t, Slot& slot, Bytes pdu);
+    [[nodiscard]] Instant quiet_at(Instant from, const Slot& slot, std::size_t pdu_length) const;
     [[nodiscard]] Instant confirmation_end(Instant t, const Slot& slot) const;
+    void note_surplus(Instant t, UnitId unit, Bytes pdu);
     void conclude(Instant t, Slot& slot);
     void note_other_unit(const wire::Frame& frame);
     Lateness settle_late(Instant end, UnitId unit, const AnswerShape& shape, std::uint16_t wire_id);
@@ -236,6 +246,7 @@ private:
     wire::Framer framer_;
     EchoFilter echo_;
     OutstandingResponses outstanding_;
+    InplaceVector<SurplusFrame, kMostSurplus> surplus_;
     LineCounters counters_;
     std::span<Slot> slots_;
     std::size_t longest_pdu_;

@@ -7,6 +7,7 @@
 
 #include "takt/base/time.hpp"
 #include "takt/bus/outstanding_responses.hpp"
+#include "takt/bus/step_watch.hpp"
 #include "takt/bus/transaction.hpp"
 
 namespace takt::bus {
@@ -23,6 +24,7 @@ struct UnitTimes {
     std::array<Duration, 3> last_late{};    ///< the delays of the last ones; zero: not so many
     bool in_order = true;                   ///< it answers requests in their order
     bool missing = false;                   ///< a response is, since the last late one
+    StepWatch step;
 
     /// A response in time.
     /// @param certain  it answers the last request: no other response of the unit is missing. Others shorten
@@ -36,7 +38,7 @@ struct UnitTimes {
     /// that is none, and then shows any delay.
     [[nodiscard]] Duration usual_lateness() const;
 
-    /// Sets what the transaction knows of its unit: late_limit, lateness, longest_delay, in_order.
+    /// Sets what the transaction knows of its unit: late_limit, lateness, patience, longest_delay, in_order.
     /// @param response_timeout  of the device: the least late_limit, and an eighth of the greatest
     void set(Transaction& transaction, Duration response_timeout) const;
 };

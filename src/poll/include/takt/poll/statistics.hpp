@@ -64,7 +64,10 @@ struct DeviceCondition {
 /// What was counted and measured of the transactions with a device.
 struct DeviceTraffic {
     bus::TransactionCounters counters;
-    std::uint64_t late = 0;      ///< responses that came after their transaction had timed out
+    std::uint64_t late = 0;  ///< responses that came after their transaction had timed out
+    std::uint64_t surplus =
+        0;                 ///< serial line: responses that no request had asked for, repetitions included
+    bool shifted = false;  ///< one of them was no repetition: others may have answered earlier requests
     std::uint64_t verified = 0;  ///< writes that were read back as written
     std::uint64_t differed = 0;  ///< and those that were not
     Duration recent_time{};      ///< mean of about the last eight times of `counters`
@@ -162,6 +165,8 @@ public:
     /// Noise comes before the responses of the device. Called once.
     virtual void on_noise(Instant /*t*/, std::size_t /*line*/, std::size_t /*device*/,
                           const NoiseFinding& /*finding*/) {}
+    /// The device sent a response that no request had asked for, other bytes than the last one. Called once.
+    virtual void on_surplus(Instant /*t*/, std::size_t /*line*/, std::size_t /*device*/) {}
     virtual void on_group_settled(Instant /*t*/, const SettledGroup& /*settled*/) {}
     /// Verification: a variable (index in its device) was read back with another value than was written.
     virtual void on_verify_failed([[maybe_unused]] Instant t, [[maybe_unused]] std::size_t line,

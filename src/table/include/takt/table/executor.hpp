@@ -192,7 +192,8 @@ private:
     void on_written(const bus::Outcome& outcome, std::uint32_t index);
     void note_delay(const bus::Outcome& outcome, DeviceState& state) const;
     void note_late(const bus::LateResponse& late);
-    void degrade_shifted(std::uint32_t device, const bus::LateResponse& late);
+    void note_surplus(const bus::SurplusFrame& frame);
+    void degrade_shifted(std::uint32_t device, const bus::AnswerShape& shape, Instant since);
     void read_again(Instant t, EntryState& state, const EntryRecord& entry, StatusCode status);
     void fail_read(Instant t, std::uint32_t index, const EntryRecord& entry, StatusCode status);
     void take_values(const EntryRecord& entry, const wire::ResponseView& response);

@@ -35,4 +35,8 @@ Duration t1_5(const CharacterFormat& format);
 /// Least silence between RTU frames: 3.5 characters, 1750 us above 19200 bit/s. Zero without a line.
 Duration t3_5(const CharacterFormat& format);
 
+/// A serial line: how often a master makes sure that a unit which it asks without pause answers the last
+/// request (docs/decisions/0039-surplus-responses.md).
+inline constexpr Duration kStepCheckInterval = std::chrono::seconds(1);
+
 }  // namespace takt::wire

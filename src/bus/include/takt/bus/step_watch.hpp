@@ -1,0 +1,71 @@
+// Whether the responses of a unit are those to its last requests (docs/decisions/0039-surplus-responses.md).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "takt/base/numbers.hpp"
+#include "takt/base/time.hpp"
+#include "takt/bus/transaction.hpp"
+#include "takt/wire/line_timing.hpp"
+
+namespace takt::bus {
+
+/// A number that differs for frames with different bytes, but for one pair in 2^32 (FNV-1a).
+[[nodiscard]] std::uint32_t frame_hash(Bytes pdu);
+
+/// A frame of a serial line that is the response to no request, neither to one in flight nor to one that
+/// ended without it.
+struct SurplusFrame {
+    UnitId unit;
+    AnswerShape shape;  ///< length 0: an exception
+    std::uint32_t hash = 0;
+    Instant at;  ///< its last byte
+    friend bool operator==(const SurplusFrame&, const SurplusFrame&) = default;
+};
+
+/// Finds out since when the responses of one unit may be those to earlier requests. A unit that answers one
+/// request after the other, and answers one twice, is one response behind from then on. While it is asked
+/// without pause for responses of one shape, nothing shows that.
+///
+/// It is in step
+/// - when no further response came for as long as it takes to send one (Outcome::quiet_at);
+/// - when it answered with another shape than before: one that is behind shows the shape before.
+///
+/// When neither happened for kInterval, the next read asks for another shape, or waits until the unit has had
+/// that pause. Other units are asked meanwhile. One owner, one thread.
+class StepWatch {
+public:
+    static constexpr Duration kInterval = wire::kStepCheckInterval;
+    /// After a surplus frame, for kAlert.
+    static constexpr Duration kAlertInterval = std::chrono::milliseconds(200);
+    static constexpr Duration kAlert = std::chrono::minutes(5);
+
+    /// The normal response to the last request was received (Status::ok).
+    void on_response(const Outcome& outcome);
+
+    /// @returns since when responses of that shape may have been those to earlier requests; nothing if the
+    ///          frame repeats the last response
+    std::optional<Instant> on_surplus(const SurplusFrame& frame);
+
+    /// The earliest start of a read with that response: `t`, or the end of the pause that is due.
+    [[nodiscard]] Instant earliest(Instant t, const AnswerShape& shape) const {
+        return earliest(t, shape, kInterval);
+    }
+    /// The same of a relayed request. It leaves the pauses of polling free, so that polling seldom waits.
+    [[nodiscard]] Instant earliest_relayed(Instant t, const AnswerShape& shape) const {
+        return earliest(t, shape, kInterval / 2);
+    }
+
+private:
+    [[nodiscard]] Instant earliest(Instant t, const AnswerShape& shape, Duration interval) const;
+
+    AnswerShape shape_;       // of the last response
+    std::uint32_t hash_ = 0;  // likewise
+    Duration pause_{};        // without a response, that shows that none follows
+    Instant quiet_at_ = Instant::min();
+    Instant in_step_at_ = Instant::min();
+    Instant alert_until_ = Instant::min();
+};
+
+}  // namespace takt::bus

@@ -1,0 +1,153 @@
+// A unit that answers a request twice, and is one response behind from then on.
+#include <gtest/gtest.h>
+
+#include <deque>
+
+#include "rig.hpp"
+#include "takt/bus/unit_times.hpp"
+
+namespace takt::bus {
+namespace {
+
+using namespace test;
+
+constexpr const char* kOneRegister = "03 00 00 00 01";
+constexpr const char* kTwoRegisters = "03 00 00 00 02";
+constexpr const char* kOne = "03 02 11 11";
+constexpr AnswerShape kShapeOfOne{3, 4};
+constexpr AnswerShape kShapeOfTwo{3, 6};
+
+Outcome answered(Instant sent, const std::vector<std::uint8_t>& response, const char* request) {
+    const wire::PreparedRequest prepared(hex(request));
+    const auto view = wire::decode_response(prepared.shape(), prepared.pdu(), response);
+    return {.unit = UnitId{1},
+            .sent = true,
+            .request = prepared.shape(),
+            .response = view.value_or(wire::ResponseView{}),
+            .sent_at = sent,
+            .request_end = sent + 4ms,
+            .ended_at = sent + 10ms,
+            .quiet_at = sent + 20ms};
+}
+
+SurplusFrame surplus(Instant t, const char* pdu) {
+    return {UnitId{1}, frame_shape(hex(pdu)), frame_hash(hex(pdu)), t};
+}
+
+TEST(StepWatch, IsInStepAfterAPauseAndAfterAnotherShape) {
+    const auto one = hex(kOne);
+    const auto two = hex("03 04 11 11 22 22");
+    StepWatch step;
+    EXPECT_EQ(step.earliest(at(5s), kShapeOfOne), at(5s)) << "nothing was asked so far";
+    Instant t = at(10s);
+    const auto ask_for = [&](Duration time) {
+        for (const Instant end = t + time; t < end; t += 12ms)
+            step.on_response(answered(t, one, kOneRegister));
+    };
+    ask_for(900ms);
+    EXPECT_EQ(step.earliest(t, kShapeOfOne), t);
+    ask_for(200ms);
+    EXPECT_GT(step.earliest(t, kShapeOfOne), t) << "without a pause for more than a second";
+    EXPECT_EQ(step.earliest(t, kShapeOfTwo), t) << "its response shows whether the unit is behind";
+    EXPECT_EQ(step.earliest(t + 10ms, kShapeOfOne), t + 10ms) << "a further response would have come";
+
+    step.on_response(answered(t, two, kTwoRegisters));
+    t += 12ms;
+    EXPECT_EQ(step.earliest(t, kShapeOfOne), t);
+    ask_for(1100ms);
+    EXPECT_GT(step.earliest(t, kShapeOfOne), t);
+    t += 20ms;
+    step.on_response(answered(t, one, kOneRegister));
+    EXPECT_EQ(step.earliest(t + 12ms, kShapeOfOne), t + 12ms) << "after a pause";
+}
+
+TEST(StepWatch, ASurplusFrameNamesTheTimeSinceWhenTheUnitMayBeBehind) {
+    StepWatch step;
+    const auto one = hex(kOne);
+    for (Instant t = at(10s); t < at(10500ms); t += 12ms) step.on_response(answered(t, one, kOneRegister));
+    EXPECT_EQ(step.on_surplus(surplus(at(10501ms), kOne)), std::nullopt) << "it repeats the last response";
+    EXPECT_EQ(step.on_surplus(surplus(at(10502ms), "03 02 22 22")), at(10501ms));
+    EXPECT_EQ(step.on_surplus(surplus(at(10503ms), "03 02 22 22")), at(10502ms)) << "those before were named";
+
+    step.on_response(answered(at(10504ms), one, kOneRegister));
+    for (Instant t = at(10516ms); t < at(10720ms); t += 12ms)
+        step.on_response(answered(t, one, kOneRegister));
+    EXPECT_GT(step.earliest(at(10725ms), kShapeOfOne), at(10725ms)) << "checked more often for some minutes";
+}
+
+/// A gateway that serves one request after the other, 15 ms each. The data of each response is the number of
+/// its request.
+struct Gateway {
+    struct Response {
+        Instant at;
+        std::vector<std::uint8_t> frame;
+    };
+    std::deque<Response> responses;
+    Instant busy_until = at(0ms);
+    std::uint16_t requests = 0;
+
+    void on_request(Instant t, int times) {
+        ++requests;
+        for (int i = 0; i < times; ++i) {
+            busy_until = std::max(t, busy_until) + 15ms;
+            const auto high = static_cast<std::uint8_t>(requests >> 8);
+            const auto low = static_cast<std::uint8_t>(requests & 0xFF);
+            const std::vector<std::uint8_t> pdu{3, 2, high, low};
+            const auto frame = wire::encode_frame(wire::Framing::rtu, UnitId{1}, 0, pdu);
+            responses.push_back({busy_until, {frame.begin(), frame.end()}});
+        }
+    }
+};
+
+TEST(StepWatch, AShiftOfABusyUnitIsFoundWithinASecondAndEnds) {
+    LineConfig config = kLine;
+    config.format.baud = 0;  // RTU over TCP
+    Rig line(config);
+    Gateway gateway;
+    UnitTimes times;
+    int wrong = 0;
+    int wrong_at_the_end = 0;
+    std::optional<Instant> since;
+    std::optional<Instant> found;
+    const auto receive_until = [&](Instant t) {
+        const Instant next = gateway.responses.empty() ? kNever : gateway.responses.front().at;
+        line.run_until(std::min(next, t));
+        if (line.now != next) return;
+        const auto frame = gateway.responses.front().frame;
+        gateway.responses.pop_front();
+        line.receive(line.now, frame);
+        while (const auto surplus = line.engine.take_surplus()) {
+            const auto marked = times.step.on_surplus(*surplus);
+            if (!found && marked) since = marked;
+            if (!found) found = surplus->at;
+        }
+    };
+    while (line.now < at(6s)) {
+        auto asked = transaction(gateway.requests + 1U, 1, kOneRegister);
+        times.set(asked, 100ms);
+        receive_until(times.step.earliest(line.now, kShapeOfOne));
+        line.submit(line.now, asked);
+        line.transmit(line.now);
+        gateway.on_request(line.now, gateway.requests == 100 ? 2 : 1);
+        const auto count = line.outcomes.size();
+        while (line.outcomes.size() == count) receive_until(line.engine.next_wakeup());
+        const auto& outcome = line.last();
+        times.on_response(response_delay(line.engine.config(), outcome), true);
+        if (outcome.status != Status::ok) continue;
+        times.step.on_response(outcome);
+        const auto data = outcome.response.pdu();
+        const bool right = (data[2] << 8 | data[3]) == gateway.requests;
+        wrong += !right;
+        if (!right && line.now > at(4s)) ++wrong_at_the_end;
+    }
+    ASSERT_TRUE(found);
+    EXPECT_GT(wrong, 0) << "nothing shows the first ones";
+    EXPECT_EQ(wrong_at_the_end, 0);
+    const Instant doubled = at(100 * 15ms);
+    EXPECT_LT(*found, doubled + StepWatch::kInterval + 100ms);
+    ASSERT_TRUE(since);
+    EXPECT_LE(*since, doubled + 30ms);
+}
+
+}  // namespace
+}  // namespace takt::bus
