@@ -142,6 +142,11 @@ EventMessage event_message(const Configuration& configuration, const NoiseFound&
     return message;
 }
 
+EventMessage event_message(const Configuration& configuration, const SurplusFound& found) {
+    const auto& line = configuration.project().lines[found.line];
+    return {.code = "app.surplus", .arguments = owner_arguments(line, line.devices[found.device])};
+}
+
 EventMessage event_message(const Configuration& configuration, const GapLearnt& learnt) {
     const auto& event = learnt.gap_event;
     const auto count = event.items.last - event.items.first + 1;

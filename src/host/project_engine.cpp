@@ -336,6 +336,12 @@ void ProjectEngine::on_noise(Instant t, std::size_t line, std::size_t device,
     publish_event(t, event);
 }
 
+void ProjectEngine::on_surplus(Instant t, std::size_t line, std::size_t device) {
+    const SurplusFound event{line, device};
+    log_event(LogLevel::warning, event);
+    publish_event(t, event);
+}
+
 void ProjectEngine::on_group_settled(Instant t, const poll::SettledGroup& settled) {
     commands_.on_group_settled(t, settled);
 }

@@ -127,6 +127,7 @@ private:
     void on_measured(Instant t, std::size_t line, std::size_t device) override;
     void on_noise(Instant t, std::size_t line, std::size_t device,
                   const poll::NoiseFinding& finding) override;
+    void on_surplus(Instant t, std::size_t line, std::size_t device) override;
     void on_group_settled(Instant t, const poll::SettledGroup& settled) override;
     void on_write_waiting(Instant t, std::size_t line, std::size_t request, std::size_t variable) override;
     void on_failed(Instant t, std::size_t line, const poll::FailedExchange& failed) override;

@@ -205,6 +205,11 @@ void fields(Archive& archive, NoiseFound& body) {
 }
 
 template <class Archive>
+void fields(Archive& archive, SurplusFound& body) {
+    all(archive, body.line, body.device);
+}
+
+template <class Archive>
 void fields(Archive& archive, WriteWaiting& body) {
     all(archive, body.request, body.variable);
 }

@@ -67,6 +67,9 @@ public:
     std::string operator()(const host::NoiseFound& found) const {
         return filled(host::event_message(configuration_, found));
     }
+    std::string operator()(const host::SurplusFound& found) const {
+        return filled(host::event_message(configuration_, found));
+    }
     std::string operator()(const host::WriteWaiting& waiting) const {
         return filled(host::event_message(configuration_, waiting));
     }
@@ -163,6 +166,14 @@ public:
         object.set("line", line.name);
         object.set("device", line.devices[found.device].name);
         set_noise_finding(object, found.finding);
+        object.set("text", TextOf(texts_, configuration_)(found));
+        return object;
+    }
+    file::Json operator()(const host::SurplusFound& found) const {
+        const auto& line = configuration_.project().lines[found.line];
+        auto object = begin("surplus");
+        object.set("line", line.name);
+        object.set("device", line.devices[found.device].name);
         object.set("text", TextOf(texts_, configuration_)(found));
         return object;
     }

@@ -205,6 +205,7 @@ file::Json device_json(const Texts& texts, const host::Snapshot& snapshot, std::
     object.set("outages", device.outages);
     set_availability(object, device.availability.at(snapshot.t));
     object.set("late_answers", device.late);
+    object.set("surplus_answers", device.surplus);
     object.set("delays", delays_json(texts, snapshot, line, index));
     object.set("noise", noise_json(texts, snapshot, line, index));
     const auto& measured = snapshot.lines[line].times[index];

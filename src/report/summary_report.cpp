@@ -165,7 +165,8 @@ CountTable device_table(const host::Snapshot& snapshot, const Texts& texts, std:
     return table;
 }
 
-/// A line for each device that is slower than a setting says, and for each with noise before its responses.
+/// A line for each device that is slower than a setting says, with noise before its responses, or
+/// with responses that no request asked for.
 std::string findings_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
     std::string text;
     const auto& devices = snapshot.lines[line].devices;
@@ -177,6 +178,7 @@ std::string findings_text(const host::Snapshot& snapshot, const Texts& texts, st
             add(host::DelaysFound{.line = line, .device = i, .finding = *finding});
         if (const auto& finding = devices[i].noise)
             add(host::NoiseFound{.line = line, .device = i, .finding = *finding});
+        if (devices[i].shifted) add(host::SurplusFound{.line = line, .device = i});
     }
     return text;
 }
@@ -285,6 +287,7 @@ file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
         device.set("outages", state.devices[i].outages);
         set_availability(device, state.devices[i].availability.at(snapshot.t));
         device.set("late_answers", state.devices[i].late);
+        device.set("surplus_answers", state.devices[i].surplus);
         device.set("delays", delays_json(state.devices[i].delays));
         device.set("noisy_answers", state.devices[i].counters.noisy_answers);
         device.set("noise_bytes", state.devices[i].counters.noise_bytes);

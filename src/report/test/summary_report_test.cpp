@@ -207,7 +207,8 @@ TEST(SummaryReport, JsonOfALine) {
     EXPECT_EQ(
         at(json, "lines", 0, "devices").dump(),
         R"([{"name":"Котёл","state":"not_answering","outages":5,"availability_percent":70.0,)"
-        R"("downtime_ms":3000.0,"late_answers":8,"delays":{"setting":"response_timeout","delay_ms":148.0,)"
+        R"("downtime_ms":3000.0,"late_answers":8,"surplus_answers":0,)"
+        R"("delays":{"setting":"response_timeout","delay_ms":148.0,)"
         R"("limit_ms":100.0,"advised_ms":300.0},"noisy_answers":2,"noise_bytes":3,)"
         R"("noise":{"least_bytes":1,"most_bytes":1},)"
         R"("turnaround":{"exchanges":3120,"longest_ms":7.6,"p999_ms":7.1,)"

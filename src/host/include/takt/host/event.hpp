@@ -75,6 +75,13 @@ struct NoiseFound {
     poll::NoiseFinding finding;
 };
 
+/// A device sent a response that no request had asked for, so earlier ones may have answered other requests.
+/// Their values are uncertain now. Published once.
+struct SurplusFound {
+    std::size_t line = 0;
+    std::size_t device = 0;
+};
+
 /// A group is to be written, but one member was neither set nor read yet and has no default.
 struct WriteWaiting {
     RequestKey request;
@@ -123,7 +130,7 @@ struct Event {
     Instant t;
     std::variant<ValueChanged, DeviceStateChanged, LinkChanged, PeriodOverrun, WriteWaiting, VerifyFailed,
                  GapLearnt, WriteFinished, Notice, ConfigurationChanged, AuditRecorded, EventsLost,
-                 DelaysFound, NoiseFound>
+                 DelaysFound, NoiseFound, SurplusFound>
         body;
 };
 

@@ -31,6 +31,7 @@ struct EventMessage {
 [[nodiscard]] EventMessage event_message(const Configuration& configuration, const GapLearnt& learnt);
 [[nodiscard]] EventMessage event_message(const Configuration& configuration, const DelaysFound& found);
 [[nodiscard]] EventMessage event_message(const Configuration& configuration, const NoiseFound& found);
+[[nodiscard]] EventMessage event_message(const Configuration& configuration, const SurplusFound& found);
 /// @returns an empty message if VerifyFailed reports the write
 [[nodiscard]] EventMessage event_message(const Configuration& configuration, const Outcome& outcome);
 

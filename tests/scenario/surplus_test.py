@@ -1,0 +1,53 @@
+"""docs/commands/run.md, "Surplus answers": a device that serves one request after the other, and one of them twice."""
+import time
+
+from fake_slave import SerialSlave
+from frames import request
+from program import start
+from projects import at, serial
+
+SERVICE = 0.012  # seconds: longer than three requests every 20 ms allow
+REGISTERS = (0, 100, 200)
+
+
+class Doubling(SerialSlave):
+    """Its answer to the n-th request for register r is r + n % 100. It serves request 150 twice."""
+
+    def __init__(self, port):
+        super().__init__(port, None)
+        self.doubled_at = None
+
+    def _serve_once(self):
+        frame = self._line.read(8)
+        if len(frame) < 8:
+            return
+        self.seen.append(frame)
+        register = int.from_bytes(frame[2:4], "big") + len(self.seen) % 100
+        for again in (False, True):
+            time.sleep(SERVICE)
+            self._line.write(request("rtu", frame[0], bytes([3, 2]) + register.to_bytes(2, "big")))
+            if len(self.seen) != 150:
+                return
+            self.doubled_at = self.doubled_at or time.monotonic()
+
+
+def test_values_behind_a_doubled_answer_are_marked_within_a_second(project, pair):
+    path = project(serial(at(REGISTERS, "type: int16, read: 0x03, period: 20ms"), port=pair.a, group_requests="false",
+                          response_timeout="100ms"))
+    with Doubling(pair.b), start("run", path, "--json") as run:
+        found = run.wait_event(lambda e: e["event"] == "surplus", "the device is named")
+        time.sleep(2)
+        run.interrupt()
+        events = run.events()
+    values = [e for e in events if e["event"] == "value"]
+    owner = {f"V{i}": r // 100 for i, r in enumerate(REGISTERS, 1)}
+    wrong = [e for e in values if e["quality"] == "good" and e["value"] // 100 != owner[e["name"]]]
+    assert wrong, "nothing shows the first ones"
+    assert wrong[-1]["time_ms"] <= found["time_ms"], "the device is in step again"
+    assert found["time_ms"] - wrong[0]["time_ms"] < 2000, "checked once a second, on a busy computer"
+    for name in {e["name"] for e in wrong}:
+        after = [e for e in values if e["name"] == name and e["time_ms"] >= found["time_ms"]]
+        assert after[0]["quality"] == "uncertain" and after[0]["reason"] == "ambiguous", after[0]
+        assert any(e["quality"] == "good" for e in after), "read again"
+    device = events[-1]["lines"][0]["devices"][0]
+    assert found["device"] == "Node1" and device["surplus_answers"] >= 1
