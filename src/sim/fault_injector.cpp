@@ -197,6 +197,14 @@ Duration FaultInjector::copy_delay() {
     return random_.between(Duration::zero(), kMost[plan_.merciless ? random_.below(kMost.size()) : 0]);
 }
 
+bool FaultInjector::serves_again(std::size_t device) {
+    return plan_.merciless && in_order(device) && random_.below(2) == 0;
+}
+
+Duration FaultInjector::service_time() {
+    return random_.between(std::chrono::milliseconds(2), std::chrono::milliseconds(50));
+}
+
 ByteString FaultInjector::past_answer(std::size_t device, Bytes sent) {
     const auto now = open_frame(framing_, sent);
     std::vector<const ByteString*> fitting;

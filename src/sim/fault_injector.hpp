@@ -96,6 +96,9 @@ protected:
     // The drawn times of answers that do not come in their time.
     [[nodiscard]] Duration lateness(std::size_t device);
     [[nodiscard]] Duration copy_delay();
+    /// Whether the device that answers with a copy serves the request again, before those that follow it.
+    [[nodiscard]] bool serves_again(std::size_t device);
+    [[nodiscard]] Duration service_time();
     [[nodiscard]] bool in_order(std::size_t device) const {
         return device >= plan_.out_of_order.size() || !plan_.out_of_order[device];
     }

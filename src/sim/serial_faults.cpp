@@ -90,10 +90,14 @@ bool SerialFaults::on_answer(Instant t, Bytes sent, std::vector<Piece>& arrives)
     return true;
 }
 
-// A third of the copies follow directly. The others are counted when they are sent.
+// A third of the copies follow directly. The others are counted when they are sent. A device that serves the
+// request once more serves others after that.
 bool SerialFaults::copy(Instant t, std::size_t device, Bytes sent, ByteString& instead) {
     if (random_.below(3) != 0) {
-        send_later(t + length(sent) + copy_delay(), device, FaultKind::duplicate_response, sent);
+        const bool again = serves_again(device);
+        const Duration delay = again ? service_time() : copy_delay();
+        send_later(t + length(sent) + delay, device, FaultKind::duplicate_response, sent);
+        later_.back().again = again;
         return false;
     }
     instead.assign(sent.begin(), sent.end());
@@ -131,7 +135,7 @@ bool SerialFaults::postpone(Instant t, const Exchange& exchange, UnitId unit, co
     if (late) ready = t + lateness(device);
     if (in_order(device))
         for (const Later& earlier : later_)
-            if (earlier.device == device && earlier.kind == FaultKind::late_response)
+            if (earlier.device == device && (earlier.again || earlier.kind == FaultKind::late_response))
                 ready = std::max(ready, earlier.when + answer.delay + 1ms);
     if (!late && ready == t + answer.delay) return false;
     const auto pdu = answer.pdu.span();
@@ -142,8 +146,11 @@ bool SerialFaults::postpone(Instant t, const Exchange& exchange, UnitId unit, co
 }
 
 void SerialFaults::send_later(Instant when, std::size_t device, std::optional<FaultKind> kind, Bytes bytes) {
-    later_.push_back(
-        {when, device, kind, kind.has_value() && random_.below(4) != 0, {bytes.begin(), bytes.end()}});
+    later_.push_back({.when = when,
+                      .device = device,
+                      .kind = kind,
+                      .waits_for_silence = kind.has_value() && random_.below(4) != 0,
+                      .bytes = {bytes.begin(), bytes.end()}});
     schedule_begin(when, FaultKind::late_response, device);
 }
 

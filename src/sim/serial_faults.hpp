@@ -41,6 +41,7 @@ private:
         std::size_t device = 0;
         std::optional<FaultKind> kind;  // counted when it is sent
         bool waits_for_silence = false;
+        bool again = false;  // the request is served twice
         ByteString bytes;
     };
 

@@ -49,7 +49,7 @@ bool StreamFaults::on_frame(Instant t, Bytes frame, std::vector<Piece>& arrives)
 
 bool StreamFaults::spoil(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives) {
     switch (*exchange.kind) {
-        case FaultKind::duplicate_response: double_up(t, frame, arrives); break;
+        case FaultKind::duplicate_response: double_up(t, *exchange.device, frame, arrives); break;
         case FaultKind::past_response:
             if (!send_past(t, *exchange.device, frame, arrives)) return lost_for_what_was_before(frame);
             break;
@@ -94,12 +94,16 @@ void StreamFaults::send_later(Instant t, Duration delay, Bytes bytes, std::vecto
     arrives.push_back({.delay = delay, .sent_later = true, .bytes = {bytes.begin(), bytes.end()}});
 }
 
-void StreamFaults::double_up(Instant t, Bytes frame, std::vector<Piece>& arrives) {
+void StreamFaults::double_up(Instant t, std::size_t device, Bytes frame, std::vector<Piece>& arrives) {
     arrives.push_back({.bytes = {frame.begin(), frame.end()}});
-    if (random_.below(3) == 0)
+    if (random_.below(3) == 0) {
         arrives.back().bytes.insert(arrives.back().bytes.end(), frame.begin(), frame.end());
-    else
+    } else if (serves_again(device)) {
+        behind_until_[device] = t + service_time();
+        send_later(t, behind_until_[device] - t, frame, arrives);
+    } else {
         send_later(t, copy_delay(), frame, arrives);
+    }
 }
 
 bool StreamFaults::send_past(Instant t, std::size_t device, Bytes frame, std::vector<Piece>& arrives) {

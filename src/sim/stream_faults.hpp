@@ -41,7 +41,7 @@ private:
     /// The answer of a device that is behind with others. @returns whether it is
     bool queue_up(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives);
     void send_later(Instant t, Duration delay, Bytes bytes, std::vector<Piece>& arrives) const;
-    void double_up(Instant t, Bytes frame, std::vector<Piece>& arrives);
+    void double_up(Instant t, std::size_t device, Bytes frame, std::vector<Piece>& arrives);
     bool send_past(Instant t, std::size_t device, Bytes frame, std::vector<Piece>& arrives);
     void add_glitch(Instant t, Bytes frame, std::vector<Piece>& arrives);
     bool break_up(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives);

@@ -26,7 +26,7 @@ enum class FaultKind : std::uint8_t {
     lost_request,        ///< the device receives nothing
     lost_response,       ///< the device executed the request; its answer is lost
     late_response,       ///< mostly 1.2 to 40 time-outs after its request, one in 50 up to minutes after it
-    duplicate_response,  ///< twice: right behind, or up to minutes later
+    duplicate_response,  ///< twice: right behind, up to minutes later, or served twice before other requests
     past_response,       ///< before the answer, or instead of it, an earlier answer of the same shape again
     glitch,              ///< one to three characters 00, FF or random before or after an answer, up to 8 ms
                          ///< away from it
