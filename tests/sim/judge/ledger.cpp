@@ -15,6 +15,7 @@ constexpr Duration kPause = std::chrono::milliseconds(5);     // between two fra
 constexpr std::size_t kMostRefused = 64;
 constexpr std::size_t kPast = 16384;  // frames of minutes
 constexpr Duration kUnknownDelay = std::chrono::milliseconds(100);
+constexpr unsigned kMostOthers = 3;                  // requests between two exempt answers of one shift
 constexpr Duration kHeld = std::chrono::minutes(1);  // the longest that a request may wait and be held
 
 // FNV-1a, 64 bits.
@@ -71,7 +72,10 @@ void AnswerLedger::on_sent(Instant t, const Asked& asked) {
     std::erase_if(owed_, [](const Owed& each) { return each.answered && !each.may_follow; });
     while (!owed_.empty() && t - owed_.front().t > 2 * kForgotten) owed_.pop_front();
     const auto shifted = shifted_.find(asked.unit);
-    if (shifted != shifted_.end() && !same_shape(shifted->second, owed(t, asked))) shifted_.erase(shifted);
+    if (shifted != shifted_.end()) {
+        ++shifted->second.others;
+        if (!same_shape(shifted->second.request, owed(t, asked))) shifted_.erase(shifted);
+    }
     owed_.push_back(owed(t, asked));
     owed_.back().number = ++last_number_;
     if (owed_.size() > kMostOwed) owed_.pop_front();
@@ -298,8 +302,10 @@ bool AnswerLedger::seen_before(const Owed& request) const {
     });
 }
 
-void AnswerLedger::note_exempt(const Asked& asked) {
-    shifted_[asked.unit] = owed({}, asked);
+void AnswerLedger::note_exempt(Instant t, const Asked& asked) {
+    Shift& shift = shifted_.try_emplace(asked.unit, Shift{owed(t, asked), t}).first->second;
+    if (shift.others >= kMostOthers) shift.since = t;
+    shift.others = 0;
 }
 
 bool AnswerLedger::has_passed(const Owed& each, Instant t) const {
@@ -392,6 +398,11 @@ std::optional<std::string_view> AnswerLedger::exemption(Instant t, Instant sent,
     const auto came = candidates(asked);
     if (std::ranges::find(came, published) == came.end()) return std::nullopt;
     const Owed own = owed(sent, asked);
+    const auto shifted = shifted_.find(own.unit);
+    const bool one_behind =
+        shifted != shifted_.end() && same_shape(shifted->second.request, own) && came.size() == 1;
+    if (one_behind && shifted->second.others < kMostOthers && t - shifted->second.since > kShifted)
+        return std::nullopt;
     const bool unfollowed = t - last_candidate(asked).value_or(t) >= usual_delay(own.unit);
     std::size_t open = 0;
     bool passed = false;
@@ -417,9 +428,7 @@ std::optional<std::string_view> AnswerLedger::exemption(Instant t, Instant sent,
     const auto heard_before = std::ranges::count(past_, hash_of(own.unit, published));
     const auto heard_now = std::ranges::count(came, published);
     if (heard_before > heard_now) return "exempt_copy";
-    const auto shifted = shifted_.find(own.unit);
-    const bool one_behind = shifted != shifted_.end() && same_shape(shifted->second, own);
-    return one_behind && came.size() == 1 ? std::optional<std::string_view>("exempt_shifted") : std::nullopt;
+    return one_behind ? std::optional<std::string_view>("exempt_shifted") : std::nullopt;
 }
 
 std::string AnswerLedger::describe(Instant t, Instant sent, const Asked& asked) const {

@@ -14,6 +14,10 @@
 //               shape and exactly one frame. So each answer may belong to the request before.
 //   expired     the unanswered requests of that shape are older than kForgotten.
 //
+// No exemption holds for longer than kShifted: the master makes sure once a second that a unit is not one
+// answer behind. That is, while each of the last requests of the unit had the same shape and one frame, and
+// at least one answer in three was exempt.
+//
 // In all other cases the master knew that an answer of that shape was owed, and a wrong good value is a
 // violation. Each use is counted ("seen.exempt_copy", ...).
 //
@@ -59,6 +63,9 @@ public:
     /// Longer than any simulated lateness.
     static constexpr Duration kForgotten = std::chrono::minutes(5);
 
+    /// Longer than some checks, which may be misled themselves.
+    static constexpr Duration kShifted = std::chrono::seconds(5);
+
     explicit AnswerLedger(wire::Framing framing);
 
     void on_sent(Instant t, const Asked& asked);
@@ -97,7 +104,7 @@ public:
                                                             const ByteVector& published) const;
 
     /// A wrong value from the answer to that request was exempt.
-    void note_exempt(const Asked& asked);
+    void note_exempt(Instant t, const Asked& asked);
 
     /// The unanswered requests that the answer to the request of `sent` can be mistaken for; empty: none.
     [[nodiscard]] std::string describe(Instant t, Instant sent, const Asked& asked) const;
@@ -174,9 +181,14 @@ private:
     std::deque<Heard> heard_;   // since the last request; not yet settled
     std::deque<Heard> strays_;  // of them, with the function of the last request and another length
     std::map<std::uint8_t, std::deque<Duration>> delays_;  // by unit: of its last answers
-    std::map<std::uint8_t, Owed> shifted_;                 // by unit: a request whose wrong answer was exempt
-    std::map<std::uint8_t, Duration> lateness_;            // by unit
-    std::map<std::uint8_t, Instant> late_at_;              // by unit: its last late answer
+    struct Shift {
+        Owed request;         // whose wrong answer was exempt
+        Instant since;        // at least one answer in three is exempt
+        unsigned others = 0;  // requests since the last exempt answer
+    };
+    std::map<std::uint8_t, Shift> shifted_;                   // by unit
+    std::map<std::uint8_t, Duration> lateness_;               // by unit
+    std::map<std::uint8_t, Instant> late_at_;                 // by unit: its last late answer
     std::map<std::uint8_t, std::deque<Duration>> last_late_;  // by unit: the delays of the last ones
     std::vector<std::uint64_t> past_;                         // hashes of the last frames
     std::size_t next_past_ = 0;

@@ -218,7 +218,7 @@ bool LineJudge::shows_false_history(Instant t, VariableNumber v, const value::Sl
         const auto exempt = ledger_.exemption(t, last.start, last.asked, pdu);
         if (!exempt) continue;
         ++recoveries_[*exempt];
-        ledger_.note_exempt(last.asked);
+        ledger_.note_exempt(t, last.asked);
         last.served = true;
         last.served_at = std::max(last.end, last.heard_at);  // some time between the two
         last.values = values;
