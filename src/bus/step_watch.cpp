@@ -11,7 +11,6 @@ std::uint32_t frame_hash(Bytes pdu) {
     return hash;
 }
 
-// A response that repeats its request identifies it.
 void StepWatch::on_response(const Outcome& outcome) {
     const AnswerShape shape = answer_shape(outcome.request);
     if (outcome.sent_at >= quiet_at_) in_step_at_ = outcome.sent_at;

@@ -5,9 +5,9 @@
 //   - a trigger or write on change with a rate limit is a sporadic task: period = least interval, burst;
 //   - without a rate limit a cause has no task and no bound;
 //   - commands of clients without a rate limit of their own, and relayed requests, are two tasks each.
-// Priorities: commands, those of clients, relayed requests, polling; then by deadline; ties by
-// the order of the plan. With `order: address` all polled tasks are equal. Periods and deadlines are rounded
-// down to microseconds, costs and jitter up, so that rounding never makes a bound too small.
+// Priorities: commands, those of clients, relayed requests, polling; then by deadline; ties by the order of
+// the plan. With `order: address` all polled tasks are equal. Periods and deadlines are rounded down to
+// microseconds, costs and jitter up, so that rounding never makes a bound too small.
 #include "line_tasks.hpp"
 
 #include <algorithm>

@@ -17,7 +17,7 @@ namespace {
 constexpr Microseconds kInterval =
     std::chrono::duration_cast<std::chrono::microseconds>(wire::kStepCheckInterval).count();
 
-constexpr Microseconds kFree = kInterval / 2;
+constexpr Microseconds kFree = kInterval / 2;  // of relayed requests
 
 // Requests for two shapes are sent in each interval: a unit that is behind answers with the wrong one.
 bool asks_for_two_shapes(const model::Line& line, const LinePlan& plan, UnitId unit) {

@@ -30,9 +30,10 @@ struct SurplusFrame {
 ///
 /// It is in step
 /// - when no further response came for as long as it takes to send one (Outcome::quiet_at);
-/// - when it answered with another shape than before: one that is behind shows the shape before.
+/// - when it answered with another shape than before: one that is behind shows the shape before;
+/// - when its response repeats the request.
 ///
-/// When neither happened for kInterval, the next read asks for another shape, or waits until the unit has had
+/// When none of these happened for kInterval, the next read asks for another shape, or waits until the unit has had
 /// that pause. Other units are asked meanwhile. One owner, one thread.
 class StepWatch {
 public:
