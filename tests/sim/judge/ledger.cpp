@@ -76,6 +76,9 @@ void AnswerLedger::on_sent(Instant t, const Asked& asked) {
         ++shifted->second.others;
         if (!same_shape(shifted->second.request, owed(t, asked))) shifted_.erase(shifted);
     }
+    Run& run = runs_[asked.unit];
+    if (!same_shape(run.request, owed(t, asked)))
+        run = {.request = owed(t, asked), .since = t, .before = run.request.length == 0 ? t : run.since};
     owed_.push_back(owed(t, asked));
     owed_.back().number = ++last_number_;
     if (owed_.size() > kMostOwed) owed_.pop_front();
@@ -366,6 +369,11 @@ bool AnswerLedger::in_doubt(Instant t, const Shape& shape) const {
         if (each->second.several || t < each->second.until) return true;
     }
     return false;
+}
+
+bool AnswerLedger::may_check(Instant t, std::uint8_t unit) const {
+    const auto run = runs_.find(unit);
+    return run != runs_.end() && run->second.since == t && t - run->second.before >= kCheck;
 }
 
 bool AnswerLedger::doubtful(const Asked& asked) const {

@@ -90,6 +90,11 @@ public:
     /// shape may be held, replaced, confirmed and repeated. Length 0: of any length. Function 0: of any.
     [[nodiscard]] bool in_doubt(Instant t, const Shape& shape) const;
 
+    /// Whether the request of another shape that was sent to the unit at `t` may check that it is in step:
+    /// those before it had one shape for kCheck.
+    [[nodiscard]] bool may_check(Instant t, std::uint8_t unit) const;
+    static constexpr Duration kCheck = std::chrono::milliseconds(200);
+
     /// The longest time after its request at which an answer of the unit came that was owed.
     [[nodiscard]] Duration lateness(std::uint8_t unit) const;
 
@@ -186,7 +191,13 @@ private:
         Instant since;        // at least one answer in three is exempt
         unsigned others = 0;  // requests since the last exempt answer
     };
-    std::map<std::uint8_t, Shift> shifted_;                   // by unit
+    std::map<std::uint8_t, Shift> shifted_;  // by unit
+    struct Run {
+        Owed request;                     // the requests of the unit have had its shape
+        Instant since;                    // since then
+        Instant before = Instant::max();  // the run before began
+    };
+    std::map<std::uint8_t, Run> runs_;                        // by unit
     std::map<std::uint8_t, Duration> lateness_;               // by unit
     std::map<std::uint8_t, Instant> late_at_;                 // by unit: its last late answer
     std::map<std::uint8_t, std::deque<Duration>> last_late_;  // by unit: the delays of the last ones

@@ -42,7 +42,8 @@ plan::ReadAlternatives LineJudge::alternatives_to(const plan::Request& request) 
 bool LineJudge::may_be_replaced(const plan::Request& request, Instant t) const {
     auto function = static_cast<std::uint8_t>(*request.read);
     if (*request.read == wire::Function::read_write_multiple_registers) function = 0x03;  // is sent alone
-    return in_doubt(t, {.unit = line_.devices[request.device].address.value, .function = function});
+    const std::uint8_t unit = line_.devices[request.device].address.value;
+    return in_doubt(t, {.unit = unit, .function = function}) || ledger_.may_check(t, unit);
 }
 
 std::optional<Instant> LineJudge::release_before(const RequestState& request, Instant t) const {

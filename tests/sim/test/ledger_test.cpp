@@ -49,6 +49,19 @@ struct Line {
     }
 };
 
+TEST(Ledger, ARequestOfAnotherShapeMayCheckAUnitThatWasAskedForOne) {
+    Line line;
+    for (Duration t{}; t < 180ms; t += 20ms) line.exchange(t, 7);
+    line.read(190ms, 0, 2);
+    EXPECT_FALSE(line.ledger.may_check(line.sent, 5)) << "too early";
+    line.two(195ms);
+    for (Duration t = 200ms; t < 400ms; t += 20ms) line.exchange(t, 7);
+    EXPECT_FALSE(line.ledger.may_check(line.sent, 5)) << "the same shape";
+    line.read(400ms, 0, 2);
+    EXPECT_TRUE(line.ledger.may_check(line.sent, 5));
+    EXPECT_FALSE(line.ledger.may_check(line.sent, 6));
+}
+
 TEST(Ledger, ALateAnswerWhileItsRequestIsOwedIsNoExcuse) {
     Line line;
     line.read(0ms, 0);
