@@ -33,8 +33,8 @@ struct SurplusFrame {
 /// - when it answered with another shape than before: one that is behind shows the shape before;
 /// - when its response repeats the request.
 ///
-/// When none of these happened for kInterval, the next read asks for another shape, or waits until the unit has had
-/// that pause. Other units are asked meanwhile. One owner, one thread.
+/// When none of these happened for kInterval, the next read asks for another shape, or waits until the unit
+/// has had that pause. Other units are asked meanwhile. One owner, one thread.
 class StepWatch {
 public:
     static constexpr Duration kInterval = wire::kStepCheckInterval;
