@@ -1,0 +1,197 @@
+#include "takt/store/journal.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <deque>
+#include <limits>
+#include <utility>
+
+#include "journal_destination.hpp"
+#include "journal_writer.hpp"
+#include "takt/base/assert.hpp"
+
+namespace takt::store {
+namespace {
+
+constexpr std::size_t kMaxNameBytes = 64;
+constexpr Duration kCleanInterval = std::chrono::minutes(1);
+
+bool is_in(std::uint64_t value, std::uint64_t least, std::uint64_t greatest) {
+    return value >= least && value <= greatest;
+}
+
+Result<void> check(const JournalOptions& options) {
+    const bool sizes = is_in(options.segment_bytes, 64U << 10, 1U << 30) &&
+                       is_in(options.buffer_bytes, 128U << 10, 256U << 20) &&
+                       options.quota_bytes >= 2 * std::uint64_t{options.segment_bytes};
+    const bool times = options.sync_interval > Duration::zero() &&
+                       options.cursor_interval > Duration::zero() && options.retention >= Duration::zero();
+    if (!sizes || !times || options.max_in_flight == 0) return fail(Code::out_of_range);
+    return {};
+}
+
+bool is_name(std::string_view name) {
+    return is_in(name.size(), 1, kMaxNameBytes) && std::ranges::all_of(name, [](char c) {
+               return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+           });
+}
+
+Result<void> check(std::span<const std::string_view> names) {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        if (!is_name(names[i])) return fail(Code::malformed, names[i]);
+        if (std::ranges::count(names.first(i), names[i]) != 0) return fail(Code::busy, names[i]);
+    }
+    return {};
+}
+
+}  // namespace
+
+struct Journal::State {
+    State(JournalStorage& port, const JournalOptions& given, RecoveredSegments recovered)
+        : storage(port), options(given), writer(port, given, std::move(recovered)) {}
+
+    void save_cursors(Instant now);
+    [[nodiscard]] std::uint64_t acknowledged() const;
+    void clean(std::int64_t wall_ns);
+    [[nodiscard]] JournalDestination& at(DestinationId id) {
+        TAKT_ASSERT(id.index < destinations.size());
+        return destinations[id.index];
+    }
+
+    JournalStorage& storage;
+    JournalOptions options;
+    JournalWriter writer;
+    std::deque<JournalDestination> destinations;
+    Instant cursors_due = kNever;
+    Instant clean_due = kNever;
+    std::uint64_t cursor_failures = 0;
+};
+
+void Journal::State::save_cursors(Instant now) {
+    cursors_due = kNever;
+    for (JournalDestination& destination : destinations) {
+        if (!destination.has_unsaved() || destination.save()) continue;
+        ++cursor_failures;
+        cursors_due = after(now, options.cursor_interval);
+    }
+}
+
+std::uint64_t Journal::State::acknowledged() const {
+    std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+    for (const JournalDestination& destination : destinations)
+        least = std::min(least, destination.durable_sequence());
+    return least;
+}
+
+void Journal::State::clean(std::int64_t wall_ns) {
+    const auto& failure = writer.failure();
+    // New records are worth more than acknowledged ones that stay for a replay.
+    const bool disk_full = failure && failure->numbers[0] == ENOSPC;
+    const std::int64_t retained =
+        disk_full ? std::numeric_limits<std::int64_t>::max() : wall_ns - options.retention.count();
+    writer.clean(acknowledged(), retained);
+}
+
+Journal::Journal(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Journal::Journal(Journal&&) noexcept = default;
+Journal& Journal::operator=(Journal&&) noexcept = default;
+Journal::~Journal() = default;
+
+Result<Journal> Journal::open(JournalStorage& storage, const JournalOptions& options,
+                              std::span<const std::string_view> destinations, Instant now,
+                              std::int64_t wall_ns) {
+    TAKT_CHECK(check(options));
+    TAKT_CHECK(check(destinations));
+    TAKT_TRY(auto recovered, recover_segments(storage));
+    Journal journal(std::make_unique<State>(storage, options, std::move(recovered)));
+    State& state = *journal.state_;
+    StreamPosition last = state.writer.segments().durable;
+    for (const std::string_view name : destinations) {
+        auto& added = state.destinations.emplace_back(state.writer.segments(), storage, std::string(name));
+        TAKT_CHECK(added.load());
+        if (added.state().position.sequence > last.sequence) last = added.state().position;
+    }
+    state.writer.begin_epoch(now, wall_ns, last);
+    for (JournalDestination& destination : state.destinations) TAKT_CHECK(destination.start(last));
+    state.clean_due = after(now, kCleanInterval);
+    return journal;
+}
+
+Result<void> Journal::append(Instant now, const JournalInput& input) {
+    return state_->writer.append(now, input);
+}
+
+void Journal::append_loss(Instant now, std::uint64_t samples, std::int64_t first_wall_ns,
+                          std::int64_t last_wall_ns) {
+    Gap gap;
+    gap.cause = GapCause::source_lost;
+    gap.samples = samples;
+    gap.first_wall_ns = first_wall_ns;
+    gap.last_wall_ns = last_wall_ns;
+    state_->writer.append_loss(now, gap);
+}
+
+Instant Journal::next_wakeup() const {
+    return std::min({state_->writer.next_wakeup(), state_->cursors_due, state_->clean_due});
+}
+
+void Journal::on_tick(Instant now, std::int64_t wall_ns) {
+    State& state = *state_;
+    if (now < next_wakeup()) return;
+    if (now >= state.cursors_due) state.save_cursors(now);
+    if (now >= state.writer.next_wakeup()) {
+        state.writer.set_acknowledged(state.acknowledged());
+        static_cast<void>(state.writer.flush(now));  // the writer keeps the error for the status
+    }
+    state.clean(wall_ns);
+    state.clean_due = after(now, kCleanInterval);
+}
+
+Result<void> Journal::close(Instant now) {
+    state_->save_cursors(now);
+    return state_->writer.flush(now);
+}
+
+Result<std::optional<JournalEntry>> Journal::read(DestinationId destination) {
+    return state_->at(destination).read(state_->options.max_in_flight);
+}
+
+Result<void> Journal::acknowledge(Instant now, DestinationId destination, std::uint64_t sequence) {
+    TAKT_CHECK(state_->at(destination).acknowledge(sequence));
+    state_->cursors_due = std::min(state_->cursors_due, after(now, state_->options.cursor_interval));
+    return {};
+}
+
+void Journal::rewind(DestinationId destination) {
+    state_->at(destination).rewind();
+}
+
+std::uint64_t Journal::durable_cursor(DestinationId destination) const {
+    return state_->at(destination).durable_sequence();
+}
+
+DestinationCounters Journal::counters(DestinationId destination) const {
+    return state_->at(destination).counters(state_->writer.samples());
+}
+
+std::unique_ptr<JournalStream> Journal::replay(std::uint64_t sequence) const {
+    return std::make_unique<JournalReplay>(state_->writer.segments(), state_->storage, sequence);
+}
+
+std::uint64_t Journal::sequence_before(std::int64_t wall_ns) const {
+    std::uint64_t sequence = 0;
+    for (const Segment& segment : state_->writer.segments().segments) {
+        if (!segment.start) continue;
+        if (segment.start->wall_ns >= wall_ns && sequence != 0) break;
+        sequence = segment.start->sequence + 1;
+    }
+    return sequence;
+}
+
+JournalStatus Journal::status() const {
+    JournalStatus status = state_->writer.status();
+    status.cursor_failures = state_->cursor_failures;
+    return status;
+}
+
+}  // namespace takt::store

@@ -1,0 +1,90 @@
+// A slot, little endian, without padding:
+//   magic u32 | reserved u32 | counter u64 | sequence u64 | samples u64 | wall time i64 | epoch u64 |
+//   delivered u64 | dropped u64 | CRC-32C u32 (all before it)
+#include "journal_cursor.hpp"
+
+#include <vector>
+
+#include "little_endian.hpp"
+#include "takt/base/assert.hpp"
+#include "takt/store/crc32c.hpp"
+
+namespace takt::store {
+namespace {
+
+constexpr std::uint32_t kMagic = 0x3143'4B54;  // "TKC1"
+constexpr std::size_t kSlotBytes = 68;
+constexpr std::size_t kCheckedBytes = kSlotBytes - 4;
+
+struct Slot {
+    std::uint64_t counter = 0;
+    CursorState state;
+};
+
+std::vector<std::uint8_t> encode(const Slot& slot) {
+    std::vector<std::uint8_t> out;
+    put_little(out, kMagic);
+    put_little(out, std::uint32_t{0});
+    put_little(out, slot.counter);
+    put_little(out, slot.state.position.sequence);
+    put_little(out, slot.state.position.samples);
+    put_little(out, static_cast<std::uint64_t>(slot.state.position.wall_ns));
+    put_little(out, slot.state.position.epoch);
+    put_little(out, slot.state.delivered);
+    put_little(out, slot.state.dropped);
+    put_little(out, crc32c(out));
+    TAKT_ASSERT(out.size() == kSlotBytes);
+    return out;
+}
+
+std::optional<Slot> decode(Bytes bytes) {
+    if (bytes.size() != kSlotBytes) return std::nullopt;
+    const auto crc = LittleEndianReader(bytes.subspan(kCheckedBytes)).take<std::uint32_t>();
+    if (crc != crc32c(bytes.first(kCheckedBytes))) return std::nullopt;
+    LittleEndianReader in(bytes);
+    if (in.take<std::uint32_t>() != kMagic) return std::nullopt;
+    static_cast<void>(in.take<std::uint32_t>());
+    Slot slot;
+    slot.counter = in.take<std::uint64_t>();
+    slot.state.position.sequence = in.take<std::uint64_t>();
+    slot.state.position.samples = in.take<std::uint64_t>();
+    slot.state.position.wall_ns = static_cast<std::int64_t>(in.take<std::uint64_t>());
+    slot.state.position.epoch = in.take<std::uint64_t>();
+    slot.state.delivered = in.take<std::uint64_t>();
+    slot.state.dropped = in.take<std::uint64_t>();
+    return slot;
+}
+
+}  // namespace
+
+Result<JournalCursor::Found> JournalCursor::load() {
+    // An earlier run may have ended before its sync. A slot that may still be lost must not be the only good
+    // one when the other is overwritten.
+    if (const auto synced = storage_->sync_cursor(name_); !synced) {
+        if (synced.error().code == Code::not_found) return Found::nothing;
+        return std::unexpected(synced.error());
+    }
+    Found found = Found::damaged;
+    for (unsigned i = 0; i < 2; ++i) {
+        std::array<std::uint8_t, kSlotBytes> bytes{};
+        TAKT_TRY(const std::size_t size, storage_->read_cursor(name_, i, bytes));
+        const auto slot = decode(Bytes(bytes).first(size));
+        if (!slot || (found == Found::state && slot->counter < counter_)) continue;
+        found = Found::state;
+        counter_ = slot->counter;
+        durable_ = slot->state;
+        next_slot_ = 1 - i;
+    }
+    return found;
+}
+
+Result<void> JournalCursor::save(const CursorState& state) {
+    TAKT_CHECK(storage_->write_cursor(name_, next_slot_, encode({counter_ + 1, state})));
+    TAKT_CHECK(storage_->sync_cursor(name_));
+    ++counter_;
+    next_slot_ = 1 - next_slot_;
+    durable_ = state;
+    return {};
+}
+
+}  // namespace takt::store

@@ -1,0 +1,60 @@
+#include "journal_destination.hpp"
+
+#include <algorithm>
+
+namespace takt::store {
+
+Result<void> JournalDestination::load() {
+    TAKT_TRY(found_, cursor_.load());
+    if (found_ == JournalCursor::Found::state) state_ = cursor_.durable();
+    return {};
+}
+
+Result<void> JournalDestination::start(const StreamPosition& end) {
+    if (found_ == JournalCursor::Found::damaged) {
+        const Segment* oldest = segments_->first();
+        state_.position = oldest != nullptr ? *oldest->start : end;
+    } else if (found_ == JournalCursor::Found::nothing) {
+        state_.position = end;
+        // Without a durable cursor the next start would begin with a later record.
+        TAKT_CHECK(cursor_.save(state_));
+    }
+    rewind();
+    return {};
+}
+
+Result<std::optional<JournalEntry>> JournalDestination::read(std::size_t max_in_flight) {
+    if (in_flight_.size() >= max_in_flight) return std::nullopt;
+    TAKT_TRY(auto entry, reader_.next());
+    if (!entry) return entry;
+    CursorState after = in_flight_.empty() ? state_ : in_flight_.back();
+    (entry->gap ? after.dropped : after.delivered) += reader_.position().samples - after.position.samples;
+    after.position = reader_.position();
+    in_flight_.push_back(after);
+    entry->repeated = after.position.sequence <= highest_read_;
+    highest_read_ = std::max(highest_read_, after.position.sequence);
+    return entry;
+}
+
+Result<void> JournalDestination::acknowledge(std::uint64_t sequence) {
+    const auto sequence_of = [](const CursorState& state) { return state.position.sequence; };
+    const auto entry = std::ranges::lower_bound(in_flight_, sequence, {}, sequence_of);
+    if (entry == in_flight_.end() || sequence_of(*entry) != sequence)
+        return fail(Code::out_of_range, static_cast<std::int64_t>(sequence));
+    state_ = *entry;
+    in_flight_.erase(in_flight_.begin(), entry + 1);
+    return {};
+}
+
+void JournalDestination::rewind() {
+    in_flight_.clear();
+    reader_ = JournalReader(*segments_, *storage_, state_.position);
+}
+
+DestinationCounters JournalDestination::counters(std::uint64_t samples) const {
+    const std::uint64_t finished = state_.delivered + state_.dropped;
+    const std::uint64_t waiting = samples - state_.position.samples;
+    return {finished + waiting, state_.delivered, waiting, state_.dropped};
+}
+
+}  // namespace takt::store

@@ -1,0 +1,52 @@
+// The reading half of the journal: what one destination has read and acknowledged.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+
+#include "journal_cursor.hpp"
+#include "journal_reader.hpp"
+#include "takt/store/journal.hpp"
+
+namespace takt::store {
+
+class JournalDestination {
+public:
+    JournalDestination(const SegmentList& segments, JournalStorage& storage, std::string name)
+        : segments_(&segments),
+          storage_(&storage),
+          cursor_(storage, std::move(name)),
+          reader_(segments, storage, {}) {}
+
+    /// Loads the cursor, to be called first. @returns the errors of the storage
+    Result<void> load();
+    /// To be called after load(). Creates a cursor that does not exist at `end`, the end of the stream.
+    Result<void> start(const StreamPosition& end);
+
+    [[nodiscard]] Result<std::optional<JournalEntry>> read(std::size_t max_in_flight);
+    /// @returns out_of_range
+    Result<void> acknowledge(std::uint64_t sequence);
+    void rewind();
+
+    [[nodiscard]] bool has_unsaved() const { return !(state_ == cursor_.durable()); }
+    Result<void> save() { return cursor_.save(state_); }
+
+    [[nodiscard]] const std::string& name() const { return cursor_.name(); }
+    [[nodiscard]] const CursorState& state() const { return state_; }
+    [[nodiscard]] std::uint64_t durable_sequence() const { return cursor_.durable().position.sequence; }
+    /// @param samples  of the stream, to its end
+    [[nodiscard]] DestinationCounters counters(std::uint64_t samples) const;
+
+private:
+    const SegmentList* segments_;
+    JournalStorage* storage_;
+    JournalCursor cursor_;
+    JournalCursor::Found found_ = JournalCursor::Found::nothing;
+    CursorState state_;
+    JournalReader reader_;
+    std::deque<CursorState> in_flight_;  // the state after the acknowledgement of each entry that was read
+    std::uint64_t highest_read_ = 0;     // sequence number, in this run
+};
+
+}  // namespace takt::store

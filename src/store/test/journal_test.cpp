@@ -1,0 +1,364 @@
+// The journal on a disk that works, is full, is damaged or fails.
+#include "takt/store/journal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "simulated_disk.hpp"
+
+namespace takt::store {
+namespace {
+
+using namespace std::chrono_literals;
+using test::SimulatedDisk;
+
+constexpr std::array<std::string_view, 2> kNames{"cloud", "site"};
+constexpr DestinationId kCloud{0};
+constexpr DestinationId kSite{1};
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+JournalOptions small() {
+    JournalOptions options;
+    options.segment_bytes = 64 << 10;
+    options.buffer_bytes = 128 << 10;
+    options.quota_bytes = 1 << 20;
+    return options;
+}
+
+class JournalTest : public testing::Test {
+protected:
+    void start() {
+        journal_.reset();
+        auto opened = Journal::open(disk_, options_, kNames, now_, wall());
+        ASSERT_TRUE(opened) << name(opened.error().code);
+        journal_.emplace(*std::move(opened));
+    }
+    Result<void> append(std::size_t bytes, std::uint64_t samples = 1) {
+        return journal_->append(now_, {samples, wall(), 0, std::vector<std::uint8_t>(bytes, 0x5A)});
+    }
+    void tick(Duration time = 100ms) {
+        now_ += time;
+        journal_->on_tick(now_, wall());
+    }
+    std::vector<JournalEntry> read_all(DestinationId id) {
+        std::vector<JournalEntry> entries;
+        for (;;) {
+            const auto entry = journal_->read(id);
+            if (!entry || !*entry) return entries;
+            entries.push_back(**entry);
+        }
+    }
+    void acknowledge_all(DestinationId id) {
+        const auto entries = read_all(id);
+        if (!entries.empty()) {
+            ASSERT_TRUE(journal_->acknowledge(now_, id, entries.back().header.sequence));
+        }
+    }
+    [[nodiscard]] std::int64_t wall() const { return kSecond + now_.time_since_epoch().count(); }
+
+    SimulatedDisk disk_;
+    JournalOptions options_ = small();
+    std::optional<Journal> journal_;
+    Instant now_{};
+};
+
+TEST_F(JournalTest, RejectsImpossibleArguments) {
+    const std::vector<std::string_view> bad_names[] = {
+        {""}, {"a/b"}, {".."}, {"Cloud"}, {std::string_view("a\0", 2)}};
+    for (const auto& names : bad_names)
+        EXPECT_EQ(Journal::open(disk_, options_, names, now_, 0).error().code, Code::malformed) << names[0];
+    const std::vector<std::string_view> twice{"a", "a"};
+    EXPECT_EQ(Journal::open(disk_, options_, twice, now_, 0).error().code, Code::busy);
+    options_.quota_bytes = options_.segment_bytes;
+    EXPECT_EQ(Journal::open(disk_, options_, kNames, now_, 0).error().code, Code::out_of_range);
+}
+
+TEST_F(JournalTest, ReadsARecordOnlyAfterItsSync) {
+    start();
+    ASSERT_TRUE(append(10));
+    EXPECT_EQ(read_all(kCloud).size(), 0U);
+    EXPECT_EQ(journal_->next_wakeup(), now_ + 100ms);
+    tick(99ms);
+    EXPECT_EQ(read_all(kCloud).size(), 0U);
+    tick(1ms);
+    const auto entries = read_all(kCloud);
+    ASSERT_EQ(entries.size(), 2U);
+    ASSERT_TRUE(entries[0].gap);
+    EXPECT_EQ(entries[0].gap->cause, GapCause::restart);
+    EXPECT_EQ(entries[1].header.sequence, 2U);
+    EXPECT_EQ(entries[1].header.epoch, 1U);
+    EXPECT_EQ(read_all(kSite).size(), 2U);
+}
+
+TEST_F(JournalTest, SyncsOnceForEachInterval) {
+    start();
+    for (int i = 0; i < 1000; ++i) {
+        ASSERT_TRUE(append(20));
+        tick(1ms);
+    }
+    EXPECT_LE(journal_->status().syncs, 11U);
+    EXPECT_GE(journal_->status().syncs, 9U);
+}
+
+TEST_F(JournalTest, SyncsEarlierBeforeTheBufferIsFull) {
+    start();
+    ASSERT_TRUE(append(40'000));
+    ASSERT_TRUE(append(40'000));
+    EXPECT_EQ(journal_->next_wakeup(), now_);
+}
+
+TEST_F(JournalTest, TurnsOverflowIntoAGapInItsPlace) {
+    start();
+    ASSERT_TRUE(append(60'000));
+    ASSERT_TRUE(append(60'000));
+    now_ += 1ms;
+    const std::int64_t first = wall();
+    EXPECT_EQ(append(60'000, 5).error().code, Code::queue_full);
+    now_ += 1ms;
+    EXPECT_EQ(append(60'000, 7).error().code, Code::queue_full);
+    EXPECT_EQ(append(kMaxPayloadBytes + 1).error().code, Code::too_long);
+    const std::int64_t last = wall();
+    EXPECT_EQ(journal_->counters(kCloud).waiting, 14U);
+    tick();
+    ASSERT_TRUE(append(10));
+    tick();
+    tick();
+    const auto entries = read_all(kCloud);
+    ASSERT_EQ(entries.size(), 5U);
+    ASSERT_TRUE(entries[3].gap);
+    EXPECT_EQ(*entries[3].gap, (Gap{GapCause::buffer_full, 12, 4, 4, first, last}));
+    EXPECT_EQ(entries[4].header.samples_before, 14U);
+    ASSERT_TRUE(journal_->acknowledge(now_, kCloud, 4));
+    const DestinationCounters counters = journal_->counters(kCloud);
+    EXPECT_EQ(counters.appended, 15U);
+    EXPECT_EQ(counters.delivered, 2U);
+    EXPECT_EQ(counters.dropped, 12U);
+    EXPECT_EQ(counters.waiting, 1U);
+}
+
+TEST_F(JournalTest, WritesTheLossesOfTheSource) {
+    start();
+    ASSERT_TRUE(append(10));
+    journal_->append_loss(now_, 9, 100, 200);
+    ASSERT_TRUE(append(10));
+    tick();
+    const auto entries = read_all(kCloud);
+    ASSERT_EQ(entries.size(), 4U);
+    ASSERT_TRUE(entries[2].gap);
+    EXPECT_EQ(*entries[2].gap, (Gap{GapCause::source_lost, 9, 3, 3, 100, 200}));
+}
+
+TEST_F(JournalTest, ReadsAgainAfterARewindAndMarksIt) {
+    options_.max_in_flight = 3;
+    start();
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(append(10));
+    tick();
+    EXPECT_EQ(read_all(kCloud).size(), 3U);
+    ASSERT_TRUE(journal_->acknowledge(now_, kCloud, 2));
+    EXPECT_EQ(journal_->acknowledge(now_, kCloud, 2).error().code, Code::out_of_range);
+    EXPECT_EQ(journal_->acknowledge(now_, kCloud, 4).error().code, Code::out_of_range);
+    journal_->rewind(kCloud);
+    const auto entries = read_all(kCloud);
+    ASSERT_EQ(entries.size(), 3U);
+    EXPECT_EQ(entries[0].header.sequence, 3U);
+    EXPECT_TRUE(entries[0].repeated);
+    EXPECT_FALSE(entries[1].repeated);
+}
+
+TEST_F(JournalTest, ContinuesAfterARestartWithAGap) {
+    start();
+    for (int i = 0; i < 4; ++i) ASSERT_TRUE(append(10));
+    tick();
+    const std::int64_t last = wall() - 100'000'000;
+    acknowledge_all(kCloud);
+    ASSERT_TRUE(append(10));
+    ASSERT_TRUE(journal_->close(now_));
+    const std::int64_t closed = wall();
+    now_ += 10s;
+    start();
+    tick();
+    const auto entries = read_all(kCloud);
+    ASSERT_EQ(entries.size(), 2U);
+    EXPECT_EQ(entries[0].header.sequence, 6U);
+    ASSERT_TRUE(entries[1].gap);
+    EXPECT_EQ(entries[1].gap->cause, GapCause::restart);
+    EXPECT_EQ(entries[1].gap->first_wall_ns, closed);
+    EXPECT_EQ(entries[1].gap->last_wall_ns, closed + 10 * kSecond);
+    EXPECT_EQ(entries[1].header.epoch, 2U);
+    EXPECT_EQ(read_all(kSite).size(), 7U);
+    EXPECT_EQ(journal_->counters(kSite).waiting, 5U);
+    EXPECT_GT(closed, last);
+}
+
+TEST_F(JournalTest, DropsTheOldestSegmentAboveTheQuota) {
+    start();
+    tick();
+    acknowledge_all(kCloud);
+    for (int i = 0; i < 100; ++i) {
+        ASSERT_TRUE(append(15'000, 2));
+        tick();
+        acknowledge_all(kCloud);
+    }
+    const JournalStatus status = journal_->status();
+    EXPECT_LE(status.disk_bytes, options_.quota_bytes);
+    EXPECT_GT(status.dropped_segments, 0U);
+    EXPECT_EQ(journal_->counters(kCloud).dropped, 0U);
+    EXPECT_EQ(journal_->counters(kSite).waiting, 200U);
+    const auto entries = read_all(kSite);
+    ASSERT_TRUE(entries[0].gap);
+    EXPECT_EQ(entries[0].gap->cause, GapCause::quota);
+    EXPECT_EQ(entries[0].gap->first_sequence, 1U);
+    EXPECT_EQ(entries[0].gap->last_sequence + 1, entries[1].header.sequence);
+    std::uint64_t samples = 0;
+    for (const JournalEntry& entry : entries) samples += entry.header.samples;
+    EXPECT_EQ(samples, 200U);
+    acknowledge_all(kSite);
+}
+
+TEST_F(JournalTest, KeepsAcknowledgedSegmentsForTheRetention) {
+    options_.retention = 1h;
+    start();
+    for (int i = 0; i < 20; ++i) {
+        ASSERT_TRUE(append(15'000));
+        tick();
+    }
+    acknowledge_all(kCloud);
+    tick(2s);
+    tick(2h);
+    EXPECT_EQ(disk_.contents().begin()->first, 1U) << "the other destination has not acknowledged";
+    acknowledge_all(kSite);
+    tick(2s);
+    EXPECT_EQ(disk_.contents().size(), 1U) << "the last segment stays";
+}
+
+TEST_F(JournalTest, ReplaysAcknowledgedRecords) {
+    start();
+    for (int i = 0; i < 20; ++i) {
+        ASSERT_TRUE(append(15'000));
+        tick();
+    }
+    acknowledge_all(kCloud);
+    acknowledge_all(kSite);
+    const auto stream = journal_->replay(7);
+    for (std::uint64_t sequence = 7; sequence <= 21; ++sequence) {
+        const auto entry = stream->next();
+        ASSERT_TRUE(entry && *entry);
+        EXPECT_EQ((*entry)->header.sequence, sequence);
+    }
+    EXPECT_FALSE(*stream->next());
+    EXPECT_EQ(journal_->sequence_before(0), 1U);
+    const std::uint64_t middle = journal_->sequence_before(kSecond + 1'000'000'000);
+    EXPECT_GT(middle, 5U);
+    EXPECT_LE(middle, 12U);
+}
+
+TEST_F(JournalTest, TurnsADamagedRecordIntoAnExactGap) {
+    start();
+    for (int i = 0; i < 20; ++i) {
+        ASSERT_TRUE(append(15'000, 3));
+        tick();
+    }
+    ASSERT_TRUE(journal_->close(now_));
+    disk_.flip(2, 15'100);  // its second record
+    disk_.flip(3, 5);       // the length of its first record
+    start();
+    std::vector<Gap> gaps;
+    for (const JournalEntry& entry : read_all(kCloud))
+        if (entry.gap) gaps.push_back(*entry.gap);
+    ASSERT_EQ(gaps.size(), 3U);  // the first is the first start
+    EXPECT_EQ(gaps[1].cause, GapCause::damaged);
+    EXPECT_EQ(gaps[1].samples, 3U);
+    EXPECT_EQ(gaps[1].first_sequence, gaps[1].last_sequence);
+    EXPECT_EQ(gaps[2].samples, 3U);
+    EXPECT_EQ(gaps[2].first_sequence, gaps[2].last_sequence);
+}
+
+TEST_F(JournalTest, CutsATornTail) {
+    start();
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(append(100));
+    tick();
+    disk_.flip(1, disk_.contents().at(1).size() - 1);
+    start();
+    EXPECT_EQ(journal_->status().torn_bytes, 100 + kRecordOverheadBytes);
+    EXPECT_EQ(journal_->status().durable_sequence, 3U);
+}
+
+TEST_F(JournalTest, BeginsWithTheOldestRecordIfACursorIsDamaged) {
+    start();
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(append(100));
+    tick();
+    acknowledge_all(kCloud);
+    tick(2s);
+    EXPECT_EQ(journal_->durable_cursor(kCloud), 4U);
+    disk_.flip_cursor("cloud", 30);
+    disk_.flip_cursor("cloud", SimulatedDisk::kSlotOffset + 30);
+    start();
+    EXPECT_EQ(read_all(kCloud).size(), 4U);
+}
+
+TEST_F(JournalTest, DoesNotUseANumberAgainIfTheSegmentsAreGone) {
+    start();
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(append(100));
+    tick();
+    acknowledge_all(kCloud);
+    tick(2s);
+    ASSERT_TRUE(disk_.remove(1));
+    start();
+    ASSERT_TRUE(append(100));
+    tick();
+    const auto entries = read_all(kCloud);
+    ASSERT_EQ(entries.size(), 2U);
+    EXPECT_EQ(entries[0].header.sequence, 5U);
+    const auto others = read_all(kSite);
+    ASSERT_EQ(others.size(), 3U);
+    EXPECT_EQ(others[0].gap->samples, 3U);
+}
+
+TEST_F(JournalTest, GoesOnInMemoryWhileTheDiskIsFull) {
+    start();
+    tick();
+    disk_.fail_from = disk_.operations();
+    disk_.fail_count = 1'000'000;
+    disk_.error_number = ENOSPC;
+    std::uint64_t rejected = 0;
+    for (int i = 0; i < 100; ++i) {
+        if (!append(4'000)) ++rejected;
+        tick();
+    }
+    EXPECT_GT(rejected, 50U);
+    ASSERT_TRUE(journal_->status().failure);
+    EXPECT_EQ(journal_->status().failure->numbers[0], ENOSPC);
+    EXPECT_LE(journal_->status().buffer_bytes, options_.buffer_bytes);
+    EXPECT_LE(journal_->status().segments, 6U);
+    disk_.fail_from = -1;
+    tick(5s);
+    EXPECT_FALSE(journal_->status().failure);
+    tick();
+    const auto entries = read_all(kCloud);
+    ASSERT_TRUE(entries.back().gap);
+    EXPECT_EQ(entries.back().gap->cause, GapCause::disk_full);
+    EXPECT_EQ(entries.back().gap->samples, rejected);
+    EXPECT_EQ(entries.size(), 2 + (100 - rejected));
+}
+
+TEST_F(JournalTest, WritesAgainInAnotherSegmentAfterAFailedSync) {
+    start();
+    tick();
+    ASSERT_TRUE(append(100));
+    disk_.fail_from = disk_.operations() + 1;  // after the append
+    disk_.fail_count = 1;
+    tick();
+    EXPECT_EQ(journal_->status().durable_sequence, 1U);
+    EXPECT_EQ(read_all(kCloud).size(), 1U);
+    tick();
+    EXPECT_EQ(journal_->status().durable_sequence, 2U);
+    EXPECT_EQ(disk_.contents().size(), 2U);
+    EXPECT_EQ(read_all(kCloud).size(), 1U);
+    EXPECT_EQ(read_all(kSite).size(), 2U);
+}
+
+}  // namespace
+}  // namespace takt::store
