@@ -11,29 +11,41 @@ std::uint32_t frame_hash(Bytes pdu) {
     return hash;
 }
 
+// An exception does not show the shape of its request.
 void StepWatch::on_response(const Outcome& outcome) {
+    if (outcome.sent_at >= quiet_at_) {
+        in_step_at_ = outcome.sent_at;
+        drained_ = true;
+    }
+    quiet_at_ = std::max(quiet_at_, outcome.quiet_at);
+    pause_ = outcome.quiet_at - outcome.ended_at;
+    if (!outcome.response.empty()) hash_ = frame_hash(outcome.response.pdu());
+    if (outcome.status != Status::ok) return;
     const AnswerShape shape = answer_shape(outcome.request);
-    if (outcome.sent_at >= quiet_at_) in_step_at_ = outcome.sent_at;
     if (shape != shape_ || outcome.request.repeated) in_step_at_ = outcome.ended_at;
     shape_ = shape;
-    hash_ = frame_hash(outcome.response.pdu());
-    quiet_at_ = outcome.quiet_at;
-    pause_ = quiet_at_ - outcome.ended_at;
 }
 
 // More of them may follow. What was read before has been named.
 std::optional<Instant> StepWatch::on_surplus(const SurplusFrame& frame) {
     const Instant since = std::exchange(in_step_at_, frame.at);
+    in_a_row_ = frame.at <= after(surplus_at_, kInterval) ? in_a_row_ + 1 : 0;
+    surplus_at_ = frame.at;
+    drained_ = false;
     quiet_at_ = std::max(quiet_at_, frame.at + pause_);
     alert_until_ = frame.at + kAlert;
-    if (frame.shape == shape_ && frame.hash == hash_) return std::nullopt;
+    if (frame.hash == hash_) return std::nullopt;
     return since;
 }
 
 Instant StepWatch::earliest(Instant t, const AnswerShape& shape, Duration interval) const {
+    constexpr unsigned kMostHalvings = 8;
     if (shape != shape_ || t >= quiet_at_) return t;
-    const bool due = t - in_step_at_ >= (t < alert_until_ ? kAlertInterval : interval);
-    return due ? quiet_at_ : t;
+    if (t < alert_until_) {
+        const bool recent = t <= after(surplus_at_, kInterval);
+        interval = kAlertInterval / (1U << (recent ? std::min(in_a_row_, kMostHalvings) : 0));
+    }
+    return !drained_ || t - in_step_at_ >= interval ? quiet_at_ : t;
 }
 
 }  // namespace takt::bus

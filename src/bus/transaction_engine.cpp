@@ -273,7 +273,7 @@ void TransactionCore::finish(Instant t, Slot& slot, Status status, const wire::R
     if (!slot.sent_once) slot.sent_at = slot.request_end = t;
     slot.fill(response.pdu());
     slot.response = response.moved_to(slot.content());
-    if (status == Status::ok) slot.quiet_at = quiet_at(t + slot.longest_delay, slot, slot.pdu_size);
+    slot.quiet_at = quiet_at(t + slot.longest_delay, slot, slot.pdu_size);
     slot.noise = response.empty() ? 0 : static_cast<std::uint32_t>(noise_);
     if (slot.broadcast && status == Status::ok) ++counters_.broadcasts;
     if (!slot.sent_once) ++counters_.not_sent;

@@ -29,7 +29,10 @@ void LinePoller::Run::set_times(const DeviceRun& device, bus::Transaction& trans
 }
 
 void LinePoller::Run::note_in_step(const bus::Outcome& outcome) {
-    if (outcome.status != bus::Status::ok || engine_.config().framing == wire::Framing::tcp) return;
+    using bus::Status;
+    const bool came = outcome.status == Status::ok || outcome.status == Status::exception ||
+                      outcome.status == Status::ambiguous;
+    if (!came || engine_.config().framing == wire::Framing::tcp) return;
     if (const auto index = device_at(outcome.unit)) devices_[*index].times.step.on_response(outcome);
 }
 

@@ -39,8 +39,7 @@ bus::OutcomeStatus Executor::note_outcome(const bus::Outcome& outcome, std::uint
 
 void Executor::note_delay(const bus::Outcome& outcome, DeviceState& state) const {
     if (engine_.config().framing != wire::Framing::tcp && outcome.unit == kBroadcast) return;
-    if (outcome.status == bus::Status::ok && engine_.config().framing != wire::Framing::tcp)
-        state.times.step.on_response(outcome);
+    if (engine_.config().framing != wire::Framing::tcp) state.times.step.on_response(outcome);
     const bool certain = outcome.status != bus::Status::ambiguous && !engine_.remembers(outcome.unit);
     state.times.on_response(bus::response_delay(engine_.config(), outcome), certain);
 }

@@ -75,6 +75,37 @@ TEST(StepWatch, ASurplusFrameNamesTheTimeSinceWhenTheUnitMayBeBehind) {
     EXPECT_GT(step.earliest(at(10725ms), kShapeOfOne), at(10725ms)) << "checked more often for some minutes";
 }
 
+// An exception does not show which request of its function it answers, and it fills the pause.
+TEST(StepWatch, AnExceptionIsNoPauseAndNoOtherShape) {
+    const auto one = hex(kOne);
+    StepWatch step;
+    Instant t = at(10s);
+    for (; t < at(11100ms); t += 24ms) {
+        step.on_response(answered(t, one, kOneRegister));
+        auto refused = answered(t + 12ms, hex("83 02"), kOneRegister);
+        refused.status = Status::exception;
+        step.on_response(refused);
+    }
+    EXPECT_GT(step.earliest(t, kShapeOfOne), t);
+}
+
+TEST(StepWatch, AUnitThatOftenAnswersTwiceIsCheckedAfterEachResponse) {
+    const auto one = hex(kOne);
+    StepWatch step;
+    Instant t = at(10s);
+    for (int i = 0; i < 8; ++i) {
+        step.on_response(answered(t, one, kOneRegister));
+        (void)step.on_surplus(surplus(t + 12ms, "03 02 22 22"));
+        EXPECT_GT(step.earliest(t + 13ms, kShapeOfOne), t + 13ms) << "until none follows";
+        t += 40ms;
+    }
+    step.on_response(answered(t, one, kOneRegister));
+    EXPECT_GT(step.earliest(t + 12ms, kShapeOfOne), t + 12ms);
+    t += 2s;
+    step.on_response(answered(t, one, kOneRegister));
+    EXPECT_EQ(step.earliest(t + 12ms, kShapeOfOne), t + 12ms) << "none for a second";
+}
+
 /// A gateway that serves one request after the other, 15 ms each. The data of each response is the number of
 /// its request.
 struct Gateway {

@@ -117,6 +117,7 @@ void AnswerLedger::take(Instant t, const FoundFrame& frame, bool behind_others) 
         past_[next_past_++ % kPast] = hash_of(frame.unit, frame.pdu);
     if (owed_.empty()) return;
     const Owed& last = owed_.back();
+    if (!matches(last, frame) || frames_for(last) > 1) surplus_at_[frame.unit] = t;
     if (matches(last, frame)) return take_strays(true);
     if ((frame.pdu[0] & 0x80U) != 0) return take_exception(t, frame);
     const bool may_be_own = last.unit == frame.unit && last.function == frame.pdu[0];
@@ -373,6 +374,8 @@ bool AnswerLedger::in_doubt(Instant t, const Shape& shape) const {
 
 bool AnswerLedger::may_check(Instant t, std::uint8_t unit) const {
     const auto run = runs_.find(unit);
+    const auto surplus = surplus_at_.find(unit);
+    if (surplus != surplus_at_.end() && t - surplus->second < kForgotten) return true;
     return run != runs_.end() && run->second.since == t && t - run->second.before >= kCheck;
 }
 

@@ -92,6 +92,7 @@ public:
 
     /// Whether the request of another shape that was sent to the unit at `t` may check that it is in step:
     /// those before it had one shape for kCheck.
+    /// Or a frame of the unit did not answer the last request, in the last kForgotten.
     [[nodiscard]] bool may_check(Instant t, std::uint8_t unit) const;
     static constexpr Duration kCheck = std::chrono::milliseconds(200);
 
@@ -197,9 +198,10 @@ private:
         Instant since;                    // since then
         Instant before = Instant::max();  // the run before began
     };
-    std::map<std::uint8_t, Run> runs_;                        // by unit
-    std::map<std::uint8_t, Duration> lateness_;               // by unit
-    std::map<std::uint8_t, Instant> late_at_;                 // by unit: its last late answer
+    std::map<std::uint8_t, Instant> surplus_at_;  // by unit: a frame that did not answer the last request
+    std::map<std::uint8_t, Run> runs_;            // by unit
+    std::map<std::uint8_t, Duration> lateness_;   // by unit
+    std::map<std::uint8_t, Instant> late_at_;     // by unit: its last late answer
     std::map<std::uint8_t, std::deque<Duration>> last_late_;  // by unit: the delays of the last ones
     std::vector<std::uint64_t> past_;                         // hashes of the last frames
     std::size_t next_past_ = 0;

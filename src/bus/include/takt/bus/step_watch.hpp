@@ -38,11 +38,11 @@ struct SurplusFrame {
 class StepWatch {
 public:
     static constexpr Duration kInterval = wire::kStepCheckInterval;
-    /// After a surplus frame, for kAlert.
+    /// After a surplus frame, for kAlert. Each one that follows another within kInterval halves it.
     static constexpr Duration kAlertInterval = std::chrono::milliseconds(200);
     static constexpr Duration kAlert = std::chrono::minutes(5);
 
-    /// The normal response to the last request was received (Status::ok).
+    /// A response was received: Status::ok, exception or ambiguous.
     void on_response(const Outcome& outcome);
 
     /// @returns since when responses of that shape may have been those to earlier requests; nothing if the
@@ -61,9 +61,12 @@ public:
 private:
     [[nodiscard]] Instant earliest(Instant t, const AnswerShape& shape, Duration interval) const;
 
-    AnswerShape shape_;       // of the last response
-    std::uint32_t hash_ = 0;  // likewise
+    AnswerShape shape_;       // of the last normal response
+    std::uint32_t hash_ = 0;  // of the last response
     Duration pause_{};        // without a response, that shows that none follows
+    unsigned in_a_row_ = 0;   // surplus frames, each within kInterval of the one before
+    bool drained_ = true;     // no surplus frame since the last pause
+    Instant surplus_at_ = Instant::min();
     Instant quiet_at_ = Instant::min();
     Instant in_step_at_ = Instant::min();
     Instant alert_until_ = Instant::min();

@@ -110,7 +110,7 @@ struct Outcome {
     Instant sent_at;      ///< start of the request
     Instant request_end;  ///< end of its last character, computed
     Instant ended_at;     ///< last byte of the response, or when the engine gave up
-    /// Status::ok: a further response of the unit that nothing holds back would be complete by then.
+    /// After a response: a further one of the unit that nothing holds back would be complete by then.
     Instant quiet_at;
 };
 
