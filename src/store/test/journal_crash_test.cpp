@@ -40,7 +40,7 @@ struct Received {
     std::uint64_t gap_samples = 0;
 };
 
-/// The rules. It survives the crashes of the journal and is told all that the program saw.
+/// Checks the rules. It outlives each crash of the journal, and sees everything that the program has seen.
 class Judge {
 public:
     Received& of(DestinationId id) { return received_[id.index]; }
