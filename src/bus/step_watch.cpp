@@ -12,7 +12,10 @@ std::uint32_t frame_hash(Bytes pdu) {
 }
 
 // An exception does not show the shape of its request.
-void StepWatch::on_response(const Outcome& outcome) {
+void StepWatch::on_outcome(const Outcome& outcome) {
+    const bool came = outcome.status == Status::ok || outcome.status == Status::exception ||
+                      outcome.status == Status::ambiguous;
+    if (!came || outcome.unit == kBroadcast) return;
     if (outcome.sent_at >= quiet_at_) {
         in_step_at_ = outcome.sent_at;
         drained_ = true;

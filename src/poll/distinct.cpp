@@ -29,11 +29,8 @@ void LinePoller::Run::set_times(const DeviceRun& device, bus::Transaction& trans
 }
 
 void LinePoller::Run::note_in_step(const bus::Outcome& outcome) {
-    using bus::Status;
-    const bool came = outcome.status == Status::ok || outcome.status == Status::exception ||
-                      outcome.status == Status::ambiguous;
-    if (!came || engine_.config().framing == wire::Framing::tcp) return;
-    if (const auto index = device_at(outcome.unit)) devices_[*index].times.step.on_response(outcome);
+    if (engine_.config().framing == wire::Framing::tcp) return;
+    if (const auto index = device_at(outcome.unit)) devices_[*index].times.step.on_outcome(outcome);
 }
 
 void LinePoller::Run::on_surplus(const bus::SurplusFrame& frame) {

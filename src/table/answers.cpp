@@ -22,6 +22,7 @@ bus::OutcomeStatus Executor::note_outcome(const bus::Outcome& outcome, std::uint
     auto& state = devices_[index];
     state.in_flight = false;
     const bool early_probe = std::exchange(state.probed_early, false);
+    if (engine_.config().framing != wire::Framing::tcp) state.times.step.on_outcome(outcome);
     if (outcome.status == bus::Status::timeout) state.times.on_missing();
     if (!state.enabled || ended.status == StatusCode::link_lost) return ended;
     if (ended.answered) note_delay(outcome, state);
@@ -39,7 +40,6 @@ bus::OutcomeStatus Executor::note_outcome(const bus::Outcome& outcome, std::uint
 
 void Executor::note_delay(const bus::Outcome& outcome, DeviceState& state) const {
     if (engine_.config().framing != wire::Framing::tcp && outcome.unit == kBroadcast) return;
-    if (engine_.config().framing != wire::Framing::tcp) state.times.step.on_response(outcome);
     const bool certain = outcome.status != bus::Status::ambiguous && !engine_.remembers(outcome.unit);
     state.times.on_response(bus::response_delay(engine_.config(), outcome), certain);
 }

@@ -42,7 +42,7 @@ TEST(StepWatch, IsInStepAfterAPauseAndAfterAnotherShape) {
     Instant t = at(10s);
     const auto ask_for = [&](Duration time) {
         for (const Instant end = t + time; t < end; t += 12ms)
-            step.on_response(answered(t, one, kOneRegister));
+            step.on_outcome(answered(t, one, kOneRegister));
     };
     ask_for(900ms);
     EXPECT_EQ(step.earliest(t, kShapeOfOne), t);
@@ -51,41 +51,57 @@ TEST(StepWatch, IsInStepAfterAPauseAndAfterAnotherShape) {
     EXPECT_EQ(step.earliest(t, kShapeOfTwo), t) << "its response shows whether the unit is behind";
     EXPECT_EQ(step.earliest(t + 10ms, kShapeOfOne), t + 10ms) << "a further response would have come";
 
-    step.on_response(answered(t, two, kTwoRegisters));
+    step.on_outcome(answered(t, two, kTwoRegisters));
     t += 12ms;
     EXPECT_EQ(step.earliest(t, kShapeOfOne), t);
     ask_for(1100ms);
     EXPECT_GT(step.earliest(t, kShapeOfOne), t);
     t += 20ms;
-    step.on_response(answered(t, one, kOneRegister));
+    step.on_outcome(answered(t, one, kOneRegister));
     EXPECT_EQ(step.earliest(t + 12ms, kShapeOfOne), t + 12ms) << "after a pause";
 }
 
 TEST(StepWatch, ASurplusFrameNamesTheTimeSinceWhenTheUnitMayBeBehind) {
     StepWatch step;
     const auto one = hex(kOne);
-    for (Instant t = at(10s); t < at(10500ms); t += 12ms) step.on_response(answered(t, one, kOneRegister));
+    for (Instant t = at(10s); t < at(10500ms); t += 12ms) step.on_outcome(answered(t, one, kOneRegister));
     EXPECT_EQ(step.on_surplus(surplus(at(10501ms), kOne)), std::nullopt) << "it repeats the last response";
     EXPECT_EQ(step.on_surplus(surplus(at(10502ms), "03 02 22 22")), at(10501ms));
     EXPECT_EQ(step.on_surplus(surplus(at(10503ms), "03 02 22 22")), at(10502ms)) << "those before were named";
 
-    step.on_response(answered(at(10504ms), one, kOneRegister));
-    for (Instant t = at(10516ms); t < at(10720ms); t += 12ms)
-        step.on_response(answered(t, one, kOneRegister));
+    step.on_outcome(answered(at(10504ms), one, kOneRegister));
+    for (Instant t = at(10516ms); t < at(10720ms); t += 12ms) step.on_outcome(answered(t, one, kOneRegister));
     EXPECT_GT(step.earliest(at(10725ms), kShapeOfOne), at(10725ms)) << "checked more often for some minutes";
 }
 
 // An exception does not show which request of its function it answers, and it fills the pause.
 TEST(StepWatch, AnExceptionIsNoPauseAndNoOtherShape) {
     const auto one = hex(kOne);
+    const auto exception = hex("83 02");
     StepWatch step;
     Instant t = at(10s);
     for (; t < at(11100ms); t += 24ms) {
-        step.on_response(answered(t, one, kOneRegister));
-        auto refused = answered(t + 12ms, hex("83 02"), kOneRegister);
+        step.on_outcome(answered(t, one, kOneRegister));
+        auto refused = answered(t + 12ms, exception, kOneRegister);
         refused.status = Status::exception;
-        step.on_response(refused);
+        step.on_outcome(refused);
     }
+    EXPECT_GT(step.earliest(t, kShapeOfOne), t);
+}
+
+TEST(StepWatch, AnOutcomeWithoutAResponseIsNoAnswer) {
+    const auto one = hex(kOne);
+    StepWatch step;
+    Instant t = at(10s);
+    for (; t < at(11100ms); t += 12ms) step.on_outcome(answered(t, one, kOneRegister));
+    for (const auto status : {Status::timeout, Status::bad_checksum, Status::unexpected_reply}) {
+        auto missing = answered(t + 20ms, {}, kTwoRegisters);
+        missing.status = status;
+        step.on_outcome(missing);
+    }
+    auto broadcast = answered(t + 20ms, {}, kTwoRegisters);
+    broadcast.unit = kBroadcast;
+    step.on_outcome(broadcast);
     EXPECT_GT(step.earliest(t, kShapeOfOne), t);
 }
 
@@ -94,15 +110,15 @@ TEST(StepWatch, AUnitThatOftenAnswersTwiceIsCheckedAfterEachResponse) {
     StepWatch step;
     Instant t = at(10s);
     for (int i = 0; i < 8; ++i) {
-        step.on_response(answered(t, one, kOneRegister));
+        step.on_outcome(answered(t, one, kOneRegister));
         (void)step.on_surplus(surplus(t + 12ms, "03 02 22 22"));
         EXPECT_GT(step.earliest(t + 13ms, kShapeOfOne), t + 13ms) << "until none follows";
         t += 40ms;
     }
-    step.on_response(answered(t, one, kOneRegister));
+    step.on_outcome(answered(t, one, kOneRegister));
     EXPECT_GT(step.earliest(t + 12ms, kShapeOfOne), t + 12ms);
     t += 2s;
-    step.on_response(answered(t, one, kOneRegister));
+    step.on_outcome(answered(t, one, kOneRegister));
     EXPECT_EQ(step.earliest(t + 12ms, kShapeOfOne), t + 12ms) << "none for a second";
 }
 
@@ -165,7 +181,7 @@ TEST(StepWatch, AShiftOfABusyUnitIsFoundWithinASecondAndEnds) {
         const auto& outcome = line.last();
         times.on_response(response_delay(line.engine.config(), outcome), true);
         if (outcome.status != Status::ok) continue;
-        times.step.on_response(outcome);
+        times.step.on_outcome(outcome);
         const auto data = outcome.response.pdu();
         const bool right = (data[2] << 8 | data[3]) == gateway.requests;
         wrong += !right;

@@ -42,8 +42,9 @@ public:
     static constexpr Duration kAlertInterval = std::chrono::milliseconds(200);
     static constexpr Duration kAlert = std::chrono::minutes(5);
 
-    /// A response was received: Status::ok, exception or ambiguous.
-    void on_response(const Outcome& outcome);
+    /// Any outcome of the unit. Those with a response count: Status::ok, exception or ambiguous, and no
+    /// broadcast.
+    void on_outcome(const Outcome& outcome);
 
     /// @returns since when responses of that shape may have been those to earlier requests; nothing if the
     ///          frame repeats the last response
