@@ -150,6 +150,7 @@ std::string_view health_word(const host::Snapshot& snapshot) {
         }
         trouble |= std::ranges::any_of(line.requests, &poll::RequestStatistics::overrun);
         trouble |= !line.up && line.why;
+        trouble |= std::ranges::any_of(line.devices, &poll::DeviceStatistics::shifted);
     }
     const auto not_good = [](const value::Slot& slot) {
         return slot.quality == Quality::bad || slot.quality == Quality::uncertain;

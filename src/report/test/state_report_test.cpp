@@ -35,6 +35,12 @@ std::string health(const host::Snapshot& snapshot) {
     return std::get<std::string>(status_json(english(), snapshot, kTime).find("health")->value());
 }
 
+TEST(StateReport, ADeviceWhoseResponsesMayBeThoseToOtherRequestsIsTrouble) {
+    auto shifted = healthy();
+    shifted.lines[0].devices[0].shifted = true;
+    EXPECT_EQ(health(shifted), "degraded");
+}
+
 TEST(StateReport, StatusHasHealthLoadCycleAndStates) {
     const auto json = status_json(english(), healthy(), kTime);
     const auto& line = std::get<file::Json::Array>(json.find("lines")->value())[0];

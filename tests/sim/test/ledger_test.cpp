@@ -62,6 +62,20 @@ TEST(Ledger, ARequestOfAnotherShapeMayCheckAUnitThatWasAskedForOne) {
     EXPECT_FALSE(line.ledger.may_check(line.sent, 6));
 }
 
+TEST(Ledger, AfterASurplusAnswerAUnitMayBeCheckedForMinutes) {
+    Line line;
+    line.exchange(0ms, 7);
+    line.one(15ms, 7);
+    line.exchange(20ms, 7);
+    line.read(40ms, 0, 2);
+    EXPECT_TRUE(line.ledger.may_check(line.sent, 5));
+    EXPECT_FALSE(line.ledger.may_check(line.sent, 6));
+    line.two(45ms);
+    for (Duration t = 6min; t < 6min + 180ms; t += 20ms) line.exchange(t, 7);
+    line.read(6min + 190ms, 0, 2);
+    EXPECT_FALSE(line.ledger.may_check(line.sent, 5)) << "forgotten";
+}
+
 TEST(Ledger, ALateAnswerWhileItsRequestIsOwedIsNoExcuse) {
     Line line;
     line.read(0ms, 0);
