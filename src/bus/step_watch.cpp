@@ -29,6 +29,11 @@ void StepWatch::on_outcome(const Outcome& outcome) {
     shape_ = shape;
 }
 
+void StepWatch::on_late(Instant t, const AnswerShape& shape) {
+    shape_ = shape;
+    quiet_at_ = std::max(quiet_at_, t + pause_);
+}
+
 // More of them may follow. What was read before has been named.
 std::optional<Instant> StepWatch::on_surplus(const SurplusFrame& frame) {
     const Instant since = std::exchange(in_step_at_, frame.at);
@@ -41,14 +46,14 @@ std::optional<Instant> StepWatch::on_surplus(const SurplusFrame& frame) {
     return since;
 }
 
+// A unit that answers everything twice would answer a read of another shape with a copy, and seem to fail.
 Instant StepWatch::earliest(Instant t, const AnswerShape& shape, Duration interval) const {
-    constexpr unsigned kMostHalvings = 8;
-    if (shape != shape_ || t >= quiet_at_) return t;
-    if (t < alert_until_) {
-        const bool recent = t <= after(surplus_at_, kInterval);
-        interval = kAlertInterval / (1U << (recent ? std::min(in_a_row_, kMostHalvings) : 0));
-    }
-    return !drained_ || t - in_step_at_ >= interval ? quiet_at_ : t;
+    if (t >= quiet_at_) return t;
+    const bool recent = t <= after(surplus_at_, kInterval);
+    if (!drained_ || (recent && in_a_row_ > kMostHalvings)) return quiet_at_;
+    if (shape != shape_) return t;
+    if (t < alert_until_) interval = kAlertInterval / (1U << (recent ? in_a_row_ : 0));
+    return t - in_step_at_ >= interval ? quiet_at_ : t;
 }
 
 }  // namespace takt::bus

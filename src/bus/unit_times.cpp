@@ -36,6 +36,7 @@ void UnitTimes::on_late(const LateResponse& late) {
     std::ranges::rotate(last_late, last_late.begin() + 1);
     last_late.back() = late.delay;
     missing = false;
+    step.on_late(late.at, late.shape);
     if (late.out_of_order_since) in_order = false;
 }
 

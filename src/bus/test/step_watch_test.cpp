@@ -122,6 +122,36 @@ TEST(StepWatch, AUnitThatOftenAnswersTwiceIsCheckedAfterEachResponse) {
     EXPECT_EQ(step.earliest(t + 12ms, kShapeOfOne), t + 12ms) << "none for a second";
 }
 
+// The response that shows that the unit is in step is itself followed by a further one.
+TEST(StepWatch, AUnitThatAnswersEverythingTwiceIsLeftAPauseAfterAnotherShapeToo) {
+    const auto one = hex(kOne);
+    const auto two = hex("03 04 11 11 22 22");
+    StepWatch step;
+    Instant t = at(10s);
+    for (int i = 0; i < 10; ++i) {
+        step.on_outcome(answered(t, one, kOneRegister));
+        (void)step.on_surplus(surplus(t + 12ms, "03 02 22 22"));
+        t += 40ms;
+    }
+    step.on_outcome(answered(t, one, kOneRegister));
+    step.on_outcome(answered(t + 12ms, two, kTwoRegisters));
+    t += 22ms;
+    EXPECT_GT(step.earliest(t, kShapeOfTwo), t);
+    EXPECT_GT(step.earliest(t, kShapeOfOne), t);
+}
+
+// The reads of two registers were not asked in a row; the late response was.
+TEST(StepWatch, AfterALateResponseItsShapeWaitsForThePause) {
+    const auto one = hex(kOne);
+    StepWatch step;
+    Instant t = at(10s);
+    for (; t < at(11100ms); t += 12ms) step.on_outcome(answered(t, one, kOneRegister));
+    EXPECT_EQ(step.earliest(t, kShapeOfTwo), t);
+    step.on_late(t + 5ms, kShapeOfTwo);
+    EXPECT_GT(step.earliest(t + 6ms, kShapeOfTwo), t + 14ms);
+    EXPECT_EQ(step.earliest(t + 6ms, kShapeOfOne), t + 6ms);
+}
+
 /// A gateway that serves one request after the other, 15 ms each. The data of each response is the number of
 /// its request.
 struct Gateway {

@@ -38,13 +38,18 @@ struct SurplusFrame {
 class StepWatch {
 public:
     static constexpr Duration kInterval = wire::kStepCheckInterval;
-    /// After a surplus frame, for kAlert. Each one that follows another within kInterval halves it.
+    /// After a surplus frame, for kAlert. Each one that follows another within kInterval halves it; after
+    /// kMostHalvings every response is followed by a pause.
     static constexpr Duration kAlertInterval = std::chrono::milliseconds(200);
+    static constexpr unsigned kMostHalvings = 8;
     static constexpr Duration kAlert = std::chrono::minutes(5);
 
     /// Any outcome of the unit. Those with a response count: Status::ok, exception or ambiguous, and no
     /// broadcast.
     void on_outcome(const Outcome& outcome);
+
+    /// A response to an earlier request, of that shape, was received at t. A further one may follow it, too.
+    void on_late(Instant t, const AnswerShape& shape);
 
     /// @returns since when responses of that shape may have been those to earlier requests; nothing if the
     ///          frame repeats the last response
@@ -62,7 +67,7 @@ public:
 private:
     [[nodiscard]] Instant earliest(Instant t, const AnswerShape& shape, Duration interval) const;
 
-    AnswerShape shape_;       // of the last normal response
+    AnswerShape shape_;       // of the last response but exceptions, late or not
     std::uint32_t hash_ = 0;  // of the last response
     Duration pause_{};        // without a response, that shows that none follows
     unsigned in_a_row_ = 0;   // surplus frames, each within kInterval of the one before
