@@ -51,3 +51,44 @@ def test_values_behind_a_doubled_answer_are_marked_within_a_second(project, pair
         assert any(e["quality"] == "good" for e in after), "read again"
     device = events[-1]["lines"][0]["devices"][0]
     assert found["device"] == "Node1" and device["surplus_answers"] >= 1
+
+
+class Twofold(SerialSlave):
+    """Serves every request twice, and each of the two anew. The first register of a read is its own address."""
+
+    def __init__(self, port):
+        super().__init__(port, None)
+        self.written = 0
+
+    def _serve_once(self):
+        frame = self._line.read(8)
+        if len(frame) < 8:
+            return
+        self.seen.append(frame)
+        address, number = (int.from_bytes(frame[i:i + 2], "big") for i in (2, 4))
+        if frame[1] == 6:
+            self.written = number
+        for _ in range(2):
+            time.sleep(SERVICE)
+            data = self.written.to_bytes(2, "big") if number == 1 else address.to_bytes(2, "big") + len(self.seen).to_bytes(2, "big")
+            self._line.write(request("rtu", frame[0], frame[1:6] if frame[1] == 6 else bytes([3, len(data)]) + data))
+
+
+def test_a_device_that_answers_everything_twice_is_read_and_written(project, pair):
+    path = project(serial(at(REGISTERS, "type: uint32, read: 0x03, period: 0ms") +
+                          ["name: W, register: 1000, type: uint16, read: 0x03, write: 0x06, verify: true, period: 0ms"],
+                          port=pair.b, group_requests="false", response_timeout="200ms", high_register_first="true"))
+    with Twofold(pair.a) as slave, start("run", path, "--json", "--stdin") as run:
+        found = run.wait_event(lambda e: e["event"] == "surplus", "the device is named")
+        for number in range(1, 11):
+            run.send(f"write W {number}")
+            time.sleep(0.3)
+        run.interrupt()
+        assert slave.written == 10
+        events = run.events()
+    assert [e["outcome"] for e in events if e["event"] == "outcome"] == ["done"] * 10
+    good = [e for e in events if e["event"] == "value" and e["name"] != "W" and e["quality"] == "good"]
+    owner = {f"V{i}": r for i, r in enumerate(REGISTERS, 1)}
+    wrong = [e for e in good if e["value"] >> 16 != owner[e["name"]]]
+    assert all(e["time_ms"] < found["time_ms"] + 1500 for e in wrong), wrong
+    assert sum(e["time_ms"] > found["time_ms"] + 1500 for e in good) > 5
