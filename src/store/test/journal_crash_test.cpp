@@ -262,20 +262,25 @@ int operations_of_a_run() {
     return disk.operations();
 }
 
+/// The program works until the disk stops it, and starts again with what survived.
+void work_and_recover(SimulatedDisk& disk, const SimulatedDisk::Survival& survival) {
+    Judge judge;
+    Program program(judge);
+    if (program.start(disk)) program.work(kRounds);
+    program.stop();
+    SimulatedDisk left = disk.after_crash(survival);
+    recover_and_check(program, judge, left);
+}
+
 TEST(JournalCrash, LosesNothingDurableAtAnyOperation) {
     const int operations = operations_of_a_run();
     ASSERT_GT(operations, 30);
     for (const auto& [what, survival] : survivals())
         for (int crash = 0; crash < operations && !HasFailure(); ++crash) {
             SCOPED_TRACE(what + ", crash at operation " + std::to_string(crash));
-            Judge judge;
-            Program program(judge);
             SimulatedDisk disk;
             disk.crash_at = crash;
-            if (program.start(disk)) program.work(kRounds);
-            program.stop();
-            SimulatedDisk left = disk.after_crash(survival);
-            recover_and_check(program, judge, left);
+            work_and_recover(disk, survival);
         }
 }
 
@@ -332,16 +337,11 @@ TEST(JournalCrash, LosesNothingDurableInACrashAfterAFailure) {
              ++crash) {
             const auto [what, survival] = survivals()[static_cast<std::size_t>(crash) % survivals().size()];
             SCOPED_TRACE(what + ", failure " + std::to_string(failing) + ", crash " + std::to_string(crash));
-            Judge judge;
-            Program program(judge);
             SimulatedDisk disk;
             disk.fail_from = failing;
             disk.fail_count = 1;
             disk.crash_at = crash;
-            if (program.start(disk)) program.work(kRounds);
-            program.stop();
-            SimulatedDisk left = disk.after_crash(survival);
-            recover_and_check(program, judge, left);
+            work_and_recover(disk, survival);
         }
 }
 
