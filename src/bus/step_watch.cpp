@@ -30,6 +30,7 @@ void StepWatch::on_outcome(const Outcome& outcome) {
 }
 
 void StepWatch::on_late(Instant t, const AnswerShape& shape) {
+    if (shape != shape_) in_step_at_ = t;
     shape_ = shape;
     quiet_at_ = std::max(quiet_at_, t + pause_);
 }
@@ -46,12 +47,14 @@ std::optional<Instant> StepWatch::on_surplus(const SurplusFrame& frame) {
     return since;
 }
 
-// A unit that answers everything twice would answer a read of another shape with a copy, and seem to fail.
+// A unit that often answers twice would answer a read of another shape with a copy, and seem to fail.
 Instant StepWatch::earliest(Instant t, const AnswerShape& shape, Duration interval) const {
     if (t >= quiet_at_) return t;
     const bool recent = t <= after(surplus_at_, kInterval);
-    if (!drained_ || (recent && in_a_row_ > kMostHalvings)) return quiet_at_;
+    const bool often = recent && in_a_row_ > 0;
+    if (often && (!drained_ || in_a_row_ > kMostHalvings)) return quiet_at_;
     if (shape != shape_) return t;
+    if (!drained_) return quiet_at_;
     if (t < alert_until_) interval = kAlertInterval / (1U << (recent ? in_a_row_ : 0));
     return t - in_step_at_ >= interval ? quiet_at_ : t;
 }

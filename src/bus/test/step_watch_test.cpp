@@ -140,16 +140,16 @@ TEST(StepWatch, AUnitThatAnswersEverythingTwiceIsLeftAPauseAfterAnotherShapeToo)
     EXPECT_GT(step.earliest(t, kShapeOfOne), t);
 }
 
-// The reads of two registers were not asked in a row; the late response was.
-TEST(StepWatch, AfterALateResponseItsShapeWaitsForThePause) {
+TEST(StepWatch, ALateResponseLengthensThePauseAndShowsAnotherShape) {
     const auto one = hex(kOne);
     StepWatch step;
     Instant t = at(10s);
     for (; t < at(11100ms); t += 12ms) step.on_outcome(answered(t, one, kOneRegister));
-    EXPECT_EQ(step.earliest(t, kShapeOfTwo), t);
-    step.on_late(t + 5ms, kShapeOfTwo);
-    EXPECT_GT(step.earliest(t + 6ms, kShapeOfTwo), t + 14ms);
-    EXPECT_EQ(step.earliest(t + 6ms, kShapeOfOne), t + 6ms);
+    const Instant pause = step.earliest(t, kShapeOfOne);
+    step.on_late(t + 5ms, kShapeOfOne);
+    EXPECT_GT(step.earliest(t + 6ms, kShapeOfOne), pause);
+    step.on_late(t + 7ms, kShapeOfTwo);
+    EXPECT_EQ(step.earliest(t + 8ms, kShapeOfTwo), t + 8ms) << "one that is behind shows the shape before";
 }
 
 /// A gateway that serves one request after the other, 15 ms each. The data of each response is the number of

@@ -276,12 +276,19 @@ void AnswerLedger::pass_others(const Owed& answered) {
             each.overtaken = true;
 }
 
-// Bytes that begin like the answer to the last request and are as many, with a wrong checksum.
+// Bytes that begin like the answer to the last request, or like an exception, and are as many, with a wrong
+// checksum.
 bool AnswerLedger::begins_like_last() const {
+    constexpr std::size_t kExceptionBytes = 2;
     const Owed& last = owed_.back();
-    const std::size_t length = frame_characters(framing_, last.length);
+    const auto exception = static_cast<std::uint8_t>(last.function | 0x80U);
+    return begins_like({last.unit, last.function}, frame_characters(framing_, last.length)) ||
+           begins_like({last.unit, exception}, frame_characters(framing_, kExceptionBytes));
+}
+
+// @param length  of the whole frame on the line
+bool AnswerLedger::begins_like(ByteVector begin, std::size_t length) const {
     if (since_.size() < length) return false;
-    ByteVector begin{last.unit, last.function};
     if (framing_ == wire::Framing::ascii) {
         constexpr std::string_view kDigits = "0123456789ABCDEF";
         ByteVector characters{':'};

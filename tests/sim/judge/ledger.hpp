@@ -156,6 +156,7 @@ private:
     void settle_refused();
     void remember(Instant t, const Owed& request, std::size_t came);
     [[nodiscard]] bool begins_like_last() const;
+    [[nodiscard]] bool begins_like(ByteVector begin, std::size_t length) const;
     void settle_last(Instant t);
     [[nodiscard]] bool seen_before(std::uint8_t unit, const ByteVector& pdu) const;
     [[nodiscard]] bool seen_before(const Owed& request) const;
