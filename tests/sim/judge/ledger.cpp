@@ -102,9 +102,18 @@ void AnswerLedger::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
         const bool behind_others = begin > std::exchange(end, frame.end) && t < after(left_at_, kSilence);
         take(t, frame, behind_others);
     }
+    if (end == 0 && is_of_unknown_length()) surplus_at_[since_[0]] = t;
     parsed = std::max(parsed, bytes_.size() - std::min(bytes_.size(), kMostBytes));
     bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(parsed));
     if (!bytes_.empty()) left_at_ = t;
+}
+
+// An RTU frame whose function fixes no length ends with the pause.
+bool AnswerLedger::is_of_unknown_length() const {
+    constexpr std::size_t kLeast = 4;
+    if (framing_ != wire::Framing::rtu || since_.size() < kLeast) return false;
+    const auto end = since_.end() - 2;
+    return crc(ByteVector(since_.begin(), end)) == (end[0] | end[1] << 8);
 }
 
 // A frame that can be the answer to the last request waits for settle_last().

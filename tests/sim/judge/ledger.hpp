@@ -155,6 +155,7 @@ private:
     void note_late(const Owed& answered, Instant t);
     void settle_refused();
     void remember(Instant t, const Owed& request, std::size_t came);
+    [[nodiscard]] bool is_of_unknown_length() const;
     [[nodiscard]] bool begins_like_last() const;
     [[nodiscard]] bool begins_like(ByteVector begin, std::size_t length) const;
     void settle_last(Instant t);

@@ -76,6 +76,27 @@ TEST(Ledger, AfterASurplusAnswerAUnitMayBeCheckedForMinutes) {
     EXPECT_FALSE(line.ledger.may_check(line.sent, 5)) << "forgotten";
 }
 
+TEST(Ledger, AnAnswerOfAnUnknownFunctionIsASurplusOne) {
+    Line line;
+    line.exchange(0ms, 7);
+    line.read(20ms, 0);
+    line.hear(30ms, {0x22, 1, 0});
+    line.read(40ms, 0, 2);
+    EXPECT_TRUE(line.ledger.may_check(line.sent, 5));
+}
+
+// Both were received: the damaged exception may be the answer, and the read is sent again at once.
+TEST(Ledger, ADamagedExceptionMayBeTheAnswer) {
+    Line line;
+    line.exchange(0ms, 7);
+    line.read(20ms, 1);
+    line.now = line.at(30ms);
+    line.ledger.on_heard(line.now, ByteVector{5, 0x83, 2, 0, 7, 0x12});
+    line.read(50ms, 1);
+    line.one(60ms, 7);
+    EXPECT_NE(line.exempt(7), "") << "a copy of the answer before";
+}
+
 TEST(Ledger, ALateAnswerWhileItsRequestIsOwedIsNoExcuse) {
     Line line;
     line.read(0ms, 0);
