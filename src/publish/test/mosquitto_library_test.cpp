@@ -1,0 +1,14 @@
+#include "mosquitto_library.hpp"
+
+#include <gtest/gtest.h>
+
+namespace takt::publish {
+namespace {
+
+TEST(MosquittoLibrary, HasTheFunctionsOfVersion2) {
+    EXPECT_GE(use_mosquitto_library(), 2'000'000);
+    EXPECT_EQ(use_mosquitto_library(), use_mosquitto_library());
+}
+
+}  // namespace
+}  // namespace takt::publish
