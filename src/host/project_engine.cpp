@@ -154,7 +154,7 @@ void ProjectEngine::publish(Instant t) {
     const auto& store = master_.store();
     while (const auto* event = store.next_event(cursor_)) {
         record_.clear();
-        encode(configuration_->generation(), *event, store[event->slot].good_at, record_);
+        encode(configuration_->generation(), *event, record_);
         link_.events.append(record_);
     }
     if (const auto missed = std::exchange(cursor_.missed, 0); missed > 0)
@@ -261,7 +261,13 @@ void ProjectEngine::take_over(Instant t, ProjectEngine& old,
     }
     for (const auto id : restored) {
         const auto& slot = master_.store()[id];
-        publish_event(t, ValueChanged{id, slot.value, slot.quality, slot.reason, slot.good_at, slot.batch});
+        publish_event(t, ValueChanged{.slot = id,
+                                      .value = slot.value,
+                                      .quality = slot.quality,
+                                      .reason = slot.reason,
+                                      .good_at = slot.good_at,
+                                      .good_before = {},
+                                      .batch = slot.batch});
     }
     for (std::size_t i = 0; i < continued.size(); ++i) {
         if (!continued[i]) continue;

@@ -175,7 +175,8 @@ void fields(Archive& archive, Outcome& outcome) {
 
 template <class Archive>
 void fields(Archive& archive, ValueChanged& body) {
-    all(archive, body.slot, body.value, body.quality, body.reason, body.good_at, body.batch);
+    all(archive, body.slot, body.value, body.quality, body.reason, body.good_at, body.good_before,
+        body.batch);
 }
 
 template <class Archive>
@@ -306,13 +307,12 @@ void encode(const Event& event, std::vector<std::uint64_t>& record) {
 }
 
 // The members of Event and ValueChanged in their order; checked by a test against the other encode().
-void encode(std::uint32_t generation, const value::Event& changed, std::optional<Instant> good_at,
-            std::vector<std::uint64_t>& record) {
+void encode(std::uint32_t generation, const value::Event& changed, std::vector<std::uint64_t>& record) {
     WordWriter writer(record);
     auto& event = const_cast<value::Event&>(changed);
     std::size_t alternative_index = 0;
     all(writer, generation, event.t, alternative_index, event.slot, event.value, event.quality, event.reason,
-        good_at, event.batch);
+        event.good_at, event.good_before, event.batch);
 }
 
 Event decode_event(std::span<const std::uint64_t> record) {

@@ -16,8 +16,7 @@ namespace takt::host {
 /// kLongestText are cut. Allocates only where `record` must grow.
 void encode(const Event& event, std::vector<std::uint64_t>& record);
 /// The same record as of a ValueChanged, without a copy of the value.
-void encode(std::uint32_t generation, const value::Event& event, std::optional<Instant> good_at,
-            std::vector<std::uint64_t>& record);
+void encode(std::uint32_t generation, const value::Event& event, std::vector<std::uint64_t>& record);
 [[nodiscard]] Event decode_event(std::span<const std::uint64_t> record);
 
 void encode(std::uint32_t generation, const TrafficSource& source, Instant t, wire::Direction direction,

@@ -74,9 +74,10 @@ void Store::apply(Instant t, std::span<const Update> updates) {
         slot.quality = update.quality;
         slot.reason = update.reason;
         slot.batch = last_batch_;
+        const auto good_before = slot.good_at;
         if (update.quality == Quality::good) slot.good_at = t;
         if (graded || moved(reported_[update.slot.value], slot.value, infos_[update.slot.value].dead_band))
-            report(t, update.slot);
+            report(t, update.slot, good_before);
     }
 }
 
@@ -92,7 +93,7 @@ void Store::want(SlotId id, const Value& value) {
     slots_[id.value].wanted = value;
 }
 
-void Store::report(Instant t, SlotId id) {
+void Store::report(Instant t, SlotId id, std::optional<Instant> good_before) {
     const auto& slot = slots_[id.value];
     auto& event = events_[last_sequence_ % events_.size()];
     event.sequence = ++last_sequence_;
@@ -102,6 +103,8 @@ void Store::report(Instant t, SlotId id) {
     event.value = reported_[id.value] = slot.value;
     event.quality = slot.quality;
     event.reason = slot.reason;
+    event.good_at = slot.good_at;
+    event.good_before = good_before;
 }
 
 const Event* Store::next_event(EventCursor& cursor) const {

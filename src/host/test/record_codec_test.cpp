@@ -40,12 +40,14 @@ TEST(RecordCodec, KeepsEveryKindOfValue) {
                                                      .quality = value::Quality::bad,
                                                      .reason = value::exception_reason(2),
                                                      .good_at = {},
+                                                     .good_before = Instant(Duration(3)),
                                                      .batch = 9});
         EXPECT_TRUE(value::same(changed.value, value));
         EXPECT_EQ(changed.slot, value::SlotId{3});
         EXPECT_EQ(changed.quality, value::Quality::bad);
         EXPECT_EQ(changed.reason, value::exception_reason(2));
         EXPECT_FALSE(changed.good_at);
+        EXPECT_EQ(changed.good_before, Instant(Duration(3)));
         EXPECT_EQ(changed.batch, 9U);
     }
 }
@@ -57,14 +59,16 @@ TEST(RecordCodec, TheShortWayOfAValueChangeIsTheSameRecord) {
                                .slot = {2},
                                .value = std::string("long enough to be on the heap"),
                                .quality = value::Quality::uncertain,
-                               .reason = value::Reason::timeout};
+                               .reason = value::Reason::timeout,
+                               .good_at = Instant(Duration(6)),
+                               .good_before = Instant(Duration(3))};
     std::vector<std::uint64_t> one;
-    encode(4, changed, Instant(Duration(6)), one);
+    encode(4, changed, one);
     std::vector<std::uint64_t> other;
     encode(Event{.generation = 4,
                  .t = changed.t,
                  .body = ValueChanged{changed.slot, changed.value, changed.quality, changed.reason,
-                                      Instant(Duration(6)), changed.batch}},
+                                      changed.good_at, changed.good_before, changed.batch}},
            other);
     EXPECT_EQ(one, other);
 }

@@ -50,6 +50,24 @@ TEST(Store, MembersOfARequestChangeTogether) {
     EXPECT_EQ(store.next_event(cursor), nullptr);
 }
 
+TEST(Store, AnEventHasTheReadBeforeTheChange) {
+    auto store = small_store();
+    const std::array<Update, 1> first{Update{SlotId{0}, 1.0}};
+    const std::array<Update, 1> other{Update{SlotId{0}, 2.0}};
+    store.apply(at(5ms), first);
+    store.apply(at(10ms), first);  // the same value: no event
+    store.apply(at(15ms), other);
+    EventCursor cursor;
+    const auto* event = store.next_event(cursor);
+    ASSERT_NE(event, nullptr);
+    EXPECT_EQ(event->good_at, at(5ms));
+    EXPECT_EQ(event->good_before, std::nullopt);
+    event = store.next_event(cursor);
+    ASSERT_NE(event, nullptr);
+    EXPECT_EQ(event->good_at, at(15ms));
+    EXPECT_EQ(event->good_before, at(10ms));
+}
+
 TEST(Store, TellsOnlyChanges) {
     auto store = small_store();
     EventCursor cursor;

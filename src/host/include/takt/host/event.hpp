@@ -36,8 +36,9 @@ struct ValueChanged {
     value::Value value;
     value::Quality quality = value::Quality::good;
     value::Reason reason = value::Reason::ok;
-    std::optional<Instant> good_at;  ///< when it was last read well, or set
-    std::uint64_t batch = 0;         ///< equal for slots that changed together
+    std::optional<Instant> good_at;      ///< when it was last read well, or set
+    std::optional<Instant> good_before;  ///< likewise before the change: the value changed after that
+    std::uint64_t batch = 0;             ///< equal for slots that changed together
 };
 
 struct DeviceStateChanged {

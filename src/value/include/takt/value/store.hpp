@@ -58,6 +58,8 @@ struct Event {
     Value value;
     Quality quality = Quality::good;
     Reason reason = Reason::ok;
+    std::optional<Instant> good_at;      ///< Slot::good_at after the change
+    std::optional<Instant> good_before;  ///< Slot::good_at before it: the value changed after that
 };
 
 /// A reader's position in the event ring.
@@ -103,7 +105,7 @@ public:
     [[nodiscard]] const Event* next_event(EventCursor& cursor) const;
 
 private:
-    void report(Instant t, SlotId id);
+    void report(Instant t, SlotId id, std::optional<Instant> good_before);
 
     std::vector<SlotInfo> infos_;
     std::vector<Slot> slots_;
