@@ -162,6 +162,10 @@ Result<void> Journal::acknowledge(Instant now, DestinationId destination, std::u
     return {};
 }
 
+Result<void> Journal::reject(DestinationId destination, std::uint64_t sequence, std::uint64_t samples) {
+    return state_->at(destination).reject(sequence, samples);
+}
+
 void Journal::rewind(DestinationId destination) {
     state_->at(destination).rewind();
 }

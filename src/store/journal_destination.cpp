@@ -46,6 +46,22 @@ Result<void> JournalDestination::acknowledge(std::uint64_t sequence) {
     return {};
 }
 
+// Each state in flight counts all entries before it.
+Result<void> JournalDestination::reject(std::uint64_t sequence, std::uint64_t samples) {
+    const auto sequence_of = [](const CursorState& state) { return state.position.sequence; };
+    const auto entry = std::ranges::lower_bound(in_flight_, sequence, {}, sequence_of);
+    if (entry == in_flight_.end() || sequence_of(*entry) != sequence)
+        return fail(Code::out_of_range, static_cast<std::int64_t>(sequence));
+    const auto& before = entry == in_flight_.begin() ? state_ : *(entry - 1);
+    if (samples > entry->delivered - before.delivered)
+        return fail(Code::out_of_range, static_cast<std::int64_t>(samples));
+    std::for_each(entry, in_flight_.end(), [&](CursorState& state) {
+        state.delivered -= samples;
+        state.dropped += samples;
+    });
+    return {};
+}
+
 void JournalDestination::rewind() {
     in_flight_.clear();
     reader_ = JournalReader(*segments_, *storage_, state_.position);

@@ -27,6 +27,8 @@ public:
     [[nodiscard]] Result<std::optional<JournalEntry>> read(std::size_t max_in_flight);
     /// @returns out_of_range
     Result<void> acknowledge(std::uint64_t sequence);
+    /// @returns out_of_range
+    Result<void> reject(std::uint64_t sequence, std::uint64_t samples);
     void rewind();
 
     [[nodiscard]] bool has_unsaved() const { return !(state_ == cursor_.durable()); }

@@ -168,6 +168,22 @@ TEST_F(JournalTest, ReadsAgainAfterARewindAndMarksIt) {
     EXPECT_FALSE(entries[1].repeated);
 }
 
+TEST_F(JournalTest, RejectedSamplesCountAsDropped) {
+    start();
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(append(10));  // one sample each, after the gap of the start
+    tick();
+    EXPECT_EQ(read_all(kCloud).size(), 4U);
+    EXPECT_EQ(journal_->reject(kCloud, 9, 1).error().code, Code::out_of_range);
+    EXPECT_EQ(journal_->reject(kCloud, 2, 2).error().code, Code::out_of_range);
+    ASSERT_TRUE(journal_->reject(kCloud, 2, 1));
+    EXPECT_EQ(journal_->counters(kCloud).dropped, 0U);
+    ASSERT_TRUE(journal_->acknowledge(now_, kCloud, 4));
+    const auto counters = journal_->counters(kCloud);
+    EXPECT_EQ(counters.delivered, 2U);
+    EXPECT_EQ(counters.dropped, 1U);
+    EXPECT_EQ(counters.waiting, 0U);
+}
+
 TEST_F(JournalTest, ContinuesAfterARestartWithAGap) {
     start();
     for (int i = 0; i < 4; ++i) ASSERT_TRUE(append(10));

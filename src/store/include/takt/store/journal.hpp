@@ -39,7 +39,7 @@ struct DestinationCounters {
     std::uint64_t appended = 0;   ///< since the destination was created, missing samples included
     std::uint64_t delivered = 0;  ///< acknowledged as records
     std::uint64_t waiting = 0;    ///< neither delivered nor dropped
-    std::uint64_t dropped = 0;    ///< acknowledged as gaps
+    std::uint64_t dropped = 0;    ///< acknowledged as gaps, or rejected
 };
 
 struct JournalStatus {
@@ -120,6 +120,10 @@ public:
     /// Moves the cursor: all entries up to `sequence` are delivered.
     /// @returns out_of_range: no entry with this number was read and not acknowledged. Nothing was changed
     Result<void> acknowledge(Instant now, DestinationId destination, std::uint64_t sequence);
+    /// Counts samples of an entry as dropped that the destination can never take; to be called before its
+    /// acknowledgement. A rewind() forgets it. @returns out_of_range: as acknowledge(), or the entry has
+    /// fewer samples
+    Result<void> reject(DestinationId destination, std::uint64_t sequence, std::uint64_t samples);
     /// The next read() begins after the last acknowledged entry. Entries that were read before are
     /// `repeated`.
     void rewind(DestinationId destination);
