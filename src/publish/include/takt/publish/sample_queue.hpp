@@ -1,0 +1,50 @@
+// Samples on their way from the sampling thread to the thread of an output.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace takt::publish {
+
+/// Samples as one payload (SamplePayload), or the number of samples that are missing in their place.
+struct QueuedSamples {
+    std::vector<std::uint8_t> payload;  ///< empty: the samples are lost
+    std::uint64_t samples = 0;
+    std::int64_t first_wall_ns = 0;
+    std::int64_t last_wall_ns = 0;
+    std::int64_t last_monotonic_ns = 0;
+};
+
+/// A queue that is bounded in bytes. What does not fit is replaced by its number, in its place.
+///
+/// Threads: push() and push_loss() on one thread, take() on another. The mutex is held for a move only.
+class SampleQueue {
+public:
+    /// @param limit  bytes of waiting payloads
+    explicit SampleQueue(std::size_t limit) : limit_(limit) {}
+
+    /// @returns whether the queue was empty: the other thread must be woken
+    bool push(QueuedSamples samples);
+    bool push_loss(std::uint64_t samples, std::int64_t first_wall_ns, std::int64_t last_wall_ns);
+
+    [[nodiscard]] std::optional<QueuedSamples> take();
+
+    [[nodiscard]] std::size_t bytes() const;
+    /// Samples and losses that were pushed, since the queue was made.
+    [[nodiscard]] std::uint64_t pushed() const;
+
+private:
+    bool append(QueuedSamples samples);
+
+    std::size_t limit_;
+    mutable std::mutex mutex_;
+    std::deque<QueuedSamples> waiting_;
+    std::size_t bytes_ = 0;
+    std::uint64_t pushed_ = 0;
+};
+
+}  // namespace takt::publish

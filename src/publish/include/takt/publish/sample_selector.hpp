@@ -1,0 +1,96 @@
+// Which states of the selected values an output delivers: changes, periods and heartbeats.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "takt/base/time.hpp"
+#include "takt/host/event.hpp"
+#include "takt/publish/sample.hpp"
+#include "takt/value/store.hpp"
+
+namespace takt::publish {
+
+struct SamplePolicy {
+    bool on_change = true;
+    Duration period{};      ///< zero: none
+    Duration heartbeat{};   ///< a sample when the last one is that old; zero: none
+    double dead_band = 0;   ///< a number that differs by at most this from the last sample is no change
+    bool skip_bad = false;  ///< only values of good quality are delivered
+};
+
+struct SelectedSlot {
+    value::SlotId slot;  ///< each at most once
+    SamplePolicy policy;
+};
+
+/// A sample in the time of the host.
+struct SelectedSample {
+    value::SlotId slot;
+    value::Value value;
+    value::Quality quality = value::Quality::good;
+    value::Reason reason = value::Reason::ok;
+    SampleCause cause = SampleCause::change;
+    Instant at;                       ///< a good value: when it was read; else when the quality changed
+    std::optional<Instant> previous;  ///< of a change to a good value: the read before, where there was one
+};
+
+/// Decides for one output. Pure: driven by the events and snapshots of one configuration, in their order.
+///
+/// A change of quality or reason is always a sample, unless bad values are skipped. Periods begin at the
+/// start and do not drift; a period that was missed is not made up for.
+class SampleSelector {
+public:
+    using Sink = std::function<void(const SelectedSample&)>;
+
+    SampleSelector(const std::vector<SelectedSlot>& selected, Instant start);
+
+    void on_change(Instant t, const host::ValueChanged& changed, const Sink& sink);
+
+    /// When a snapshot is needed; kNever: no period or heartbeat is selected.
+    [[nodiscard]] Instant next_due() const;
+    /// @param slots  all slots, not older than the events that were passed to on_change()
+    void on_snapshot(Instant t, std::span<const value::Slot> slots, const Sink& sink);
+    /// Delivers the current state of all selected slots that were ever read: at the start, and after lost
+    /// events.
+    void deliver_current(Instant t, std::span<const value::Slot> slots, const Sink& sink);
+
+    [[nodiscard]] std::size_t size() const { return entries_.size(); }
+
+private:
+    struct State {
+        value::Value value;
+        value::Quality quality = value::Quality::never_read;
+        value::Reason reason = value::Reason::ok;
+        std::optional<Instant> good_at;
+        Instant t;  // of the event or snapshot
+    };
+    struct Entry {
+        value::SlotId slot;
+        SamplePolicy policy;
+        State seen;                      // the newest
+        std::optional<State> delivered;  // the last sample
+        Instant delivered_at;
+        Instant next_period = kNever;
+    };
+    struct Due {
+        Instant at;
+        std::size_t entry = 0;
+    };
+
+    void deliver(Entry& entry, Instant t, SampleCause cause, std::optional<Instant> previous,
+                 const Sink& sink);
+    void on_due(Instant t, std::size_t index, const value::Slot& slot, const Sink& sink);
+    [[nodiscard]] Instant due_of(const Entry& entry) const;
+    void schedule(std::size_t index);
+
+    std::vector<Entry> entries_;
+    std::vector<std::uint32_t> entry_of_;  // by slot: index into entries_ plus 1; 0: not selected
+    std::vector<Due> dues_;  // a heap, the earliest first; one for each entry that has a due time
+};
+
+}  // namespace takt::publish

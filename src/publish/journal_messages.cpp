@@ -1,0 +1,117 @@
+// The token of a message is the sequence number of its record and its index in it: it is the same after a
+// rewind, also where the record gets another place in the queue. A record has its cursor moved when its last
+// message is finished.
+#include "takt/publish/journal_messages.hpp"
+
+#include <utility>
+
+#include "takt/base/assert.hpp"
+#include "takt/publish/sample_codec.hpp"
+
+namespace takt::publish {
+namespace {
+
+constexpr unsigned kIndexBits = 16;
+
+std::uint64_t token_of(std::uint64_t sequence, std::size_t index) {
+    return (sequence << kIndexBits) + index + 1;
+}
+
+}  // namespace
+
+std::optional<SourceMessage> JournalMessages::next(Instant now, const MessageLimits& limits) {
+    for (;;) {
+        while (next_ < composed_.size()) {
+            const auto token = token_of(records_.back().sequence, next_);
+            auto& message = composed_[next_++].message;
+            if (token <= finished_token_) continue;  // acknowledged before a rewind
+            const bool repeated = token <= highest_token_;
+            if (!repeated) highest_token_ = token;
+            return SourceMessage{.token = token, .repeated = repeated, .message = std::move(message)};
+        }
+        if (!read_record(now, limits)) return std::nullopt;
+    }
+}
+
+bool JournalMessages::read_record(Instant now, const MessageLimits& limits) {
+    const auto entry = journal_.read(destination_);
+    failure_.reset();
+    if (!entry) failure_ = entry.error();
+    if (!entry || !*entry) return false;
+    const auto& header = (*entry)->header;
+    const auto first_token = token_of(header.sequence, 0);
+    composed_.clear();
+    next_ = 0;
+    StreamPlace place{.epoch = header.epoch,
+                      .first = header.samples_before + 1,
+                      .packet_limit = limits.packet,
+                      .version = limits.version};
+    if (highest_token_ >= first_token)
+        place.repeated = static_cast<std::size_t>(highest_token_ - first_token) + 1;
+
+    bool readable = true;
+    if ((*entry)->gap)
+        composer_.compose(*(*entry)->gap, place, composed_);
+    else if (const auto batch = decode_samples((*entry)->payload))
+        composer_.compose(*batch, place, composed_);
+    else
+        readable = false;
+    TAKT_ASSERT(composed_.size() <= MessageComposer::kMostMessages);
+
+    Record record{.sequence = header.sequence,
+                  .last_token = composed_.empty() ? first_token - 1 : first_token + composed_.size() - 1,
+                  .wall_ns = header.wall_ns,
+                  .samples = {}};
+    for (const auto& composed : composed_) record.samples.push_back(composed.samples);
+    records_.push_back(std::move(record));
+    if (!readable) {
+        // The entry is in flight, and has that many samples: this cannot fail.
+        static_cast<void>(journal_.reject(destination_, header.sequence, header.samples));
+        rejected_ += header.samples;
+    }
+    finish_records(now, finished_token_);
+    return true;
+}
+
+void JournalMessages::acknowledge(Instant now, std::uint64_t token) {
+    TAKT_ASSERT(token > finished_token_);
+    finished_token_ = token;
+    finish_records(now, token);
+}
+
+void JournalMessages::reject(Instant now, std::uint64_t token, MqttReason) {
+    TAKT_ASSERT(!records_.empty());
+    const auto& record = records_.front();
+    const auto index = static_cast<std::size_t>(token - token_of(record.sequence, 0));
+    TAKT_ASSERT(index < record.samples.size());
+    const auto samples = record.samples[index];
+    rejected_ += samples;
+    if (samples > 0) static_cast<void>(journal_.reject(destination_, record.sequence, samples));
+    acknowledge(now, token);
+}
+
+// A record without messages has no token of its own, and ends with the one before it.
+void JournalMessages::finish_records(Instant now, std::uint64_t token) {
+    while (!records_.empty()) {
+        const auto& record = records_.front();
+        const bool has_messages = !record.samples.empty();
+        if (has_messages && record.last_token > token) return;
+        static_cast<void>(journal_.acknowledge(now, destination_, record.sequence));
+        records_.pop_front();
+        if (records_.empty()) composed_.clear();
+    }
+}
+
+void JournalMessages::rewind() {
+    journal_.rewind(destination_);
+    records_.clear();
+    composed_.clear();
+    next_ = 0;
+}
+
+std::optional<std::int64_t> JournalMessages::oldest_in_flight_ns() const {
+    if (records_.empty()) return std::nullopt;
+    return records_.front().wall_ns;
+}
+
+}  // namespace takt::publish

@@ -1,0 +1,58 @@
+#include "takt/publish/sample_queue.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace takt::publish {
+
+bool SampleQueue::push(QueuedSamples samples) {
+    const std::lock_guard lock(mutex_);
+    if (bytes_ + samples.payload.size() > limit_) samples.payload.clear();
+    return append(std::move(samples));
+}
+
+bool SampleQueue::push_loss(std::uint64_t samples, std::int64_t first_wall_ns, std::int64_t last_wall_ns) {
+    const std::lock_guard lock(mutex_);
+    return append({.payload = {},
+                   .samples = samples,
+                   .first_wall_ns = first_wall_ns,
+                   .last_wall_ns = last_wall_ns,
+                   .last_monotonic_ns = 0});
+}
+
+// Losses that follow each other are one: the queue stays bounded while nothing is taken from it.
+bool SampleQueue::append(QueuedSamples samples) {
+    const bool was_empty = waiting_.empty();
+    pushed_ += samples.samples;
+    bytes_ += samples.payload.size();
+    if (samples.payload.empty() && !was_empty && waiting_.back().payload.empty()) {
+        auto& loss = waiting_.back();
+        loss.samples += samples.samples;
+        loss.first_wall_ns = std::min(loss.first_wall_ns, samples.first_wall_ns);
+        loss.last_wall_ns = std::max(loss.last_wall_ns, samples.last_wall_ns);
+    } else {
+        waiting_.push_back(std::move(samples));
+    }
+    return was_empty;
+}
+
+std::optional<QueuedSamples> SampleQueue::take() {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.empty()) return std::nullopt;
+    auto samples = std::move(waiting_.front());
+    waiting_.pop_front();
+    bytes_ -= samples.payload.size();
+    return samples;
+}
+
+std::size_t SampleQueue::bytes() const {
+    const std::lock_guard lock(mutex_);
+    return bytes_;
+}
+
+std::uint64_t SampleQueue::pushed() const {
+    const std::lock_guard lock(mutex_);
+    return pushed_;
+}
+
+}  // namespace takt::publish

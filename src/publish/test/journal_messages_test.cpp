@@ -1,0 +1,200 @@
+#include "takt/publish/journal_messages.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <random>
+#include <string>
+
+#include "simulated_disk.hpp"
+#include "takt/publish/sample_codec.hpp"
+
+namespace takt::publish {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::array<std::string_view, 1> kNames{"cloud"};
+constexpr store::DestinationId kCloud{0};
+const Series kSeries{"Power", "Meter", "rs485-1", "kW", DataType::int16, false};
+
+/// A message for each sample with its number, and one for each gap.
+class PlainComposer final : public MessageComposer {
+public:
+    void compose(const SampleBatch& batch, const StreamPlace& place,
+                 std::vector<ComposedMessage>& out) override {
+        for (std::size_t i = 0; i < batch.samples.size(); ++i) {
+            if (batch.samples[i].cause == SampleCause::heartbeat) continue;  // not for this output
+            out.push_back({{.topic = "t", .payload = std::to_string(place.first + i)}, 1});
+            if (i < place.repeated) out.back().message.payload += '*';
+        }
+    }
+    void compose(const store::Gap& gap, const StreamPlace&, std::vector<ComposedMessage>& out) override {
+        out.push_back({{.topic = "gap", .payload = std::to_string(gap.samples)}, gap.samples});
+    }
+};
+
+class JournalMessagesTest : public ::testing::Test {
+protected:
+    void SetUp() override {
+        auto opened = store::Journal::open(disk_, {}, kNames, now_, 0);
+        ASSERT_TRUE(opened);
+        journal_.emplace(*std::move(opened));
+        messages_.emplace(*journal_, kCloud, composer_);
+    }
+
+    void append(std::size_t samples, SampleCause cause = SampleCause::change) {
+        SamplePayload payload(4096);
+        for (std::size_t i = 0; i < samples; ++i)
+            ASSERT_TRUE(payload.add(kSeries, {.series = 0, .value = std::int64_t{1}, .cause = cause}));
+        const auto bytes = payload.take();
+        ASSERT_TRUE(journal_->append(now_, {samples, 0, 0, bytes}));
+        sync();
+    }
+    void sync() {
+        now_ += 200ms;
+        journal_->on_tick(now_, 0);
+    }
+    std::optional<SourceMessage> next() { return messages_->next(now_, {}); }
+    /// The payloads of all messages that wait.
+    std::vector<std::string> all() {
+        std::vector<std::string> texts;
+        while (auto message = next()) {
+            texts.push_back(message->message.payload);
+            tokens_.push_back(message->token);
+        }
+        return texts;
+    }
+    [[nodiscard]] store::DestinationCounters counters() const { return journal_->counters(kCloud); }
+
+    using Texts = std::vector<std::string>;
+    store::test::SimulatedDisk disk_;
+    Instant now_{};
+    std::optional<store::Journal> journal_;
+    PlainComposer composer_;
+    std::optional<JournalMessages> messages_;
+    std::vector<std::uint64_t> tokens_;  // of all()
+};
+
+TEST_F(JournalMessagesTest, TheCursorMovesWithTheLastMessageOfARecord) {
+    append(2);
+    append(3);
+    EXPECT_EQ(all(), (Texts{"0", "1", "2", "3", "4", "5"}));  // first the gap of the start
+    EXPECT_EQ(tokens_.size(), 6U);
+    messages_->acknowledge(now_, tokens_[0]);
+    messages_->acknowledge(now_, tokens_[1]);
+    EXPECT_EQ(counters().delivered, 0U);
+    messages_->acknowledge(now_, tokens_[2]);
+    EXPECT_EQ(counters().delivered, 2U);
+    EXPECT_EQ(counters().waiting, 3U);
+    for (std::size_t i = 3; i < 6; ++i) messages_->acknowledge(now_, tokens_[i]);
+    EXPECT_EQ(counters().delivered, 5U);
+    EXPECT_EQ(messages_->oldest_in_flight_ns(), std::nullopt);
+}
+
+TEST_F(JournalMessagesTest, ARewindGivesTheRestAgain) {
+    append(3);
+    EXPECT_EQ(all().size(), 4U);
+    const auto first = tokens_;
+    messages_->acknowledge(now_, first[0]);
+    messages_->acknowledge(now_, first[1]);
+    messages_->rewind();
+    append(1);
+    tokens_.clear();
+    EXPECT_EQ(all(), (Texts{"2*", "3*", "4"}));
+    EXPECT_EQ(tokens_[0], first[2]);
+    EXPECT_EQ(tokens_[1], first[3]);
+    for (const auto token : tokens_) messages_->acknowledge(now_, token);
+    EXPECT_EQ(counters().waiting, 0U);
+    EXPECT_EQ(counters().delivered, 4U);
+}
+
+TEST_F(JournalMessagesTest, ARecordWithoutMessagesEndsWithTheOneBefore) {
+    append(1);
+    append(2, SampleCause::heartbeat);
+    append(1);
+    append(1, SampleCause::heartbeat);
+    EXPECT_EQ(all(), (Texts{"0", "1", "4"}));
+    messages_->acknowledge(now_, tokens_[0]);
+    EXPECT_EQ(counters().delivered, 0U);
+    messages_->acknowledge(now_, tokens_[1]);
+    EXPECT_EQ(counters().delivered, 3U);
+    messages_->acknowledge(now_, tokens_[2]);
+    EXPECT_EQ(counters().delivered, 5U);
+    append(1, SampleCause::heartbeat);
+    EXPECT_EQ(all(), Texts{});
+    EXPECT_EQ(counters().waiting, 0U);
+}
+
+TEST_F(JournalMessagesTest, ARejectedMessageIsDropped) {
+    append(3);
+    EXPECT_EQ(all().size(), 4U);
+    messages_->acknowledge(now_, tokens_[0]);
+    messages_->acknowledge(now_, tokens_[1]);
+    messages_->reject(now_, tokens_[2], MqttReason::packet_too_large);
+    EXPECT_EQ(counters().waiting, 3U);
+    messages_->acknowledge(now_, tokens_[3]);
+    EXPECT_EQ(counters().delivered, 2U);
+    EXPECT_EQ(counters().dropped, 1U);
+    EXPECT_EQ(messages_->rejected(), 1U);
+}
+
+TEST_F(JournalMessagesTest, ARecordOfALaterVersionIsDropped) {
+    const std::vector<std::uint8_t> unknown{9, 9, 9};
+    ASSERT_TRUE(journal_->append(now_, {4, 0, 0, unknown}));
+    append(1);
+    EXPECT_EQ(all(), (Texts{"0", "5"}));
+    for (const auto token : tokens_) messages_->acknowledge(now_, token);
+    EXPECT_EQ(counters().dropped, 4U);
+    EXPECT_EQ(counters().delivered, 1U);
+}
+
+// Any order of appends, deliveries and lost connections: every sample arrives, in order but for repeats.
+TEST_F(JournalMessagesTest, NothingIsLostInAnyOrder) {
+    std::mt19937 random(7);
+    std::uint64_t appended = 0;
+    std::uint64_t acknowledged = 0;  // number of the last sample
+    std::deque<SourceMessage> in_flight;
+    for (int step = 0; step < 4000; ++step) {
+        switch (random() % 8) {
+            case 0: {
+                const auto samples = 1 + random() % 4;
+                append(samples);
+                appended += samples;
+                break;
+            }
+            case 1:
+                if (random() % 4 == 0) {
+                    messages_->rewind();
+                    in_flight.clear();
+                }
+                break;
+            case 2:
+            case 3:
+            case 4:
+                if (auto message = next()) in_flight.push_back(*std::move(message));
+                break;
+            default:
+                if (in_flight.empty()) break;
+                const auto message = in_flight.front();
+                in_flight.pop_front();
+                messages_->acknowledge(now_, message.token);
+                if (message.message.topic == "gap") break;
+                ASSERT_EQ(std::stoull(message.message.payload), ++acknowledged);
+                ASSERT_EQ(message.repeated, message.message.payload.ends_with('*'));
+        }
+        ASSERT_EQ(counters().appended, appended);
+    }
+    in_flight.clear();
+    messages_->rewind();
+    while (const auto message = next()) {
+        messages_->acknowledge(now_, message->token);
+        ASSERT_EQ(std::stoull(message->message.payload), ++acknowledged);
+    }
+    EXPECT_EQ(acknowledged, appended);
+    EXPECT_EQ(counters().delivered, appended);
+}
+
+}  // namespace
+}  // namespace takt::publish

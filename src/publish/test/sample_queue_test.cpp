@@ -1,0 +1,49 @@
+#include "takt/publish/sample_queue.hpp"
+
+#include <gtest/gtest.h>
+
+namespace takt::publish {
+namespace {
+
+QueuedSamples samples(std::size_t bytes, std::int64_t wall_ns) {
+    return {.payload = std::vector<std::uint8_t>(bytes, 1),
+            .samples = 3,
+            .first_wall_ns = wall_ns,
+            .last_wall_ns = wall_ns + 1,
+            .last_monotonic_ns = 0};
+}
+
+TEST(SampleQueue, KeepsTheOrder) {
+    SampleQueue queue(100);
+    EXPECT_TRUE(queue.push(samples(40, 1)));
+    EXPECT_FALSE(queue.push(samples(60, 2)));
+    EXPECT_EQ(queue.take()->first_wall_ns, 1);
+    EXPECT_EQ(queue.bytes(), 60U);
+    EXPECT_EQ(queue.take()->first_wall_ns, 2);
+    EXPECT_FALSE(queue.take());
+    EXPECT_EQ(queue.pushed(), 6U);
+}
+
+TEST(SampleQueue, WhatDoesNotFitIsALossInItsPlace) {
+    SampleQueue queue(100);
+    queue.push(samples(80, 10));
+    queue.push(samples(30, 20));
+    queue.push(samples(30, 30));
+    queue.push_loss(5, 15, 50);
+    queue.push(samples(20, 60));
+    queue.push(samples(1, 70));
+    EXPECT_EQ(queue.take()->first_wall_ns, 10);
+    const auto loss = queue.take();
+    ASSERT_TRUE(loss);
+    EXPECT_TRUE(loss->payload.empty());
+    EXPECT_EQ(loss->samples, 11U);
+    EXPECT_EQ(loss->first_wall_ns, 15);
+    EXPECT_EQ(loss->last_wall_ns, 50);
+    EXPECT_EQ(queue.take()->first_wall_ns, 60);
+    EXPECT_EQ(queue.take()->samples, 3U);  // a loss
+    EXPECT_FALSE(queue.take());
+    EXPECT_EQ(queue.pushed(), 20U);
+}
+
+}  // namespace
+}  // namespace takt::publish
