@@ -31,8 +31,7 @@ struct SourceMessage {
 /// order, although acknowledgements arrive in any order.
 class MessageSource {
 public:
-    /// The next message; none: nothing waits. Called again at the next event, or after
-    /// MqttSession::notify().
+    /// The next message; none: nothing waits. Called again by each MqttSession::next_action().
     [[nodiscard]] virtual std::optional<SourceMessage> next(Instant now, const MessageLimits& limits) = 0;
     /// The broker has the message. QoS 0: it was handed to the operating system.
     virtual void acknowledge(Instant now, std::uint64_t token) = 0;

@@ -111,10 +111,11 @@ struct MqttSubscribe {
     std::vector<MqttSubscription> subscriptions;  ///< at least one
 };
 
-/// Ends the connection, also one that is still being opened. Answered by MqttClosed. The broker drops the
-/// will if the connection is open and its packets get through.
+/// Ends the connection, also one that is still being opened. Answered by MqttClosed.
 struct MqttDisconnect {
     MqttConnectionId connection = 0;
+    /// false: closed without a DISCONNECT packet, so that the broker publishes the will.
+    bool orderly = true;
 };
 
 using MqttAction = std::variant<MqttConnect, MqttPublish, MqttSubscribe, MqttDisconnect>;
