@@ -170,6 +170,10 @@ void Journal::rewind(DestinationId destination) {
     state_->at(destination).rewind();
 }
 
+std::uint64_t Journal::acknowledged(DestinationId destination) const {
+    return state_->at(destination).state().position.sequence;
+}
+
 std::uint64_t Journal::durable_cursor(DestinationId destination) const {
     return state_->at(destination).durable_sequence();
 }

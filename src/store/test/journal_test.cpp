@@ -309,6 +309,7 @@ TEST_F(JournalTest, BeginsWithTheOldestRecordIfACursorIsDamaged) {
     acknowledge_all(kCloud);
     tick(2s);
     EXPECT_EQ(journal_->durable_cursor(kCloud), 4U);
+    EXPECT_EQ(journal_->acknowledged(kCloud), 4U);
     disk_.flip_cursor("cloud", 30);
     disk_.flip_cursor("cloud", SimulatedDisk::kSlotOffset + 30);
     start();

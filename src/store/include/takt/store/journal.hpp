@@ -127,6 +127,8 @@ public:
     /// The next read() begins after the last acknowledged entry. Entries that were read before are
     /// `repeated`.
     void rewind(DestinationId destination);
+    /// The last sequence number that the destination has acknowledged.
+    [[nodiscard]] std::uint64_t acknowledged(DestinationId destination) const;
     /// The last sequence number that the destination has acknowledged durably.
     [[nodiscard]] std::uint64_t durable_cursor(DestinationId destination) const;
     [[nodiscard]] DestinationCounters counters(DestinationId destination) const;

@@ -1,0 +1,47 @@
+// What a user sees of an output.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "takt/base/result.hpp"
+#include "takt/store/journal.hpp"
+
+namespace takt::publish {
+
+/// Samples of an output. sampled = delivered + waiting + dropped at all times, also over restarts: samples
+/// that were not durable at a crash are in none of these counts, the gap `restart` stands for them.
+struct OutputSamples {
+    std::uint64_t sampled = 0;    ///< since the journal was created
+    std::uint64_t delivered = 0;  ///< acknowledged by the destination
+    std::uint64_t waiting = 0;
+    std::uint64_t dropped = 0;  ///< in gaps that the destination has learnt of, or rejected by it
+};
+
+enum class OutputState : std::uint8_t {
+    starting,    ///< the journal is being opened
+    connecting,  ///< to a broker
+    delivering,  ///< the destination takes samples
+    waiting,     ///< the destination is away; the next attempt follows
+    stopped,     ///< a user must act; see the failure
+    ended,
+};
+std::string_view name(OutputState state);
+
+struct OutputStatus {
+    std::string name;
+    OutputState state = OutputState::starting;
+    OutputSamples samples;
+    std::optional<std::int64_t> oldest_waiting_ns;  ///< wall time of the oldest durable sample not delivered
+    std::string destination;                        ///< the broker in use, or the file
+    std::optional<Error> journal_failure;           ///< of its disk; none as soon as it works again
+    std::string failure;  ///< the last one of the destination; empty: none since the last success
+    store::JournalStatus journal;
+    // Of this run.
+    std::uint64_t commands = 0;          ///< received
+    std::uint64_t commands_refused = 0;  ///< of them
+};
+
+}  // namespace takt::publish
