@@ -27,6 +27,19 @@ bool is_cause(std::uint16_t cause) {
 
 }  // namespace
 
+std::string_view name(GapCause cause) {
+    switch (cause) {
+        case GapCause::restart: return "restart";
+        case GapCause::buffer_full: return "buffer_full";
+        case GapCause::disk_failed: return "disk_failed";
+        case GapCause::disk_full: return "disk_full";
+        case GapCause::source_lost: return "source_lost";
+        case GapCause::quota: return "quota";
+        case GapCause::damaged: return "damaged";
+    }
+    return "";
+}
+
 void encode_record(const RecordHeader& header, Bytes payload, std::vector<std::uint8_t>& out) {
     TAKT_ASSERT(payload.size() <= kMaxPayloadBytes);
     const std::size_t start = out.size();

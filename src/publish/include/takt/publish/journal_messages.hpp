@@ -31,15 +31,14 @@ struct StreamPlace {
 /// repeated.
 class MessageComposer {
 public:
+    virtual ~MessageComposer() = default;
+
     static constexpr std::size_t kMostMessages = 65'535;  ///< of one record
 
     virtual void compose(const SampleBatch& batch, const StreamPlace& place,
                          std::vector<ComposedMessage>& out) = 0;
     virtual void compose(const store::Gap& gap, const StreamPlace& place,
                          std::vector<ComposedMessage>& out) = 0;
-
-protected:
-    ~MessageComposer() = default;
 };
 
 /// Reads a destination of the journal, and moves its cursor when all messages of a record are acknowledged. A

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "takt/base/result.hpp"
+#include "takt/publish/mqtt_status.hpp"
 #include "takt/store/journal.hpp"
 
 namespace takt::publish {
@@ -39,6 +40,7 @@ struct OutputStatus {
     std::optional<Error> journal_failure;           ///< of its disk; none as soon as it works again
     std::string failure;  ///< the last one of the destination; empty: none since the last success
     store::JournalStatus journal;
+    std::optional<MqttStatus> mqtt;  ///< of an MQTT output
     // Of this run.
     std::uint64_t commands = 0;          ///< received
     std::uint64_t commands_refused = 0;  ///< of them

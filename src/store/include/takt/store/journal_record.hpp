@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "takt/base/engine.hpp"
@@ -26,6 +27,9 @@ enum class GapCause : std::uint16_t {
     quota,        ///< the oldest segment was removed before it was delivered
     damaged,      ///< the bytes on the disk are not the ones that were written
 };
+
+/// The stable name of a cause, as in "buffer_full".
+std::string_view name(GapCause cause);
 
 /// All of a record but its payload.
 struct RecordHeader {

@@ -1,0 +1,46 @@
+// The payloads of messages: JSON. docs/mqtt-messages.md.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "takt/host/snapshot.hpp"
+#include "takt/publish/sample.hpp"
+#include "takt/store/journal_record.hpp"
+
+namespace takt::publish {
+
+/// A sample with its place in the stream of its output. The pair of epoch and number identifies it.
+struct PlacedSample {
+    const Series* series = nullptr;
+    const Sample* sample = nullptr;
+    std::uint64_t number = 0;  ///< from 1 on, without holes but for gaps
+};
+
+/// RFC 3339 in UTC, with milliseconds: 2026-11-24T02:30:00.123Z. Rounded down.
+[[nodiscard]] std::string time_text(std::int64_t wall_ns);
+
+/// One variable: its value with unit, quality, time and the interval of its change.
+[[nodiscard]] std::string variable_message(const PlacedSample& sample, std::uint64_t epoch, bool repeated);
+
+/// Variables of one device.
+/// @param samples  at least one; each variable once
+[[nodiscard]] std::string group_message(std::span<const PlacedSample> samples, std::uint64_t epoch,
+                                        bool repeated);
+
+/// Samples that are missing in this place.
+/// @param first  number of the first of them
+[[nodiscard]] std::string gap_message(const store::Gap& gap, std::uint64_t first, std::uint64_t epoch,
+                                      bool repeated);
+
+/// Lines and devices with their states and counters.
+/// @param snapshot  with statistics
+[[nodiscard]] std::string status_message(const host::Snapshot& snapshot, std::int64_t wall_ns);
+
+/// The birth and the will: whether the program delivers.
+[[nodiscard]] std::string state_message(bool online);
+
+}  // namespace takt::publish

@@ -1,0 +1,59 @@
+// An MQTT output at work: its session between the journal and a pipe, with its state topics.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "takt/host/session.hpp"
+#include "takt/publish/journal_messages.hpp"
+#include "takt/publish/mqtt_pipe.hpp"
+#include "takt/publish/mqtt_session.hpp"
+#include "takt/publish/output_work.hpp"
+
+namespace takt::publish {
+
+/// Publishes the records of a journal, and the states of lines and devices at most once a second. The broker
+/// has the state "online" from the birth on, and "offline" from its will or the end on.
+class MqttWork final : public OutputWork, private MqttListener {
+public:
+    struct Options {
+        MqttSessionOptions session;
+        std::unique_ptr<MessageComposer> composer;
+        std::string status_topic;  ///< of lines and devices; retained
+        std::unique_ptr<MqttPipe> pipe;
+        std::unique_ptr<host::Session> host;  ///< without events
+    };
+
+    explicit MqttWork(Options options);
+    ~MqttWork() override;
+
+    void begin(Instant now, store::Journal& journal, store::DestinationId destination) override;
+    void work(Instant now) override;
+    [[nodiscard]] Instant next_wakeup() const override;
+    [[nodiscard]] std::span<const int> descriptors() const override { return descriptors_; }
+    void on_state_changed(Instant now) override;
+    void stop(Instant now) override;
+    [[nodiscard]] bool stopped() const override;
+    void report(Instant now, OutputStatus& status) const override;
+
+private:
+    static constexpr Duration kStatusEvery = std::chrono::seconds(60);
+    static constexpr Duration kStatusGap = std::chrono::seconds(1);
+
+    void on_connected(Instant now, MqttConnectionId connection) override;
+    void on_disconnected(Instant now, MqttConnectionId connection) override;
+    void on_message(Instant now, MqttInbound&& inbound) override;
+
+    void publish_status(Instant now);
+
+    Options options_;
+    std::vector<int> descriptors_;
+    std::optional<JournalMessages> messages_;
+    std::optional<MqttSession> session_;
+    Instant status_at_ = kNever;  // when the status is published next; kNever: not connected
+    Instant status_sent_at_{};
+};
+
+}  // namespace takt::publish

@@ -1,0 +1,169 @@
+#include "takt/publish/message_format.hpp"
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+#include <variant>
+
+#include "takt/base/assert.hpp"
+#include "takt/file/json.hpp"
+
+namespace takt::publish {
+namespace {
+
+using file::Json;
+
+/// Numbers that JSON cannot have.
+std::string_view special_number(const value::Value& value) {
+    const auto* const number = std::get_if<double>(&value);
+    if (number == nullptr || std::isfinite(*number)) return {};
+    if (std::isnan(*number)) return "nan";
+    return *number > 0 ? "infinity" : "-infinity";
+}
+
+Json json_of(const Series& series, const value::Value& value) {
+    const bool is_float = series.type == DataType::float32 && !series.scaled;
+    if (const auto* const number = std::get_if<double>(&value))
+        return is_float ? Json(static_cast<float>(*number)) : Json(*number);
+    return std::visit(
+        [](const auto& other) {
+            if constexpr (std::is_same_v<std::decay_t<decltype(other)>, std::monostate>)
+                return Json();
+            else
+                return Json(other);
+        },
+        value);
+}
+
+void set_value(Json& object, const PlacedSample& placed) {
+    const auto& sample = *placed.sample;
+    object.set("value", json_of(*placed.series, sample.value));
+    if (const auto special = special_number(sample.value); !special.empty()) object.set("special", special);
+    if (!placed.series->unit.empty()) object.set("unit", placed.series->unit);
+    object.set("quality", value::name(sample.quality));
+    if (sample.reason != value::Reason::ok) {
+        object.set("reason", value::name(sample.reason));
+        if (value::is_exception(sample.reason))
+            object.set("exception", value::status_code(sample.reason) & 0xFFU);
+    }
+    object.set("time", time_text(sample.wall_ns));
+    if (sample.previous_wall_ns) object.set("after", time_text(*sample.previous_wall_ns));
+    object.set("cause", name(sample.cause));
+}
+
+void set_place(Json& object, std::uint64_t epoch, std::uint64_t number, bool repeated) {
+    object.set("epoch", epoch);
+    object.set("seq", number);
+    if (repeated) object.set("repeated", true);
+}
+
+Json counters_of(const bus::TransactionCounters& counters) {
+    auto object = Json::object();
+    object.set("sent", counters.sent);
+    object.set("answered", counters.answered);
+    object.set("exceptions", counters.exceptions);
+    object.set("timeouts", counters.timeouts);
+    object.set("checksum_errors", counters.checksums);
+    return object;
+}
+
+Json line_of(const model::Line& line, const host::Snapshot::Line& state) {
+    auto object = Json::object();
+    object.set("name", line.name);
+    object.set("up", state.up);
+    if (state.why) object.set("why", takt::name(state.why->code));
+    object.set("utilization", std::round(state.statistics.recent_utilization * 1000) / 1000);
+    return object;
+}
+
+Json device_of(const model::Line& line, const model::Device& device, const poll::DeviceStatistics& state) {
+    auto object = Json::object();
+    object.set("name", device.name);
+    object.set("line", line.name);
+    object.set("state", poll::name(state.state));
+    object.set("counters", counters_of(state.counters));
+    return object;
+}
+
+}  // namespace
+
+std::string time_text(std::int64_t wall_ns) {
+    using namespace std::chrono;
+    const sys_time<nanoseconds> time{nanoseconds(wall_ns)};
+    const auto day = floor<days>(time);
+    const year_month_day date(day);
+    const hh_mm_ss clock(floor<milliseconds>(time - day));
+    std::array<char, 40> text{};
+    const int length = std::snprintf(
+        text.data(), text.size(), "%04d-%02u-%02uT%02d:%02d:%02d.%03dZ", static_cast<int>(date.year()),
+        static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+        static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()),
+        static_cast<int>(clock.seconds().count()), static_cast<int>(clock.subseconds().count()));
+    return {text.data(), static_cast<std::size_t>(length)};
+}
+
+std::string variable_message(const PlacedSample& sample, std::uint64_t epoch, bool repeated) {
+    auto object = Json::object();
+    object.set("variable", sample.series->variable);
+    if (!sample.series->device.empty()) object.set("device", sample.series->device);
+    set_value(object, sample);
+    set_place(object, epoch, sample.number, repeated);
+    return object.dump();
+}
+
+std::string group_message(std::span<const PlacedSample> samples, std::uint64_t epoch, bool repeated) {
+    TAKT_ASSERT(!samples.empty());
+    auto object = Json::object();
+    if (const auto& device = samples.front().series->device; !device.empty()) object.set("device", device);
+    Json::Object values;
+    for (const auto& sample : samples) {
+        auto value = Json::object();
+        set_value(value, sample);
+        value.set("seq", sample.number);
+        values.emplace_back(sample.series->variable, std::move(value));
+    }
+    object.set("values", Json(std::move(values)));
+    object.set("epoch", epoch);
+    if (repeated) object.set("repeated", true);
+    return object.dump();
+}
+
+std::string gap_message(const store::Gap& gap, std::uint64_t first, std::uint64_t epoch, bool repeated) {
+    auto what = Json::object();
+    what.set("cause", store::name(gap.cause));
+    what.set("samples", gap.samples);
+    what.set("first", time_text(gap.first_wall_ns));
+    what.set("last", time_text(gap.last_wall_ns));
+    auto object = Json::object();
+    object.set("gap", std::move(what));
+    set_place(object, epoch, first, repeated);
+    return object.dump();
+}
+
+std::string state_message(bool online) {
+    auto object = Json::object();
+    object.set("state", online ? "online" : "offline");
+    return object.dump();
+}
+
+std::string status_message(const host::Snapshot& snapshot, std::int64_t wall_ns) {
+    const auto& project = snapshot.configuration->project();
+    auto lines = Json::array();
+    auto devices = Json::array();
+    for (std::size_t i = 0; i < project.lines.size(); ++i) {
+        const auto& line = project.lines[i];
+        lines.push_back(line_of(line, snapshot.lines[i]));
+        for (std::size_t k = 0; k < line.devices.size(); ++k)
+            devices.push_back(device_of(line, line.devices[k], snapshot.lines[i].devices[k]));
+    }
+    auto object = Json::object();
+    object.set("time", time_text(wall_ns));
+    object.set("started", time_text(wall_ns - (snapshot.t - snapshot.started).count()));
+    object.set("lines", std::move(lines));
+    object.set("devices", std::move(devices));
+    return object.dump();
+}
+
+}  // namespace takt::publish

@@ -1,0 +1,115 @@
+#include "takt/publish/mqtt_work.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "takt/base/assert.hpp"
+#include "takt/line/loop.hpp"
+#include "takt/publish/message_format.hpp"
+
+namespace takt::publish {
+namespace {
+
+std::int64_t wall_ns(Instant t) {
+    const auto since = line::wall_clock(t).time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
+}
+
+OutputState state_of(const MqttStatus& status) {
+    switch (status.state) {
+        case MqttState::off: return OutputState::ended;
+        case MqttState::connecting: return OutputState::connecting;
+        case MqttState::connected:
+        case MqttState::leaving: return OutputState::delivering;
+        case MqttState::backing_off: return OutputState::waiting;
+        case MqttState::stopped: return OutputState::stopped;
+    }
+    return OutputState::ended;
+}
+
+std::string url_of(const MqttBroker& broker) {
+    const bool ipv6 = broker.host.find(':') != std::string::npos;
+    return std::string(broker.tls ? "mqtts://" : "mqtt://") + (ipv6 ? "[" + broker.host + "]" : broker.host) +
+           ":" + std::to_string(broker.port);
+}
+
+std::string text_of(const MqttFailure& failure) {
+    std::string text(name(failure.kind));
+    if (failure.reason != MqttReason::success) text += ", " + std::string(name(failure.reason));
+    if (!failure.text.empty()) text += ": " + failure.text;
+    return text;
+}
+
+}  // namespace
+
+MqttWork::MqttWork(Options options)
+    : options_(std::move(options)), descriptors_{options_.pipe->descriptor()} {}
+
+MqttWork::~MqttWork() = default;
+
+void MqttWork::begin(Instant now, store::Journal& journal, store::DestinationId destination) {
+    messages_.emplace(journal, destination, *options_.composer);
+    session_.emplace(MqttSession(options_.session, *messages_, *this));
+    session_->start(now);
+}
+
+void MqttWork::work(Instant now) {
+    TAKT_ASSERT(session_);
+    while (auto event = options_.pipe->next_event()) session_->on_event(now, *std::move(event));
+    if (session_->next_wakeup() <= now) session_->on_tick(now);
+    if (status_at_ <= now) publish_status(now);
+    while (auto action = session_->next_action(now)) options_.pipe->send(*std::move(action));
+}
+
+Instant MqttWork::next_wakeup() const {
+    return session_ ? std::min(session_->next_wakeup(), status_at_) : kNever;
+}
+
+void MqttWork::on_state_changed(Instant now) {
+    if (status_at_ == kNever) return;  // not connected: published at the next connection
+    status_at_ = std::min(status_at_, std::max(now, status_sent_at_ + kStatusGap));
+}
+
+void MqttWork::publish_status(Instant now) {
+    status_sent_at_ = now;
+    status_at_ = now + kStatusEvery;
+    const auto snapshot = options_.host->snapshot({.values = false, .statistics = true}, kStatusGap);
+    if (!snapshot) return;
+    MqttMessage message{.topic = options_.status_topic,
+                        .payload = status_message(*snapshot, wall_ns(snapshot->t))};
+    message.retain = true;
+    message.properties.content_type = "application/json";
+    // A full queue is counted by the session; the next status replaces this one.
+    static_cast<void>(session_->publish(now, {.message = std::move(message), .this_connection_only = true}));
+}
+
+void MqttWork::on_connected(Instant now, MqttConnectionId) {
+    status_at_ = now;
+}
+
+void MqttWork::on_disconnected(Instant, MqttConnectionId) {
+    status_at_ = kNever;
+}
+
+void MqttWork::on_message(Instant, MqttInbound&&) {}
+
+void MqttWork::stop(Instant now) {
+    status_at_ = kNever;
+    session_->stop(now);
+}
+
+bool MqttWork::stopped() const {
+    return !session_ || session_->status().state == MqttState::off;
+}
+
+void MqttWork::report(Instant, OutputStatus& status) const {
+    if (!session_) return;
+    const auto mqtt = session_->status();
+    status.state = state_of(mqtt);
+    status.destination = url_of(options_.session.brokers[mqtt.broker]);
+    if (mqtt.last_failure && mqtt.state != MqttState::connected) status.failure = text_of(*mqtt.last_failure);
+    status.mqtt = mqtt;
+}
+
+}  // namespace takt::publish
