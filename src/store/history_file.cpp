@@ -1,0 +1,84 @@
+#include "history_file.hpp"
+
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <filesystem>
+#include <string_view>
+
+#include "history_tables.hpp"
+#include "takt/os/open.hpp"
+
+namespace takt::store {
+namespace {
+
+constexpr int kMostSetAside = 999;
+constexpr std::string_view kMark("SQLite format 3\0", 16);
+
+// FULL: each commit synchronises the write-ahead log. With NORMAL a power cut could undo commits whose
+// samples the journal has already been told to forget. Freed pages are used again; the file does not shrink.
+constexpr const char* kSettings =
+    "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA cell_size_check = ON;"
+    "PRAGMA journal_size_limit = 67108864";
+
+bool is_there(const std::string& path) {
+    std::error_code error;
+    return std::filesystem::exists(path, error);
+}
+
+/// A file of another program must not be touched. @returns malformed (cut off or empty), unsupported
+Result<void> check_mark(const os::Descriptor& file, const std::string& path) {
+    std::array<char, kMark.size()> head{};
+    const auto count = ::pread(file.get(), head.data(), head.size(), 0);
+    const std::string_view there(head.data(), count > 0 ? static_cast<std::size_t>(count) : 0);
+    const bool zeros = there.find_first_not_of('\0') == std::string_view::npos;
+    if (there == kMark) return {};
+    return fail(zeros || kMark.starts_with(there) ? Code::malformed : Code::unsupported, path);
+}
+
+Result<os::Descriptor> locked(Result<os::Descriptor> file, const std::string& path) {
+    if (!file) return file;
+    if (::flock(file->get(), LOCK_EX | LOCK_NB) != 0) return fail(Code::busy, path);
+    return file;
+}
+
+}  // namespace
+
+Result<HistoryFile> open_history_file(const std::string& path) {
+    HistoryFile opened;
+    const bool is_new = !is_there(path);
+    TAKT_TRY(opened.lock, locked(is_new ? os::create_file(path) : os::open_for_update(path), path));
+    // Closing a descriptor of the file would release SQLite's locks, so this one stays open.
+    if (!is_new) TAKT_CHECK(check_mark(opened.lock, path));
+    TAKT_CHECK(with_results(path, nullptr, [&]() -> Result<void> {
+        opened.database = std::make_unique<SQLite::Database>(open_database(path, false));
+        return {};
+    }));
+    TAKT_CHECK(with_results(path, opened.database.get(), [&]() -> Result<void> {
+        if (!is_new) {
+            if (auto ours = check_history(*opened.database, path); !ours) return ours;
+        }
+        opened.database->exec(kSettings);
+        if (is_new) make_history_tables(*opened.database);
+        return {};
+    }));
+    return opened;
+}
+
+Result<std::string> set_history_aside(const std::string& path) {
+    for (int i = 1; i <= kMostSetAside; ++i) {
+        const std::string aside = path + ".damaged-" + std::to_string(i);
+        if (is_there(aside)) continue;
+        std::error_code error;
+        std::filesystem::rename(path, aside, error);
+        if (error) return fail(Code::io_failed, path, error.value());
+        std::filesystem::rename(path + "-wal", aside + "-wal", error);
+        std::filesystem::remove(path + "-shm", error);
+        return aside;
+    }
+    return fail(Code::queue_full, path, kMostSetAside);
+}
+
+}  // namespace takt::store

@@ -1,0 +1,245 @@
+// A query takes the rows of chunks, which are roll-ups, and the samples of the log. Chunks do not overlap,
+// unless the clock was set back: those are decoded and merged. Else a chunk that fits into a pixel is taken
+// as its roll-up, or minute by minute, and only the rest is decoded. No extreme is lost on any of these ways.
+#include "takt/store/history_reader.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <span>
+#include <utility>
+
+#include "history_log.hpp"
+#include "history_picture.hpp"
+#include "history_tables.hpp"
+#include "takt/store/history_codec.hpp"
+
+namespace takt::store {
+namespace {
+
+using Samples = std::vector<HistorySample>;
+
+constexpr std::size_t kMostPixels = 100'000;
+constexpr double kMinute = 60e9;
+constexpr int kLockWait = 500;  // ms
+
+/// Chunks that overlap in time, as a part of the list.
+using Cluster = std::span<const ChunkRow>;
+
+Cluster next_cluster(Cluster chunks) {
+    std::size_t length = 1;
+    std::int64_t end = chunks[0].summary.end_ns;
+    while (length < chunks.size() && chunks[length].summary.begin_ns < end)
+        end = std::max(end, chunks[length++].summary.end_ns);
+    return chunks.first(length);
+}
+
+}  // namespace
+
+struct HistoryReader::State {
+    std::string path;
+    std::unique_ptr<SQLite::Database> database;
+    std::uint64_t damaged = 0;  // chunks of the current query
+
+    /// Runs `query` on one state of the file.
+    template <class Query>
+    auto consistent(Query query) -> Result<decltype(query())> {
+        return with_results(path, database.get(), [&]() -> Result<decltype(query())> {
+            SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::DEFERRED);
+            damaged = 0;
+            return query();
+        });
+    }
+
+    Samples samples_of(std::int64_t chunk) {
+        auto samples = decode_history(read_chunk_data(*database, chunk));
+        if (!samples) ++damaged;
+        return samples ? std::move(*samples) : Samples();
+    }
+    /// The samples of the log, in order of time.
+    Samples logged(SeriesId series) {
+        Samples samples;
+        for (const auto& row : read_log(*database)) {
+            const auto all = decode_log(row);
+            if (!all) continue;
+            for (const auto& entry : *all)
+                if (entry.series == series) samples.push_back(entry.sample);
+        }
+        std::ranges::stable_sort(samples, {}, &HistorySample::time_ns);
+        return samples;
+    }
+    /// The rows of the chunks that overlap the range; the log is the last one, with number 0.
+    std::vector<ChunkRow> chunks(SeriesId series, const HistoryRange& range, const Samples& log) {
+        auto rows =
+            read_chunks(*database, series, std::max(range.from_ns, INT64_MIN + kHour) - kHour, range.to_ns);
+        std::erase_if(rows, [&](const ChunkRow& row) { return row.summary.end_ns < range.from_ns; });
+        if (!log.empty() && log.front().time_ns < range.to_ns && log.back().time_ns >= range.from_ns) {
+            ChunkRow row{.series = series, .open = true};
+            row.summary.begin_ns = log.front().time_ns;
+            row.summary.end_ns = log.back().time_ns;
+            row.summary.mixed = true;
+            const auto place = std::ranges::upper_bound(
+                rows, row.summary.begin_ns, {}, [](const ChunkRow& entry) { return entry.summary.begin_ns; });
+            rows.insert(place, row);
+        }
+        return rows;
+    }
+    Samples merged(Cluster cluster, const Samples& log) {
+        if (cluster.size() == 1) return cluster[0].id == 0 ? log : samples_of(cluster[0].id);
+        std::vector<ChunkRow> by_arrival(cluster.begin(), cluster.end());
+        std::ranges::sort(by_arrival, {},
+                          [](const ChunkRow& row) { return row.id == 0 ? INT64_MAX : row.id; });
+        Samples all;
+        for (const ChunkRow& row : by_arrival) {
+            const auto samples = row.id == 0 ? log : samples_of(row.id);
+            all.insert(all.end(), samples.begin(), samples.end());
+        }
+        std::ranges::stable_sort(all, {}, &HistorySample::time_ns);
+        return all;
+    }
+    std::optional<HistorySample> before(SeriesId series, std::int64_t time_ns, const Samples& log);
+    void draw(PictureBuilder& builder, Cluster cluster, const Samples& log);
+    bool draw_minutes(PictureBuilder& builder, std::int64_t chunk);
+    HistoryPicture picture(SeriesId series, const HistoryRange& range, std::size_t pixels);
+};
+
+// The newest sample before a time is in the chunk that begins last before it, or in one that overlaps that
+// one.
+std::optional<HistorySample> HistoryReader::State::before(SeriesId series, std::int64_t time_ns,
+                                                          const Samples& log) {
+    SQLite::Statement select(*database, "SELECT max(t0) FROM rollup WHERE series = ? AND t0 < ?");
+    select.bind(1, series.value);
+    select.bind(2, time_ns / 1'000'000);
+    std::optional<HistorySample> best;
+    const auto take = [&](const Samples& samples) {
+        const auto end = std::ranges::lower_bound(samples, time_ns, {}, &HistorySample::time_ns);
+        if (end != samples.begin() && (!best || (end - 1)->time_ns >= best->time_ns)) best = *(end - 1);
+    };
+    if (select.executeStep() && !select.isColumnNull(0)) {
+        const std::int64_t begin = select.getColumn(0).getInt64() * 1'000'000;
+        for (const ChunkRow& row : read_chunks(*database, series, begin - kHour, time_ns))
+            if (row.summary.end_ns >= begin) take(samples_of(row.id));
+    }
+    take(log);
+    return best;
+}
+
+bool HistoryReader::State::draw_minutes(PictureBuilder& builder, std::int64_t chunk) {
+    const auto bytes = read_chunk_minutes(*database, chunk);
+    if (bytes.empty()) return false;
+    const auto minutes = decode_minutes(bytes);
+    if (!minutes) return false;
+    Samples samples;
+    for (const HistorySummary& minute : *minutes) {
+        if (builder.fits(minute)) {
+            builder.add(minute);
+            continue;
+        }
+        if (samples.empty()) samples = samples_of(chunk);
+        const auto first = std::ranges::lower_bound(samples, minute.begin_ns, {}, &HistorySample::time_ns);
+        for (auto sample = first; sample != samples.end() && sample->time_ns <= minute.end_ns; ++sample)
+            builder.add(*sample);
+    }
+    return true;
+}
+
+void HistoryReader::State::draw(PictureBuilder& builder, Cluster cluster, const Samples& log) {
+    if (cluster.size() == 1 && cluster[0].id != 0) {
+        if (builder.fits(cluster[0].summary)) return builder.add(cluster[0].summary);
+        if (builder.pixel_ns() > kMinute && draw_minutes(builder, cluster[0].id)) return;
+    }
+    for (const auto& sample : merged(cluster, log)) builder.add(sample);
+}
+
+HistoryPicture HistoryReader::State::picture(SeriesId series, const HistoryRange& range, std::size_t pixels) {
+    const Samples log = logged(series);
+    const auto first = before(series, range.from_ns, log);
+    const auto all_gaps =
+        read_gaps(*database, first ? std::min(first->time_ns, range.from_ns) : range.from_ns, range.to_ns);
+    PictureBuilder builder(range, pixels, all_gaps);
+    if (first) builder.begin(*first);
+    const auto rows = chunks(series, range, log);
+    for (Cluster left(rows); !left.empty();) {
+        const Cluster cluster = next_cluster(left);
+        draw(builder, cluster, log);
+        left = left.subspan(cluster.size());
+    }
+    HistoryPicture picture = builder.finish(read_state(*database).known_until_ns);
+    picture.damaged_chunks = damaged;
+    std::erase_if(picture.gaps, [&](const HistoryGap& gap) { return gap.last_ns < range.from_ns; });
+    return picture;
+}
+
+HistoryReader::HistoryReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
+HistoryReader::HistoryReader(HistoryReader&&) noexcept = default;
+HistoryReader& HistoryReader::operator=(HistoryReader&&) noexcept = default;
+HistoryReader::~HistoryReader() = default;
+
+Result<HistoryReader> HistoryReader::open(const std::string& path) {
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return fail(Code::not_found, path);
+    if (!std::filesystem::is_regular_file(path, error)) return fail(Code::unsupported, path);
+    auto state = std::make_unique<State>();
+    state->path = path;
+    TAKT_CHECK(with_results(path, nullptr, [&]() -> Result<void> {
+        state->database =
+            std::make_unique<SQLite::Database>(path, SQLite::OPEN_READONLY | SQLite::OPEN_NOMUTEX, kLockWait);
+        return {};
+    }));
+    TAKT_CHECK(with_results(path, state->database.get(),
+                            [&]() -> Result<void> { return check_history(*state->database, path); }));
+    return HistoryReader(std::move(state));
+}
+
+Result<std::vector<HistorySeriesInfo>> HistoryReader::series() {
+    return state_->consistent([&] { return read_series(*state_->database); });
+}
+
+Result<std::optional<HistoryRange>> HistoryReader::extent(SeriesId series) {
+    return state_->consistent([&] {
+        std::optional<HistoryRange> extent;
+        const auto include = [&extent](std::int64_t first, std::int64_t last) {
+            if (!extent) extent = HistoryRange{first, last};
+            extent->from_ns = std::min(extent->from_ns, first);
+            extent->to_ns = std::max(extent->to_ns, last);
+        };
+        SQLite::Statement select(*state_->database, "SELECT min(t0), max(t1) FROM rollup WHERE series = ?");
+        select.bind(1, series.value);
+        if (select.executeStep() && !select.isColumnNull(0))
+            include(select.getColumn(0).getInt64() * 1'000'000, select.getColumn(1).getInt64() * 1'000'000);
+        if (const auto log = state_->logged(series); !log.empty())
+            include(log.front().time_ns, log.back().time_ns);
+        return extent;
+    });
+}
+
+Result<std::vector<HistoryGap>> HistoryReader::gaps(const HistoryRange& range) {
+    return state_->consistent([&] { return read_gaps(*state_->database, range.from_ns, range.to_ns - 1); });
+}
+
+Result<void> HistoryReader::read(SeriesId series, const HistoryRange& range,
+                                 const std::function<bool(const HistorySample&)>& sample) {
+    const auto done = state_->consistent([&] {
+        const auto log = state_->logged(series);
+        const auto rows = state_->chunks(series, range, log);
+        for (Cluster left(rows); !left.empty();) {
+            const Cluster cluster = next_cluster(left);
+            left = left.subspan(cluster.size());
+            for (const auto& entry : state_->merged(cluster, log)) {
+                if (entry.time_ns < range.from_ns || entry.time_ns >= range.to_ns) continue;
+                if (!sample(entry)) return false;
+            }
+        }
+        return true;
+    });
+    if (!done) return std::unexpected(done.error());
+    return {};
+}
+
+Result<HistoryPicture> HistoryReader::picture(SeriesId series, const HistoryRange& range,
+                                              std::size_t pixels) {
+    if (range.from_ns >= range.to_ns || pixels < 1 || pixels > kMostPixels)
+        return fail(Code::out_of_range, static_cast<std::int64_t>(pixels), 1, kMostPixels);
+    return state_->consistent([&] { return state_->picture(series, range, pixels); });
+}
+
+}  // namespace takt::store
