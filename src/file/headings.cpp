@@ -79,6 +79,7 @@ constexpr Entry kEntries[] = {
      "Одиниці вимірювання|Од. вим."},
     {"enumeration", "Enumeration", "Перечисление", "Перелік", "Enum|States|Состояния|Стани"},
     {"bits", "Bit names", "Имена битов", "Імена бітів", ""},
+    {"tags", "Tags", "Теги", "Теги", "Groups|Группы|Групи"},
     {"comment", "Comment", "Комментарий", "Коментар",
      "Comments|Description|Remark|Note|Описание|Примечание|Опис|Примітка"},
     {kRegistersColumn, "Register count", "Количество регистров", "Кількість регістрів",

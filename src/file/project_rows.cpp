@@ -56,8 +56,13 @@ void put_byte_order(Node& row, const Node& device, const Node& variable) {
     set(row, "byte_order", scalar(model::byte_order_text(order, 2), row.location));
 }
 
-// Numbers with words in the form of a cell: `0=off, 1=on`.
+// Numbers with words in the form of a cell: `0=off, 1=on`; a list of words: `a, b`.
 Node in_one_cell(std::string_view key, const Node& value) {
+    if (value.kind == Node::Kind::list) {
+        std::string text;
+        for (const auto& item : value.items) text.append(text.empty() ? "" : ", ").append(item.text);
+        return text.empty() ? Node{} : scalar(text, value.location);
+    }
     const auto* const field = model::find_field(model::Object::variable, key);
     const bool words = field != nullptr && field->kind == model::Kind::words;
     if (!words || value.kind != Node::Kind::mapping) return value;

@@ -67,8 +67,22 @@ bool is_text(Object object, const Node& mapping, std::string_view key) {
     }
 }
 
+// The words of a cell as a list: `a, b` becomes [a, b].
+std::string words_text(std::string_view text) {
+    constexpr std::string_view kBetween = ",; \t";
+    std::string list;
+    while (true) {
+        text.remove_prefix(std::min(text.find_first_not_of(kBetween), text.size()));
+        if (text.empty()) return "[" + list + "]";
+        const auto word = text.substr(0, text.find_first_of(kBetween));
+        list.append(list.empty() ? "" : ", ").append(is_plain_text(word) ? std::string(word) : quoted(word));
+        text.remove_prefix(word.size());
+    }
+}
+
 std::string scalar_text(Object object, const Node& mapping, std::string_view key, const Node& value) {
     const auto* const field = model::find_field(object, key);
+    if (field != nullptr && field->kind == Kind::list && value.cell) return words_text(value.text);
     if (field != nullptr && (field->kind == Kind::reference || key == "byte_order"))
         return quoted(value.text);  // other readers would take it for a number
     if (!is_text(object, mapping, key)) return value.text;
@@ -97,6 +111,8 @@ public:
         if (key == "start") return Object::start_command;
         if (key == "commands") return Object::instrument_command;
         if (key == "fields") return Object::measurement;
+        if (key == "outputs") return Object::output;
+        if (key == "select") return Object::output_selection;
         return Object::variable;
     }
 
@@ -156,7 +172,7 @@ private:
             text_.append((depth + 1) * kIndent, ' ');
             text_ += "- ";
             if (object == Object::line || object == Object::device || object == Object::server ||
-                object == Object::unit || object == Object::instrument)
+                object == Object::unit || object == Object::instrument || object == Object::output)
                 mapping(object, item, depth + 2, true);
             else
                 text_ += mapping_text(object, item) + "\n";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "output_fields.hpp"
 #include "project_fields.hpp"
 #include "server_fields.hpp"
 #include "source_fields.hpp"
@@ -56,6 +57,8 @@ constexpr ObjectFields kObjectFields[] = {
     {Object::read_back, "instruments[].commands[].read_back", kReadBack},
     {Object::answer, "instruments[].exchanges[].answer", kAnswer},
     {Object::measurement, "instruments[].exchanges[].answer.fields[]", kMeasurement},
+    {Object::output, "outputs[]", kOutput},
+    {Object::output_selection, "outputs[].select[]", kOutputSelection},
 };
 
 constexpr const ObjectFields& of(Object object) {

@@ -127,10 +127,12 @@ void interpret_project(Interpretation& state) {
     interpret_instruments(state, reader);
     note_polled(state);
     interpret_servers(state, reader);
+    use_services_of_outputs(state, reader);
     check_services(state);
     state.polled.clear();
     check_lines_without_devices(state);
     apply_profile(state);
+    interpret_outputs(state, reader);
     check_segments(state);
 }
 

@@ -28,6 +28,7 @@ struct Interpretation {
     std::unordered_map<std::string, SourceLocation>
         names;  ///< of variables and locals, where they were first given
     std::unordered_map<std::string, SourceLocation> line_names;
+    std::unordered_map<std::string, SourceLocation> output_names;
     std::unordered_map<std::string, SourceLocation> ports;  ///< serial ports
     /// Where a server listens; `address`: nothing for all of them.
     struct Listener {
@@ -95,6 +96,10 @@ bool names_service(const Reader& reader, std::string_view key);
 /// checked by check_services().
 std::optional<LocalIndex> read_service(Interpretation& state, Reader& reader, std::string_view key);
 
+/// The service variable of that name, as a local of the project; nothing if its form is not that of one.
+std::optional<LocalIndex> use_service(Interpretation& state, const std::string& name,
+                                      const SourceLocation& location, const std::string& path);
+
 /// Reports the service variables that do not exist. To be called when all lines are known.
 void check_services(Interpretation& state);
 
@@ -114,6 +119,9 @@ std::optional<Backoff> read_backoff(Interpretation& state, Reader& reader, const
 /// `enumeration` and `bits`.
 void read_value_words(Interpretation& state, Reader& reader, Variable& variable,
                       std::optional<DataType> type);
+
+/// `tags` of a variable.
+std::vector<std::string> read_tags(Interpretation& state, Reader& reader);
 
 /// `min_interval` and `burst`.
 std::optional<RateLimit> read_admission(Reader& reader);
@@ -179,6 +187,12 @@ void interpret_mirrors(Interpretation& state, Reader& reader, ServerUnit& unit, 
 
 /// Parses a text template and reports its errors.
 std::optional<TextTemplate> read_template(Reader& reader, std::string_view key);
+
+/// Service variables that outputs name become locals. To be called before check_services().
+void use_services_of_outputs(Interpretation& state, const Reader& project);
+
+/// `outputs`. To be called at the end, when lines, locals and the limits of the profile are settled.
+void interpret_outputs(Interpretation& state, Reader& project);
 
 /// Removes devices and variables beyond the limits of the profile, in the order of address, then of the file.
 void apply_profile(Interpretation& state);

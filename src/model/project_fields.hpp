@@ -19,6 +19,7 @@ inline constexpr Field kProject[] = {
     {.key = "servers", .kind = Kind::list},
     {.key = "instruments", .kind = Kind::list},
     {.key = "locals", .kind = Kind::list},
+    {.key = "outputs", .kind = Kind::list},
 };
 
 inline constexpr auto kLine = joined(
@@ -109,6 +110,7 @@ inline constexpr Field kVariable[] = {
     {.key = "unit", .range = between<0, 32>},
     {.key = "enumeration", .kind = Kind::words},
     {.key = "bits", .kind = Kind::words},
+    {.key = "tags", .kind = Kind::list},
     kCommentKey,
 };
 

@@ -120,7 +120,7 @@ void Reader::check_key(const Node& key) {
         findings_.add(Rule::key_unknown, key.location, {}, {});
         return;
     }
-    if (check_slip(key)) return;
+    if (check_slip(key) || check_password(key)) return;
     std::vector<std::string_view> known;
     for (const auto& field : fields(object_)) known.push_back(field.key);
     auto list = keys_of(object_);
@@ -173,6 +173,15 @@ bool Reader::check_slip(const Node& key) {
     const auto& [owner, whole] = *std::prev(at);
     findings_.add(Rule::number_comma, whole.location, path_of(owner.text), whole.text + ',' + key.text, {},
                   {{"meant", whole.text + '.' + key.text}});
+    return true;
+}
+
+// A password does not belong into a file that is shown, copied and kept in versions. Its value is not
+// reported.
+bool Reader::check_password(const Node& key) {
+    constexpr std::array<std::string_view, 5> kWords{"password", "passwd", "pass", "pwd", "secret"};
+    if (object_ != Object::output || std::ranges::find(kWords, key.text) == kWords.end()) return false;
+    findings_.add(Rule::output_password, key.location, path_of(key.text), key.text, {}, {{"key", key.text}});
     return true;
 }
 

@@ -83,6 +83,7 @@ private:
     void check_keys();
     void check_key(const Node& key);
     bool check_slip(const Node& key);
+    bool check_password(const Node& key);
     [[nodiscard]] bool divided_by_comma(std::string_view key) const;
     void report_unknown_word(const Field& field, std::string_view text);
     void check_missing();

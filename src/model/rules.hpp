@@ -153,7 +153,32 @@ enum class Rule : std::uint8_t {
     words_malformed,         // {key}
     words_twice,             // {key}
     words_type,              // {key}, {type}
-    findings_more,           // {count}
+    output_name,
+    output_password,  // {key}
+    output_two_passwords,
+    output_password_plain,    // {broker}
+    output_client_id_twice,   // {first}
+    output_many_brokers,      // {count}
+    output_broker_malformed,  // {meant}
+    output_broker_scheme,     // {meant}
+    output_broker_user,       // {meant}
+    output_broker_twice,      // {meant}
+    output_never,
+    output_unknown,  // {kind}, {nearest}
+    output_unused,
+    output_unmatched,  // {kind}
+    output_not_writable,
+    output_none_writable,
+    output_select_empty,
+    output_empty,
+    topic_unknown_part,  // {part}, {nearest}
+    topic_brace,
+    topic_wildcard,
+    topic_empty_level,
+    topic_variable,  // {message}
+    topic_shared,    // {topic}, {first}, {second}
+    tag_malformed,
+    findings_more,  // {count}
 };
 
 /// Further placeholders of a message: name, text.

@@ -38,6 +38,7 @@ constexpr std::array kUnits{
     Unit{"ms", 1'000'000},
     Unit{"s", 1'000'000'000},
     Unit{"h", 3'600'000'000'000},
+    Unit{"d", 86'400'000'000'000},
 };
 
 /// `whole.fraction` units in nanoseconds, exactly.
@@ -133,12 +134,17 @@ std::string to_text(double number) {
 }
 
 std::string to_text(Duration duration) {
-    constexpr std::array kShown{Unit{"h", 3'600'000'000'000}, Unit{"s", 1'000'000'000}, Unit{"ms", 1'000'000},
-                                Unit{"us", 1'000}, Unit{"ns", 1}};
+    constexpr std::array kShown{Unit{"d", 86'400'000'000'000},
+                                Unit{"h", 3'600'000'000'000},
+                                Unit{"s", 1'000'000'000},
+                                Unit{"ms", 1'000'000},
+                                Unit{"us", 1'000},
+                                Unit{"ns", 1}};
     const std::int64_t count = duration.count();
     if (count == 0) return "0ms";
     for (const auto& [name, nanoseconds] : kShown)
-        if (count % nanoseconds == 0) return std::to_string(count / nanoseconds).append(name);
+        if (count % nanoseconds == 0 && (name != "d" || count > nanoseconds))
+            return std::to_string(count / nanoseconds).append(name);
     std::unreachable();
 }
 

@@ -21,16 +21,23 @@ std::optional<LocalIndex> read_service(Interpretation& state, Reader& reader, st
         return std::nullopt;
     }
     const auto* const field = find_service_field(node->text);
-    state.used_services.push_back({node->text, node->location, reader.path_of(key)});
-    if (field == nullptr) return std::nullopt;
-    if (reader.kind(key) == Kind::local_bool && field->type != DataType::boolean) {
+    if (field != nullptr && reader.kind(key) == Kind::local_bool && field->type != DataType::boolean) {
+        state.used_services.push_back({node->text, node->location, reader.path_of(key)});
         reader.report(Rule::service_type, key, "bool", {{"type", std::string(name(field->type))}});
         return std::nullopt;
     }
-    const auto [known, is_new] = state.services.try_emplace(node->text, state.project.locals.size());
+    return use_service(state, node->text, node->location, reader.path_of(key));
+}
+
+std::optional<LocalIndex> use_service(Interpretation& state, const std::string& name,
+                                      const SourceLocation& location, const std::string& path) {
+    const auto* const field = find_service_field(name);
+    state.used_services.push_back({name, location, path});
+    if (field == nullptr) return std::nullopt;
+    const auto [known, is_new] = state.services.try_emplace(name, state.project.locals.size());
     if (!is_new) return known->second;
-    state.project.locals.push_back(service_local(node->text, *field));
-    state.project.locals.back().location = node->location;
+    state.project.locals.push_back(service_local(name, *field));
+    state.project.locals.back().location = location;
     state.local_type_known.push_back(true);
     return known->second;
 }

@@ -180,6 +180,7 @@ Variable interpret_variable(Interpretation& state, const Device& device, const N
     Reader reader(state.findings, node, path, Object::variable, state.context);
     auto variable = read_variable(state, device, reader);
     variable.max_age = reader.duration("max_age");
+    variable.tags = read_tags(state, reader);
     if (variable.max_age && !variable.read) reader.report_without_effect("max_age", "read: none");
     return variable;
 }
@@ -190,6 +191,7 @@ Variable interpret_served_variable(Interpretation& state, const Device& shape, c
     Reader reader(state.findings, node, path, Object::served_variable, state.context);
     auto variable = read_variable(state, shape, reader);
     more(reader, variable);
+    if (reader.given("tags")) reader.report_without_effect("tags", "servers");
     return variable;
 }
 

@@ -62,7 +62,7 @@ std::vector<std::string> bad_projects() {
             "[{address: 1, mirror: {first: 65535}}]}\n",
         // lines and devices
         "takt: 1\nlines:\n- {name: A, framing: tcp, baud: 07, stop_bits: 1.5, data_bits: x, tcp_port: 502,\n"
-        "   devices: [{name: \"\", address: 248, attempts: 0, poll_period: 1d, registers_per_request: 999,\n"
+        "   devices: [{name: \"\", address: 248, attempts: 0, poll_period: 1w, registers_per_request: 999,\n"
         "              status: none_such, strategy: optimal, backoff: {first: 2s, limit: 1s}, comment: "
         "\"a\\tb\"},\n"
         "             {name: D, address: 248, group_requests: false, strategy: classic}]}\n"
@@ -155,14 +155,37 @@ std::vector<std::string> bad_projects() {
         "takt: 1\nprofile: owen-kc1\nlines:\n- {name: A, port: /dev/ttyS0, framing: ascii, devices: [{name: "
         "D,\n"
         "address: 1, group_requests: true, registers_per_request: 100, variables: []}]}\n",
+        "takt: 1\n" + line +
+            "{name: A, type: int, register: 1, read: 3, tags: [a b]}, {name: B, type: int, register: 2, "
+            "used: "
+            "false}]}]}\noutputs:\n"
+            "- {name: Cloud 1, transport: mqtt, brokers: [b:1883, mqtt://, mqtt://u:p@b, mqtt://b, "
+            "mqtt://b], "
+            "password: x, user: u, password_file: f, password_env: F, client_id: c, on_change: false, "
+            "topic: 'a/{tag}', variables: [B, C, D*], commands: [A, A*]}\n"
+            "- {name: o2, transport: mqtt, client_id: c, brokers: [mqtt://1, mqtt://2, mqtt://3, mqtt://4, "
+            "mqtt://5, mqtt://6, mqtt://7, mqtt://8, mqtt://9], topic: 'a{', devices: [X*]}\n"
+            "- {name: o3, transport: mqtt, client_id: c, brokers: [mqtt://b], topic: a/+, select: "
+            "[{variables: "
+            "['*']}, {variables: [A]}]}\n"
+            "- {name: o4, transport: mqtt, brokers: [mqtt://b], topic: 'a//b'}\n"
+            "- {name: o5, transport: mqtt, brokers: [mqtt://b], topic: 'a/{variable}', message: device}\n",
+        "takt: 1\n" + line +
+            "{name: A, type: int, register: 1, read: 3}, {name: B, type: int, register: 2, read: 3}]}]}\n"
+            "outputs:\n- {name: o, transport: mqtt, brokers: [mqtt://b], topic: a}\n",
         "takt: 1\n" + line + repeated(1002, "{name: x, type: int, register: 0, read: 3},\n") + "]}]}\n",
     };
 }
 
 std::string all_texts(text::Language language, const std::string& code, const model::Finding& finding) {
+    // A brace of a value, as in a topic, is no placeholder of the text.
+    auto masked = finding;
+    std::ranges::replace(masked.value, '{', '<');
+    std::ranges::replace(masked.allowed, '{', '<');
+    for (auto& [name, text] : masked.arguments) std::ranges::replace(text, '{', '<');
     std::vector<text::Argument> arguments{
-        {"value", finding.value}, {"allowed", finding.allowed}, {"path", finding.path}};
-    for (const auto& [name, text] : finding.arguments) arguments.push_back({name, text});
+        {"value", masked.value}, {"allowed", masked.allowed}, {"path", masked.path}};
+    for (const auto& [name, text] : masked.arguments) arguments.push_back({name, text});
     return text::message(language, code, arguments);
 }
 

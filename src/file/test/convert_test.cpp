@@ -38,6 +38,7 @@ std::string local_name(const model::Project& project, const std::optional<model:
 // All properties of a variable as text; locals by their names.
 std::string described(const model::Project& project, const model::Variable& v) {
     std::string text = v.name + "|" + v.unit + "|" + v.comment + "|";
+    for (const auto& tag : v.tags) text += tag + ",";
     const auto add = [&](auto value) { text += testing::PrintToString(value) + "|"; };
     add(v.type);
     add(v.area);
@@ -269,6 +270,46 @@ TEST(Convert, TheTableOfAnIdeBecomesAProject) {
               "          - {name: Счётчик, type: int32, read: 4, write: none, register: 0x10}\n"
               "locals:\n"
               "  - {name: пуск, type: bool}\n");
+}
+
+TEST(Convert, TagsAreOneCell) {
+    const auto project = project_of(
+        "name;type;register;read;Теги\r\nA;int;1;3;energy, b-2;\r\nB;int;2;3;;\r\nC;int;3;3;x\r\n");
+    EXPECT_EQ(errors_of(project), Findings{});
+    const auto yaml = write_project(project.document);
+    EXPECT_NE(yaml.find("tags: [energy, b-2]"), std::string::npos) << yaml;
+    const auto read = load_text("p.yaml", yaml);
+    EXPECT_EQ(errors_of(read), Findings{});
+    const auto written = write_table(rows_of_device(rows_of_project(read.document), "D"), {});
+    EXPECT_TRUE(written.findings.empty());
+    EXPECT_NE(written.bytes.find("\"energy, b-2\""), std::string::npos) << written.bytes;
+    EXPECT_EQ(described(model::interpret(project_of(written.bytes).document).project),
+              described(model::interpret(project.document).project));
+}
+
+TEST(Convert, OutputsAreWrittenAsTheyWere) {
+    constexpr std::string_view kProject =
+        "takt: 1\n"
+        "lines:\n"
+        "  - name: L\n"
+        "    host: h\n"
+        "    devices:\n"
+        "      - name: D\n"
+        "        address: 1\n"
+        "        variables:\n"
+        "          - {name: A, type: int, register: 1, read: 3, tags: [x, y]}\n"
+        "outputs:\n"
+        "  - name: cloud\n"
+        "    transport: mqtt\n"
+        "    brokers: [\"mqtts://b\", \"mqtt://[::1]:1884\"]\n"
+        "    version: auto\n"
+        "    topic: \"p/{device}/{variable}\"\n"
+        "    period: 10s\n"
+        "    variables: [\"*\"]\n"
+        "    select:\n"
+        "      - {tags: [x], period: 1s, topic: \"q/{variable}\"}\n"
+        "      - {variables: [A, \"?\"]}\n";
+    EXPECT_EQ(write_project(load_text("p.yaml", std::string(kProject)).document), kProject);
 }
 
 TEST(Convert, AProjectMayNameTheTableOfAnIde) {

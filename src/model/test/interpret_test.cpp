@@ -58,10 +58,10 @@ TEST(Interpret, Project) {
         {"{locals: }", ""},
         {"{line: []}",
          "key.unknown line=line [takt, profile, derive_timeouts, timeout_margin, host, faults, backoff, "
-         "lines, servers, instruments, locals]"},
+         "lines, servers, instruments, locals, outputs]"},
         {"{baud: 9600}",
          "key.elsewhere baud=baud [takt, profile, derive_timeouts, timeout_margin, host, faults, backoff, "
-         "lines, servers, instruments, locals]"},
+         "lines, servers, instruments, locals, outputs]"},
         {"{derive_timeouts: off}", "boolean.malformed derive_timeouts=off [true, false]"},
         {"{timeout_margin: 5ms}", ""},
     };

@@ -76,6 +76,7 @@ TEST(Scalar, Durations) {
         {"7ns", 7ns},
         {"2min", 2min},
         {"1h", 1h},
+        {"2d", 48h},
         {"1.5s", 1500ms},
         {"0.25ms", 250us},
         {"0.000000001s", 1ns},
@@ -92,7 +93,7 @@ TEST(Scalar, Durations) {
         {"1.2.3s", no(ScalarError::malformed)},
         {"ms", no(ScalarError::malformed)},
         {"", no(ScalarError::malformed)},
-        {"5d", no(ScalarError::malformed)},
+        {"5w", no(ScalarError::malformed)},
         {"5m", no(ScalarError::malformed)},
         {"0x10ms", no(ScalarError::malformed)},
     };

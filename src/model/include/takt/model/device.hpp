@@ -147,9 +147,10 @@ struct Variable {
     double dead_band = 0;
     bool verify = false;
     bool safe_to_repeat = false;
-    bool written_by_clients = false;     ///< a variable of a server `writes_to` it
+    bool written_by_clients = false;     ///< a variable of a server `writes_to` it, or an output may write it
     std::vector<ValueWord> enumeration;  ///< words of its numbers, ascending
     std::vector<ValueWord> bits;         ///< names of its bits, ascending
+    std::vector<std::string> tags;       ///< without duplicates
     std::string unit;
     std::string comment;
 

@@ -37,6 +37,11 @@ inline constexpr std::array<std::string_view, 3> kDurabilities{"ack", "100ms", "
 inline constexpr std::array<std::string_view, 2> kAnswers{"when_done", "at_once"};
 /// The order of mirrored values.
 inline constexpr std::array<std::string_view, 3> kMirrorOrders{"project", "address", "name"};
+inline constexpr std::array<std::string_view, 2> kOutputTransports{"mqtt", "history"};
+inline constexpr std::array<std::string_view, 3> kMqttVersions{"auto", "5", "3.1.1"};
+/// What a message of an output carries.
+inline constexpr std::array<std::string_view, 3> kMessageScopes{"variable", "device", "request"};
+inline constexpr std::array<std::string_view, 2> kBadQuality{"publish", "skip"};
 inline constexpr std::array<std::string_view, 4> kChecksums{"none", "sum", "xor", "crc16"};
 /// Numbers in the answer of an instrument.
 inline constexpr std::array<std::string_view, 10> kFieldTypes{
@@ -87,10 +92,12 @@ enum class Object : std::uint8_t {
     instrument_command,
     read_back,
     answer,
-    measurement,  // the last
+    measurement,
+    output,
+    output_selection,  // the last
 };
 inline constexpr auto kObjects = [] {
-    std::array<Object, static_cast<std::size_t>(Object::measurement) + 1> all{};
+    std::array<Object, static_cast<std::size_t>(Object::output_selection) + 1> all{};
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Object>(i);
     return all;
 }();

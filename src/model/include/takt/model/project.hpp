@@ -13,6 +13,7 @@
 #include "takt/model/device.hpp"
 #include "takt/model/document.hpp"
 #include "takt/model/line.hpp"
+#include "takt/model/output.hpp"
 #include "takt/model/server.hpp"
 #include "takt/model/source.hpp"
 #include "takt/wire/frame.hpp"
@@ -58,6 +59,7 @@ struct Project {
     std::vector<Server> servers;
     std::vector<Instrument> instruments;
     std::vector<Local> locals;
+    std::vector<Output> outputs;
     std::vector<std::string> files;  ///< by the file index of a location
 
     /// The profile's limits of frames of that framing (docs/specification.md, sections 2 and 3).

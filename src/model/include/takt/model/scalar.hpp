@@ -38,14 +38,15 @@ struct Integer {
 /// Decimal with point and exponent (`-1.5e3`); neither infinite nor not-a-number.
 [[nodiscard]] Scalar<double> parse_number(std::string_view text);
 
-/// A decimal number of ns, us, ms, s, min or h (`100ms`, `1.5 s`); 0 needs no unit. Exact to the nanosecond,
-/// not negative.
+/// A decimal number of ns, us, ms, s, min, h or d (`100ms`, `1.5 s`); 0 needs no unit. Exact to the
+/// nanosecond, not negative.
 [[nodiscard]] Scalar<Duration> parse_duration(std::string_view text);
 
 /// true or false, in lower or upper case or capitalised, as in YAML 1.2.
 [[nodiscard]] std::optional<bool> parse_bool(std::string_view text);
 
-/// The duration in the greatest unit that gives an integer, except minutes: "0ms", "100ms", "1s", "24h".
+/// The duration in the greatest unit that gives an integer, except minutes and one day: "0ms",
+/// "100ms", "1s", "24h", "7d".
 [[nodiscard]] std::string to_text(Duration duration);
 
 /// The shortest text that reads back as the same number: "10", "0.1".

@@ -1,0 +1,26 @@
+// The parts of the interpretation of an output.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "reader.hpp"
+#include "takt/model/output.hpp"
+
+namespace takt::model {
+
+struct Interpretation;
+
+/// Whether a host is this computer itself.
+[[nodiscard]] bool is_this_computer(std::string_view host);
+
+/// `brokers`.
+[[nodiscard]] std::vector<Broker> read_brokers(Interpretation& state, Reader& reader);
+
+/// The keys of selections: fills `selections` and `values`. Needs name and transport.
+void read_selections(Interpretation& state, Reader& reader, Output& output);
+
+/// `commands`: fills `commandable`.
+void read_commands(Interpretation& state, Reader& reader, Output& output);
+
+}  // namespace takt::model
