@@ -12,10 +12,10 @@
 namespace takt::model {
 namespace {
 
-constexpr std::string_view kMqttKeys[] = {"brokers",          "version",       "client_id",  "user",
-                                          "password_file",    "password_env",  "ca_file",    "key_file",
-                                          "certificate_file", "alpn",          "keep_alive", "in_flight",
-                                          "commands",         "command_expiry"};
+constexpr std::string_view kMqttKeys[] = {"brokers",          "version",      "client_id",     "user",
+                                          "password_file",    "password_env", "ca_file",       "key_file",
+                                          "certificate_file", "alpn",         "keep_alive",    "in_flight",
+                                          "control_topic",    "commands",     "command_expiry"};
 
 /// Lower-case letters, digits, - and _, so that the name is a folder and a level of a topic everywhere.
 bool is_plain(std::string_view name) {
@@ -67,19 +67,30 @@ void read_certificates(Reader& reader, MqttSettings& mqtt) {
         if (reader.given(key)) reader.report_without_effect(key, "brokers: mqtt://");
 }
 
-/// Two clients with one identifier end each other's connections.
-void check_client_id(Interpretation& state, Reader& reader, const MqttSettings& mqtt) {
-    if (mqtt.client_id.empty()) return;
+/// Two clients with one identifier end each other's connections; with one control topic each would execute
+/// the commands of the other.
+void check_others(Interpretation& state, Reader& reader, const MqttSettings& mqtt) {
     for (const auto& other : state.project.outputs) {
         const bool shared = std::ranges::any_of(mqtt.brokers, [&](const Broker& broker) {
             return std::ranges::find(other.mqtt.brokers, broker) != other.mqtt.brokers.end();
         });
-        if (shared && other.mqtt.client_id == mqtt.client_id)
-            return reader.report(Rule::output_client_id_twice, "client_id", {}, {{"first", other.name}});
+        if (!shared) continue;
+        if (!mqtt.client_id.empty() && other.mqtt.client_id == mqtt.client_id)
+            reader.report(Rule::output_client_id_twice, "client_id", {}, {{"first", other.name}});
+        if (reader.given("control_topic") && other.mqtt.control_topic == mqtt.control_topic)
+            reader.report(Rule::output_control_topic_twice, "control_topic", {}, {{"first", other.name}});
     }
 }
 
-MqttSettings read_mqtt(Interpretation& state, Reader& reader) {
+std::string read_control_topic(Reader& reader, std::string_view name) {
+    constexpr std::string_view kDefault = "takt/{output}";
+    const auto topic = read_topic(reader, "control_topic", std::array{TopicPart::output});
+    auto text = topic.value_or(*TopicTemplate::parse(kDefault)).expand({.output = name});
+    if (text.ends_with('/')) text.pop_back();
+    return text;
+}
+
+MqttSettings read_mqtt(Interpretation& state, Reader& reader, std::string_view name) {
     MqttSettings mqtt;
     mqtt.brokers = read_brokers(state, reader);
     mqtt.version = reader.choice<MqttVersionChoice>("version").value_or(mqtt.version);
@@ -88,7 +99,8 @@ MqttSettings read_mqtt(Interpretation& state, Reader& reader) {
     read_certificates(reader, mqtt);
     mqtt.keep_alive = reader.duration("keep_alive").value_or(mqtt.keep_alive);
     mqtt.in_flight = static_cast<std::uint16_t>(reader.integer("in_flight").value_or(mqtt.in_flight));
-    check_client_id(state, reader, mqtt);
+    mqtt.control_topic = read_control_topic(reader, name);
+    check_others(state, reader, mqtt);
     return mqtt;
 }
 
@@ -116,7 +128,7 @@ Output interpret_output(Interpretation& state, const Node& node, const std::stri
     if (output.transport == OutputTransport::history) {
         report_keys_without_effect(reader, kMqttKeys, name(output.transport));
     } else if (transport || !reader.given("transport")) {
-        output.mqtt = read_mqtt(state, reader);
+        output.mqtt = read_mqtt(state, reader, output.name);
         output.command_expiry = reader.duration("command_expiry").value_or(output.command_expiry);
         if (reader.given("command_expiry") && !reader.given("commands"))
             reader.report_without_effect("command_expiry", "commands: –");
@@ -128,6 +140,12 @@ Output interpret_output(Interpretation& state, const Node& node, const std::stri
 }
 
 }  // namespace
+
+std::span<const std::string_view> control_levels() {
+    static constexpr std::array<std::string_view, 6> kLevels{"state",   "status", "gap",
+                                                             "command", "set",    "answer"};
+    return kLevels;
+}
 
 std::string_view name(OutputTransport transport) {
     return kOutputTransports[static_cast<std::size_t>(transport)];

@@ -48,6 +48,7 @@ inline constexpr auto kOutput = joined(
     kSelectionKeys,
     {
         {.key = "select", .kind = Kind::list},
+        {.key = "control_topic", .range = kTopic},
         {.key = "commands", .kind = Kind::list},
         {.key = "command_expiry", .kind = Kind::duration, .range = between<in_ns(1s), in_ns(1h)>},
         {.key = "quota_mb", .kind = Kind::integer, .range = between<32, 4'194'304>},

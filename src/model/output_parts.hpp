@@ -1,6 +1,8 @@
 // The parts of the interpretation of an output.
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -16,6 +18,11 @@ struct Interpretation;
 
 /// `brokers`.
 [[nodiscard]] std::vector<Broker> read_brokers(Interpretation& state, Reader& reader);
+
+/// The topic behind a key; reports any other text.
+/// @param allowed  its placeholders
+[[nodiscard]] std::optional<TopicTemplate> read_topic(Reader& reader, std::string_view key,
+                                                      std::span<const TopicPart> allowed);
 
 /// The keys of selections: fills `selections` and `values`. Needs name and transport.
 void read_selections(Interpretation& state, Reader& reader, Output& output);

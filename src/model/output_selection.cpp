@@ -17,6 +17,8 @@ namespace {
 
 constexpr std::size_t kNamesToCompare = 500;
 constexpr std::int64_t kLongestPattern = 200;
+constexpr TopicPart kAllParts[] = {TopicPart::output, TopicPart::line, TopicPart::device,
+                                   TopicPart::variable};
 constexpr std::string_view kMqttSelectionKeys[] = {"topic", "message", "retain"};
 constexpr std::string_view kFilterKeys[] = {"variables", "devices", "tags"};
 constexpr std::string_view kDefaultTopics[] = {"takt/{output}/{device}/{variable}", "takt/{output}/{device}",
@@ -278,31 +280,7 @@ private:
     void read_messages() {
         if (const auto message = reader_.choice<MessageScope>("message")) keys_.message = message;
         if (const auto retain = reader_.boolean("retain")) keys_.retain = retain;
-        if (auto topic = read_topic()) keys_.topic = *std::move(topic);
-    }
-
-    std::optional<TopicTemplate> read_topic() {
-        const auto text = reader_.text("topic");
-        if (!text) return std::nullopt;
-        auto topic = TopicTemplate::parse(*text);
-        if (topic) return *std::move(topic);
-        std::string known;
-        for (const auto part : topic_parts())
-            known.append(known.empty() ? "{" : ", {").append(part).append("}");
-        const auto [error, part] = topic.error();
-        switch (error) {
-            case TopicError::unknown_part: {
-                const auto bare = part.substr(1, part.size() - 2);
-                reader_.report(Rule::topic_unknown_part, "topic", known,
-                               {{"part", std::string(part)},
-                                {"nearest", "{" + std::string(nearest(bare, topic_parts())) + "}"}});
-                break;
-            }
-            case TopicError::brace: reader_.report(Rule::topic_brace, "topic", known); break;
-            case TopicError::wildcard: reader_.report(Rule::topic_wildcard, "topic", known); break;
-            case TopicError::empty_level: reader_.report(Rule::topic_empty_level, "topic", known); break;
-        }
-        return std::nullopt;
+        if (auto topic = read_topic(reader_, "topic", kAllParts)) keys_.topic = *std::move(topic);
     }
 
     Reader reader_;
@@ -326,6 +304,7 @@ public:
                                               .line = candidate.line,
                                               .device = candidate.device,
                                               .variable = candidate.name});
+        if (is_control(value.topic) && !reported_[value.selection]) return report_reserved(value);
         Owner owner{.subject = value.subject, .label = candidate.name, .exclusive = each || selection.retain};
         if (!each) {
             owner.subject = device_of(value.subject);
@@ -348,6 +327,24 @@ private:
         std::string_view label;
         bool exclusive = true;  ///< no other may have the topic
     };
+
+    /// Whether other messages than samples have the topic.
+    [[nodiscard]] bool is_control(std::string_view topic) const {
+        const auto& above = output_.mqtt.control_topic;
+        if (!topic.starts_with(above) || !topic.substr(above.size()).starts_with('/')) return false;
+        const auto level = topic.substr(above.size() + 1);
+        return std::ranges::find(control_levels(), level.substr(0, level.find('/'))) !=
+               control_levels().end();
+    }
+
+    void report_reserved(const SelectedValue& value) {
+        reported_[value.selection] = true;
+        std::string levels;
+        for (const auto level : control_levels()) levels.append(levels.empty() ? "" : ", ").append(level);
+        entries_[value.selection]->reader().report(
+            Rule::topic_reserved, "topic", {},
+            {{"topic", value.topic}, {"control", output_.mqtt.control_topic}, {"levels", levels}});
+    }
 
     static OutputSubject device_of(const OutputSubject& subject) {
         const auto* const polled = std::get_if<PolledIndex>(&subject);

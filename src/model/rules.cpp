@@ -158,6 +158,7 @@ constexpr std::array kRules{
     Entry{Rule::output_two_passwords, "output.two_passwords"},
     Entry{Rule::output_password_plain, "output.password_plain", Severity::warning},
     Entry{Rule::output_client_id_twice, "output.client_id_twice"},
+    Entry{Rule::output_control_topic_twice, "output.control_topic_twice"},
     Entry{Rule::output_many_brokers, "output.many_brokers"},
     Entry{Rule::output_broker_malformed, "output.broker_malformed"},
     Entry{Rule::output_broker_scheme, "output.broker_scheme"},
@@ -177,6 +178,7 @@ constexpr std::array kRules{
     Entry{Rule::topic_empty_level, "topic.empty_level"},
     Entry{Rule::topic_variable, "topic.variable"},
     Entry{Rule::topic_shared, "topic.shared"},
+    Entry{Rule::topic_reserved, "topic.reserved"},
     Entry{Rule::tag_malformed, "tag.malformed"},
     Entry{Rule::findings_more, "findings.more"},
 };

@@ -156,13 +156,14 @@ enum class Rule : std::uint8_t {
     output_name,
     output_password,  // {key}
     output_two_passwords,
-    output_password_plain,    // {broker}
-    output_client_id_twice,   // {first}
-    output_many_brokers,      // {count}
-    output_broker_malformed,  // {meant}
-    output_broker_scheme,     // {meant}
-    output_broker_user,       // {meant}
-    output_broker_twice,      // {meant}
+    output_password_plain,       // {broker}
+    output_client_id_twice,      // {first}
+    output_control_topic_twice,  // {first}
+    output_many_brokers,         // {count}
+    output_broker_malformed,     // {meant}
+    output_broker_scheme,        // {meant}
+    output_broker_user,          // {meant}
+    output_broker_twice,         // {meant}
     output_never,
     output_unknown,  // {kind}, {nearest}
     output_unused,
@@ -177,6 +178,7 @@ enum class Rule : std::uint8_t {
     topic_empty_level,
     topic_variable,  // {message}
     topic_shared,    // {topic}, {first}, {second}
+    topic_reserved,  // {topic}, {control}, {levels}
     tag_malformed,
     findings_more,  // {count}
 };

@@ -84,6 +84,7 @@ TEST(Output, DefaultsAreComplete) {
     EXPECT_TRUE(output.selections[0].retain);
     EXPECT_EQ(values_of(checked), "Power1 Power2 Alarm Setpoint Flow") << "used variables, no locals";
     EXPECT_EQ(output.values.at(0).topic, "takt/cloud/Meter/Power1");
+    EXPECT_EQ(output.mqtt.control_topic, "takt/cloud");
     EXPECT_TRUE(output.commandable.empty());
     EXPECT_EQ(output.command_expiry, 10s);
     EXPECT_EQ(output.journal.quota, std::uint64_t{4096} << 20U);
@@ -97,7 +98,8 @@ TEST(Output, EveryKeyIsRead) {
         "{name: c-1_x, transport: mqtt, brokers: ['mqtts://b.example', 'mqtt://192.168.1.5:1884', "
         "'mqtt://[fe80::1]'], version: 3.1.1, client_id: plant 1, user: u, password_env: SECRET, "
         "ca_file: ca.pem, certificate_file: c.pem, key_file: k.pem, alpn: mqtt, keep_alive: 18h, "
-        "in_flight: 1, topic: 'p/{line}/{device}/{variable}', retain: false, on_change: true, period: 10s, "
+        "in_flight: 1, control_topic: 'x/{output}/', topic: 'p/{line}/{device}/{variable}', retain: false, "
+        "on_change: true, period: 10s, "
         "dead_band: 0.5, heartbeat: 5s, bad_quality: skip, commands: [Setpoint, 'g*'], command_expiry: 1h, "
         "quota_mb: 32, retention: 7d, buffer_mb: 1, directory: j}, "
         "{name: local, transport: history, retention: 30d, quota_mb: 2048}");
@@ -115,7 +117,8 @@ TEST(Output, EveryKeyIsRead) {
                                          .key_file = "k.pem",
                                          .alpn = "mqtt",
                                          .keep_alive = 18h,
-                                         .in_flight = 1}));
+                                         .in_flight = 1,
+                                         .control_topic = "x/c-1_x"}));
     EXPECT_EQ(output.selections.at(0).policy,
               (SamplingPolicy{.period = 10s, .heartbeat = 5s, .dead_band = 0.5, .skip_bad = true}));
     EXPECT_FALSE(output.selections[0].retain);
@@ -306,6 +309,12 @@ TEST(Output, MistakesOfTheSelectionAreFindings) {
         {"topic: a, message: device", ""},
         {"topic: a, message: device, retain: true", "topic.shared topic=a"},
         {"topic: 'a/{variable}', message: device", "topic.variable topic=a/{variable}"},
+        {"control_topic: 'c/{device}'", "topic.unknown_part control_topic=c/{device} [{output}]"},
+        {"control_topic: 'c/#'", "topic.wildcard control_topic=c/# [{output}]"},
+        {"control_topic: takt, topic: 'takt/set/{variable}'", "topic.reserved topic=takt/set/{variable}"},
+        {"control_topic: takt, topic: takt/gap, variables: [Flow]", "topic.reserved topic=takt/gap"},
+        {"control_topic: takt, topic: 'takt/gaps/{variable}'", ""},
+        {"control_topic: takt/x, topic: 'takt/{variable}/state'", ""},
         {"commands: [Flow]", "output.not_writable commands[0]=Flow"},
         {"commands: ['F*']", "?output.none_writable commands[0]=F*"},
         {"commands: [Setpont]", "output.unknown commands[0]=Setpont"},
@@ -323,6 +332,11 @@ TEST(Output, SeveralOutputsDoNotDisturbEachOther) {
                                          "{name: c, transport: mqtt, brokers: [mqtt://b], client_id: x}, "
                                          "{name: d, transport: mqtt, brokers: [mqtt://e], client_id: x}")),
               "output.client_id_twice client_id=x");
+    EXPECT_EQ(
+        findings_text(with_outputs("{name: a, transport: mqtt, brokers: [mqtt://b]}, "
+                                   "{name: c, transport: mqtt, brokers: [mqtt://b], control_topic: takt/a}, "
+                                   "{name: d, transport: mqtt, brokers: [mqtt://e], control_topic: takt/a}")),
+        "output.control_topic_twice control_topic=takt/a");
 }
 
 TEST(Output, HistoryTakesNoKeysOfMqtt) {

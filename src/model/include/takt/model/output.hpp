@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -54,8 +55,13 @@ struct MqttSettings {
     std::string alpn;
     Duration keep_alive = std::chrono::seconds(30);
     std::uint16_t in_flight = 64;  ///< messages that are not acknowledged
+    /// What is not a sample has topics below it: see control_levels(). No sample has one of these topics.
+    std::string control_topic;
     friend bool operator==(const MqttSettings&, const MqttSettings&) = default;
 };
+
+/// The levels below MqttSettings::control_topic that are not for samples.
+[[nodiscard]] std::span<const std::string_view> control_levels();
 
 /// When there is a sample of a value.
 struct SamplingPolicy {
