@@ -71,7 +71,6 @@ void MqttSession::State::wait(Instant now, Duration pause_length) {
 
 // Ends the connection; the rest follows on MqttClosed. A failure is the session's own, not the pipe's.
 void MqttSession::State::close(Instant now, std::optional<MqttFailure> failure) {
-    actions.clear();
     actions.emplace_back(MqttDisconnect{.connection = connection, .orderly = !failure});
     pending_failure = std::move(failure);
     deadline = kNever;

@@ -154,6 +154,13 @@ public:
         close(kind, reason);
         return connect;
     }
+    /// Advances to the next attempt. @returns how long that took
+    Duration until_attempt() {
+        const Instant begin = now;
+        while (actions.empty() && now - begin < 24h)
+            advance(std::max<Duration>(status().next_attempt - now, 1ms));
+        return now - begin;
+    }
     /// Acknowledges published messages by their payloads.
     void acknowledge(const std::vector<std::string>& payloads, MqttReason reason = MqttReason::success) {
         for (const auto& payload : payloads) event(MqttAcknowledged{connection, tokens.at(payload), reason});
