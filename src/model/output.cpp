@@ -135,7 +135,10 @@ Output interpret_output(Interpretation& state, const Node& node, const std::stri
     }
     output.journal = read_journal(reader);
     read_selections(state, reader, output);
-    if (output.transport == OutputTransport::mqtt) read_commands(state, reader, output);
+    if (output.transport == OutputTransport::mqtt) {
+        read_commands(state, reader, output);
+        check_quota(state, reader, output);
+    }
     return output;
 }
 

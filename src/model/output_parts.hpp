@@ -27,6 +27,9 @@ struct Interpretation;
 /// The keys of selections: fills `selections` and `values`. Needs name and transport.
 void read_selections(Interpretation& state, Reader& reader, Output& output);
 
+/// Warns of a journal that an outage of a day fills. Needs `values`.
+void check_quota(const Interpretation& state, Reader& reader, const Output& output);
+
 /// `commands`: fills `commandable`.
 void read_commands(Interpretation& state, Reader& reader, Output& output);
 

@@ -172,6 +172,7 @@ enum class Rule : std::uint8_t {
     output_none_writable,
     output_select_empty,
     output_empty,
+    output_quota_short,  // {output}, {time}, {rate}, {needed}
     topic_unknown_part,  // {part}, {nearest}
     topic_brace,
     topic_wildcard,

@@ -171,7 +171,8 @@ std::vector<std::string> bad_projects() {
             "- {name: o4, transport: mqtt, brokers: [mqtt://b], topic: 'a//b'}\n"
             "- {name: o5, transport: mqtt, brokers: [mqtt://b], topic: 'a/{variable}', message: device}\n"
             "- {name: o6, transport: mqtt, brokers: [mqtt://b], control_topic: c, topic: c/set}\n"
-            "- {name: o7, transport: mqtt, brokers: [mqtt://b], control_topic: c}\n",
+            "- {name: o7, transport: mqtt, brokers: [mqtt://b], control_topic: c, quota_mb: 32, period: "
+            "1ms}\n",
         "takt: 1\n" + line +
             "{name: A, type: int, register: 1, read: 3}, {name: B, type: int, register: 2, read: 3}]}]}\n"
             "outputs:\n- {name: o, transport: mqtt, brokers: [mqtt://b], topic: a}\n",

@@ -339,6 +339,43 @@ TEST(Output, SeveralOutputsDoNotDisturbEachOther) {
         "output.control_topic_twice control_topic=takt/a");
 }
 
+TEST(Output, AJournalThatADayFillsIsAWarning) {
+    // 32 MiB / 40 bytes / 24 h: 9.7 samples a second.
+    const Case cases[] = {
+        {"quota_mb: 32, period: 600ms", ""},
+        {"quota_mb: 32, period: 500ms", "?output.quota_short quota_mb=32"},
+        {"quota_mb: 32", ""},
+        {"quota_mb: 32, period: 1s, on_change: true", "?output.quota_short quota_mb=32"},
+        {"quota_mb: 64, period: 1s, on_change: true", ""},
+        {"quota_mb: 32, variables: [Flow], period: 1ms", "?output.quota_short quota_mb=32"},
+        {"variables: [Flow], period: 1ms", ""},
+    };
+    for (const auto& [keys, expected] : cases) EXPECT_EQ(findings_of(keys), expected) << keys;
+    const auto checked = with_keys("quota_mb: 32, period: 100ms");
+    EXPECT_EQ(checked.findings.at(0).arguments,
+              (std::vector<std::pair<std::string, std::string>>{
+                  {"output", "cloud"}, {"time", "4 h"}, {"rate", "50"}, {"needed", "165"}}));
+    EXPECT_EQ(findings_of("quota_mb: 165, period: 100ms"), "") << "the advice is enough";
+    EXPECT_EQ(findings_text(with_outputs("{name: a, transport: history, quota_mb: 32, period: 1ms}")), "")
+        << "a history has no broker";
+}
+
+TEST(Output, TheRateOfSamplesIsBoundedByPollingPeriodAndHeartbeat) {
+    const std::pair<std::string_view, double> cases[] = {
+        {"variables: [Flow]", 1},
+        {"variables: [go]", 1},
+        {"variables: [Flow], heartbeat: 1min", 1},
+        {"variables: [Flow], period: 10s", 0.1},
+        {"variables: [Flow], period: 10s, on_change: true", 1.1},
+        {"variables: [Flow], period: 10s, heartbeat: 2s", 0.6},
+    };
+    for (const auto& [keys, rate] : cases) {
+        const auto checked = with_keys(keys);
+        EXPECT_DOUBLE_EQ(most_samples_per_second(checked.project, checked.project.outputs.at(0)), rate)
+            << keys;
+    }
+}
+
 TEST(Output, HistoryTakesNoKeysOfMqtt) {
     EXPECT_EQ(
         findings_text(with_outputs("{name: a, transport: history, topic: x, message: device, retain: true, "

@@ -140,4 +140,14 @@ struct Output {
     friend bool operator==(const Output&, const Output&) = default;
 };
 
+/// Bytes of the journal that a sample takes, with its share of the record. An estimate for check_quota().
+inline constexpr double kJournalBytesOfASample = 40;
+
+struct Project;
+
+/// The most samples that an output can have in the long run: of a value with `period` that many, on change at
+/// most one for each read. A value that is read as fast as the line allows counts as read ten times a second,
+/// one that is not read by period as changing once a second.
+[[nodiscard]] double most_samples_per_second(const Project& project, const Output& output);
+
 }  // namespace takt::model
