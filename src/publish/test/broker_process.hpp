@@ -25,13 +25,15 @@ using namespace std::chrono_literals;
 /// A program that runs until it is ended or killed. Its output goes to a file.
 class Process {
 public:
-    Process(const std::vector<std::string>& words, const std::string& output) {
+    /// @param input  descriptor for the standard input; -1: that of the test
+    Process(const std::vector<std::string>& words, const std::string& output, int input = -1) {
         std::vector<char*> arguments;
         for (const auto& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
         arguments.push_back(nullptr);
         pid_ = fork();
         if (pid_ != 0) return;
         const int file = open(output.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+        if (input >= 0) dup2(input, 0);
         dup2(file, 1);
         dup2(file, 2);
         execvp(arguments[0], arguments.data());
