@@ -65,7 +65,8 @@ void HostConsole::make_view() {
                 ? make_live_view(*session_, texts_, out, options_.screen,
                                  {.device = options_.device,
                                   .takes_keys = options_.keys.has_value(),
-                                  .has_devices = has_devices(session_->configuration()->project())})
+                                  .has_devices = has_devices(session_->configuration()->project())},
+                                 environment_.outputs)
                 : make_line_view(texts_, out, options_.screen);
     if (!options_.keys) return;
     keyboard_.emplace(environment_.loop, *options_.keys, [this](const Key& key) {
@@ -95,12 +96,14 @@ Result<void> HostConsole::begin_commands() {
     auto& loop = environment_.loop;
     const auto quit = [&loop] { loop.stop(); };
     commands_.emplace(*session_, texts_, quit);
+    commands_->set_outputs(environment_.outputs);
     if (options_.commands)
         input_.emplace(loop, *options_.commands, executed_by(*commands_), texts_,
                        [this](const Answer& answer) { view_->on_answer(line::now(), answer); });
     if (options_.control_path.empty()) return {};
     TAKT_TRY(control_session_, environment_.open_session({.events = false}));
     control_commands_.emplace(*control_session_, texts_, quit);
+    control_commands_->set_outputs(environment_.outputs);
     control_readable_.emplace(loop, control_session_->descriptor(), [this] { read_control_session(); });
     read_control_session();
     TAKT_TRY(control_,
@@ -112,7 +115,9 @@ void HostConsole::end(const endpoint::Statistics& served) {
     if (control_commands_) control_commands_->take_outcomes();
     read_session();
     put_served(served);
-    if (const auto last = session_->snapshot({.values = true, .statistics = true})) view_->end(*last);
+    if (const auto last = session_->snapshot({.values = true, .statistics = true}))
+        view_->end(*last,
+                   environment_.outputs ? environment_.outputs() : std::vector<publish::OutputStatus>());
 }
 
 void HostConsole::put_served(const endpoint::Statistics& served) {
@@ -162,9 +167,20 @@ void HostConsole::report_output() {
     environment_.messages.error(texts_("app.output.full", {{"why", texts_.describe(why)}}));
 }
 
+void HostConsole::report_outputs(Instant t) {
+    if (!environment_.outputs) return;
+    for (const auto& status : environment_.outputs()) {
+        const OutputSummary summary{status.state, status.failure, status.journal_failure,
+                                    status.samples.dropped};
+        const auto [known, first] = outputs_.try_emplace(status.name, summary);
+        if (std::exchange(known->second, summary) != summary || first) view_->on_output(t, status);
+    }
+}
+
 void HostConsole::refresh(Instant t) {
     if (environment_.out.closed()) return environment_.loop.stop();  // the reader is gone (takt run … | head)
     report_output();
+    report_outputs(t);
     if (keyboard_) keyboard_->renew();
     view_->refresh();
     refresh_->set(after(t, kRefreshEvery));

@@ -8,6 +8,7 @@
 #include "takt/console/run_view.hpp"
 #include "takt/report/event_report.hpp"
 #include "takt/report/live_screen.hpp"
+#include "takt/report/outputs_report.hpp"
 #include "takt/report/panel.hpp"
 #include "takt/report/summary_report.hpp"
 #include "takt/report/word_wrap.hpp"
@@ -18,12 +19,13 @@ namespace {
 class LiveView final : public RunView {
 public:
     LiveView(host::Session& session, const Texts& texts, os::LineWriter& out,
-             std::function<report::Screen()> screen, report::LiveSelection selection)
+             std::function<report::Screen()> screen, report::LiveSelection selection, OutputStates outputs)
         : session_(session),
           texts_(texts),
           out_(out),
           screen_(std::move(screen)),
-          selection_(std::move(selection)) {}
+          selection_(std::move(selection)),
+          outputs_(std::move(outputs)) {}
 
     void on_event(const host::Configuration& configuration, const host::Event& event) override {
         if (std::holds_alternative<host::ValueChanged>(event.body)) return;
@@ -45,10 +47,15 @@ public:
         shown_ = *std::move(now);
         draw(*shown_);
     }
-    void end(const host::Snapshot& last) override {
+    void on_output(Instant t, const publish::OutputStatus& status) override {
+        above_table(iso_time(t) + ' ' + report::output_text(texts_, status, wall_ns(t)) + '\n');
+    }
+    void end(const host::Snapshot& last, const std::vector<publish::OutputStatus>& outputs) override {
         selection_.takes_keys = selection_.typing = false;
         draw(last);
-        out_.put_last('\n' + report::summary_text(texts_, last, screen_().columns));
+        const auto columns = screen_().columns;
+        out_.put_last('\n' + report::summary_text(texts_, last, columns) +
+                      outputs_summary(texts_, outputs, last.t, columns));
     }
 
 private:
@@ -59,6 +66,10 @@ private:
 
     void draw(const host::Snapshot& now) {
         const report::Screen size = screen_();
+        selection_.outputs.clear();
+        if (outputs_)
+            for (const auto& status : outputs_())
+                selection_.outputs.push_back(report::output_text(texts_, status, wall_ns(now.t)));
         out_.put(panel_.draw(size, report::live_screen(texts_, now, selection_, size)));
     }
 
@@ -76,6 +87,7 @@ private:
     os::LineWriter& out_;
     std::function<report::Screen()> screen_;
     report::LiveSelection selection_;
+    OutputStates outputs_;
     report::Panel panel_;
     std::optional<host::Snapshot> shown_;  // that was drawn last
 };
@@ -84,8 +96,9 @@ private:
 
 std::unique_ptr<RunView> make_live_view(host::Session& session, const Texts& texts, os::LineWriter& out,
                                         std::function<report::Screen()> screen,
-                                        report::LiveSelection selection) {
-    return std::make_unique<LiveView>(session, texts, out, std::move(screen), std::move(selection));
+                                        report::LiveSelection selection, OutputStates outputs) {
+    return std::make_unique<LiveView>(session, texts, out, std::move(screen), std::move(selection),
+                                      std::move(outputs));
 }
 
 }  // namespace takt::console

@@ -5,6 +5,7 @@
 
 #include "takt/console/clock_text.hpp"
 #include "takt/report/event_report.hpp"
+#include "takt/report/outputs_report.hpp"
 #include "takt/report/summary_report.hpp"
 #include "takt/report/word_wrap.hpp"
 
@@ -30,8 +31,17 @@ public:
         object.set("time", iso_time(t));
         put(object);
     }
-    void end(const host::Snapshot& last) override {
+    void on_output(Instant t, const publish::OutputStatus& status) override {
+        auto object = file::Json::object();
+        object.set("event", "output");
+        object.set("output", report::output_json(texts_, status, wall_ns(t)));
+        object.set("time_ms", static_cast<double>((t - started_).count()) / 1e6);
+        object.set("time", iso_time(t));
+        put(object);
+    }
+    void end(const host::Snapshot& last, const std::vector<publish::OutputStatus>& outputs) override {
         auto object = report::summary_json(last);
+        if (!outputs.empty()) object.set("outputs", report::outputs_json(texts_, outputs, wall_ns(last.t)));
         object.set("time", iso_time(last.t));
         out_.put_last(object.dump() + '\n');
     }
@@ -55,8 +65,13 @@ public:
     }
     void on_missed(std::uint64_t events) override { out_.put(report::missed_text(texts_, events) + '\n'); }
     void on_answer(Instant, const Answer& answer) override { out_.put(answer.line); }
-    void end(const host::Snapshot& last) override {
-        out_.put_last('\n' + report::summary_text(texts_, last, columns()));
+    void on_output(Instant t, const publish::OutputStatus& status) override {
+        const auto text = report::output_text(texts_, status, wall_ns(t));
+        out_.put(report::wrapped(iso_time(t) + ' ' + text + '\n', columns()));
+    }
+    void end(const host::Snapshot& last, const std::vector<publish::OutputStatus>& outputs) override {
+        out_.put_last('\n' + report::summary_text(texts_, last, columns()) +
+                      outputs_summary(texts_, outputs, last.t, columns()));
     }
 
 private:
@@ -80,6 +95,13 @@ os::WriterOptions output_options(bool json) {
     os::WriterOptions options;
     options.gap_line = json ? json_gap_line : text_gap_line;
     return options;
+}
+
+std::string outputs_summary(const Texts& texts, const std::vector<publish::OutputStatus>& outputs, Instant t,
+                            std::size_t columns) {
+    return outputs.empty()
+               ? std::string()
+               : '\n' + report::wrapped(report::outputs_text(texts, outputs, wall_ns(t)), columns);
 }
 
 std::unique_ptr<RunView> make_json_view(Instant started, const Texts& texts, os::LineWriter& out) {

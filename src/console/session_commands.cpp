@@ -4,6 +4,7 @@
 
 #include "takt/console/clock_text.hpp"
 #include "takt/report/command_report.hpp"
+#include "takt/report/outputs_report.hpp"
 #include "takt/report/state_report.hpp"
 #include "takt/value/text.hpp"
 
@@ -84,6 +85,8 @@ Result<Answer> SessionCommands::state(const ControlCommand& command) const {
     auto json = command.verb == ControlCommand::Verb::status ? report::status_json(texts_, now, time)
                 : all                                        ? report::values_json(now, time, command.name)
                                                              : report::list_json(*now.configuration);
+    if (command.verb == ControlCommand::Verb::status && outputs_)
+        json.set("outputs", report::outputs_json(texts_, outputs_(), wall_ns(now.t)));
     auto line = json.dump() + '\n';
     return Answer{.line = std::move(line), .json = std::move(json)};
 }

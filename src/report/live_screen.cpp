@@ -188,6 +188,8 @@ std::vector<std::string> live_screen(const Texts& texts, const host::Snapshot& s
     using enum TextTable::Align;
     const std::size_t height = std::max(screen.rows, kLeastRows) - kCursorRows - kKeyRows - kHeadingRows;
     auto lines = header(texts, snapshot, std::max<std::size_t>(height / 2, 1));
+    for (const auto& output : selection.outputs)
+        if (lines.size() < height / 2) lines.push_back(fitted(output, screen.columns - 1));
     const auto values = selected_values(snapshot, selection);
     const auto shown = turn_page(selection, values.size(), height - std::min(height - 1, lines.size()));
     TextTable table({left, left, right, right, whole});

@@ -66,9 +66,19 @@ TEST_F(RunViewTest, JsonHasOneObjectALine) {
 }
 
 TEST_F(RunViewTest, JsonEndsWithTheSummary) {
-    make_json_view(Instant{1s}, english(), *out)->end(last);
+    make_json_view(Instant{1s}, english(), *out)->end(last, {});
     EXPECT_NE(written().find(R"("event":"summary")"), std::string::npos) << memory.text();
     EXPECT_NE(memory.text().find("\"time\":\"" + iso_time(last.t) + '"'), std::string::npos) << memory.text();
+}
+
+TEST_F(RunViewTest, AnOutputIsALineAndInTheSummary) {
+    publish::OutputStatus status;
+    status.name = "cloud";
+    make_line_view(english(), *out)->on_output(Instant{3s}, status);
+    EXPECT_NE(written().find("output cloud: opening its journal"), std::string::npos) << memory.text();
+    make_json_view(Instant{1s}, english(), *out)->end(last, {status});
+    EXPECT_NE(written().find(R"("outputs":[{"name":"cloud","state":"starting")"), std::string::npos)
+        << memory.text();
 }
 
 TEST_F(RunViewTest, LinesBeginWithTheTime) {
@@ -102,7 +112,7 @@ TEST_F(LiveViewTest, ShowsEveryValueInItsTableAndNotAsALine) {
     slot.quality = value::Quality::good;
     slot.good_at = Instant{4s};
     view->on_event(*configuration, changed(2.5));
-    view->end(last);
+    view->end(last, {});
     const auto text = written();
     EXPECT_EQ(text.find(iso_time(Instant{3s})), std::string::npos);
     EXPECT_NE(text.find("Level"), std::string::npos);
@@ -116,7 +126,7 @@ TEST_F(LiveViewTest, CountsTheRowsThatDoNotFit) {
     last.configuration = host::test::configuration_of(yaml);
     last.values.resize(last.configuration->slot_count());
     screen.rows = 10;
-    view->end(last);
+    view->end(last, {});
     const auto more = english()("app.more_rows", {{"count", "18"}});  // 23 values, 5 rows
     EXPECT_NE(written().find(more), std::string::npos) << memory.text();
 }
@@ -125,7 +135,7 @@ TEST_F(LiveViewTest, KeysChooseWhatIsShown) {
     const Key device{.name = Key::Name::character, .character = "d"};
     EXPECT_TRUE(view->on_key(device));
     EXPECT_FALSE(view->on_key({.name = Key::Name::character, .character = "q"}));
-    view->end(last);
+    view->end(last, {});
     const auto text = written();
     EXPECT_NE(text.find("Pump speed"), std::string::npos) << text;
     EXPECT_EQ(text.find("go "), std::string::npos) << "a local has no device: " << text;

@@ -39,7 +39,8 @@ public:
         TrafficLog* traffic = nullptr;  ///< nullptr: frames are not logged
         /// As ProjectHost::open_session().
         std::function<Result<std::unique_ptr<host::Session>>(const host::SessionOptions&)> open_session;
-        Instant started;  ///< of the host
+        Instant started;       ///< of the host
+        OutputStates outputs;  ///< empty: the project has none
     };
     struct Options {
         bool json = false;
@@ -62,6 +63,14 @@ public:
     void end(const endpoint::Statistics& served);
 
 private:
+    /// What a change of an output is shown for.
+    struct OutputSummary {
+        publish::OutputState state{};
+        std::string failure;
+        std::optional<Error> journal_failure;
+        std::uint64_t dropped = 0;
+        friend bool operator==(const OutputSummary&, const OutputSummary&) = default;
+    };
     using LinkState = std::pair<bool, std::optional<Error>>;  // up; why not
 
     void make_view();
@@ -72,6 +81,7 @@ private:
     void on_event(const host::Event& event);
     void put_served(const endpoint::Statistics& served);
     void report_output();
+    void report_outputs(Instant t);
     void refresh(Instant t);
 
     Texts texts_;
@@ -86,7 +96,8 @@ private:
     std::unique_ptr<ControlServer> control_;
     std::optional<InputCommands> input_;
     std::optional<Keyboard> keyboard_;
-    std::map<std::string, LinkState> links_;  // by line: what was shown last, by a live or quiet view
+    std::map<std::string, LinkState> links_;        // by line: what was shown last, by a live or quiet view
+    std::map<std::string, OutputSummary> outputs_;  // by output: what was shown last
     std::optional<line::Watch> readable_;
     std::optional<line::Watch> control_readable_;
     std::optional<line::Timer> refresh_;

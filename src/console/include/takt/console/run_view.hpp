@@ -5,9 +5,11 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "takt/console/command_reader.hpp"
 #include "takt/console/keys.hpp"
+#include "takt/console/output_states.hpp"
 #include "takt/host/session.hpp"
 #include "takt/os/record_writer.hpp"
 #include "takt/report/panel.hpp"
@@ -27,12 +29,19 @@ public:
     virtual bool on_key(const Key& /*key*/) { return true; }
     /// About five times a second.
     virtual void refresh() {}
+    /// State, failure or losses of an output are others than before.
+    virtual void on_output(Instant t, const publish::OutputStatus& status) = 0;
     /// The last call.
-    virtual void end(const host::Snapshot& last) = 0;
+    virtual void end(const host::Snapshot& last, const std::vector<publish::OutputStatus>& outputs) = 0;
 };
 
 /// Options of the writer for a view, with the lines that report what a slow reader missed.
 [[nodiscard]] os::WriterOptions output_options(bool json);
+
+/// The lines of a summary about outputs; empty without outputs.
+[[nodiscard]] std::string outputs_summary(const Texts& texts,
+                                          const std::vector<publish::OutputStatus>& outputs, Instant t,
+                                          std::size_t columns);
 
 /// One JSON object a line.
 /// @param started  of the host
@@ -46,9 +55,11 @@ public:
 /// @param session    for snapshots; outlives the view
 /// @param screen     returns the size of the terminal
 /// @param selection  what is shown at first
+/// @param outputs    empty: the project has none
 [[nodiscard]] std::unique_ptr<RunView> make_live_view(host::Session& session, const Texts& texts,
                                                       os::LineWriter& out,
                                                       std::function<report::Screen()> screen,
-                                                      report::LiveSelection selection = {});
+                                                      report::LiveSelection selection = {},
+                                                      OutputStates outputs = {});
 
 }  // namespace takt::console

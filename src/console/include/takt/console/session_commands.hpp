@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "takt/console/command_reader.hpp"
+#include "takt/console/output_states.hpp"
 #include "takt/host/session.hpp"
 
 namespace takt::console {
@@ -23,6 +24,9 @@ public:
     /// @param snapshot  empty: of the session
     SessionCommands(host::Session& session, const Texts& texts, std::function<void()> quit,
                     TakeSnapshot snapshot = {});
+
+    /// The states of the project's outputs, for `status`. Empty: there are none.
+    void set_outputs(OutputStates outputs) { outputs_ = std::move(outputs); }
 
     /// @returns the errors of parse_control()
     [[nodiscard]] Result<void> execute(const std::string& line, const Reply& reply);
@@ -43,6 +47,7 @@ private:
     Texts texts_;
     std::function<void()> quit_;
     TakeSnapshot snapshot_;
+    OutputStates outputs_;
     std::map<std::uint64_t, Waiting> waiting_;  // by Command::tag
     std::uint64_t last_tag_ = 0;
 };

@@ -21,6 +21,7 @@ struct LiveSelection {
     bool typing = false;       ///< the filter is being typed
     bool takes_keys = false;   ///< the last line lists the keys
     bool has_devices = false;  ///< there are devices to choose from
+    std::vector<std::string> outputs = {};  ///< lines about outputs
 };
 
 /// The lines of the display; they fit the screen.

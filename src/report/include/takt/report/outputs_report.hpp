@@ -1,0 +1,28 @@
+// The states of a project's outputs, as text and as JSON.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "takt/file/json.hpp"
+#include "takt/publish/output_status.hpp"
+#include "takt/report/texts.hpp"
+
+namespace takt::report {
+
+/// One line, without line end: state, destination, what waits and since when, what was lost, the last error.
+/// @param wall_ns  now, ns since 1970 UTC
+[[nodiscard]] std::string output_text(const Texts& texts, const publish::OutputStatus& status,
+                                      std::int64_t wall_ns);
+/// A line for each output; empty without outputs.
+[[nodiscard]] std::string outputs_text(const Texts& texts, std::span<const publish::OutputStatus> outputs,
+                                       std::int64_t wall_ns);
+
+/// docs/commands/run.md describes the keys.
+[[nodiscard]] file::Json output_json(const Texts& texts, const publish::OutputStatus& status,
+                                     std::int64_t wall_ns);
+[[nodiscard]] file::Json outputs_json(const Texts& texts, std::span<const publish::OutputStatus> outputs,
+                                      std::int64_t wall_ns);
+
+}  // namespace takt::report

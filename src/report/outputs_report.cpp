@@ -1,0 +1,102 @@
+#include "takt/report/outputs_report.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "takt/publish/message_format.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/state_report.hpp"
+#include "takt/report/value_json.hpp"
+
+namespace takt::report {
+namespace {
+
+Duration waiting_since(const publish::OutputStatus& status, std::int64_t wall_ns) {
+    return Duration(std::max<std::int64_t>(0, wall_ns - status.oldest_waiting_ns.value_or(wall_ns)));
+}
+
+file::Json mqtt_json(const publish::MqttStatus& status) {
+    auto object = file::Json::object();
+    object.set("state", publish::name(status.state));
+    if (status.version) object.set("version", *status.version == publish::MqttVersion::v5 ? "5" : "3.1.1");
+    object.set("in_flight", status.in_flight);
+    object.set("published", status.counters.published);
+    object.set("acknowledged", status.counters.acknowledged);
+    object.set("repeated", status.counters.repeated);
+    object.set("no_subscribers", status.counters.no_subscribers);
+    object.set("unproved", status.counters.unproved);
+    object.set("refused", status.counters.refused);
+    object.set("connects", status.counters.connects);
+    object.set("lost_connections", status.counters.lost_connections);
+    return object;
+}
+
+file::Json journal_json(const Texts& texts, const publish::OutputStatus& status) {
+    auto object = file::Json::object();
+    object.set("epoch", status.journal.epoch);
+    object.set("disk_bytes", status.journal.disk_bytes);
+    object.set("buffer_bytes", status.journal.buffer_bytes);
+    object.set("samples_lost", status.journal.samples_lost);
+    object.set("dropped_segments", status.journal.dropped_segments);
+    object.set("failure", status.journal_failure ? error_json(texts, *status.journal_failure) : file::Json());
+    return object;
+}
+
+}  // namespace
+
+std::string output_text(const Texts& texts, const publish::OutputStatus& status, std::int64_t wall_ns) {
+    const auto& samples = status.samples;
+    auto text = texts("app.output.state", {{"name", status.name},
+                                           {"state", texts("app.output." + std::string(name(status.state)))},
+                                           {"destination", status.destination},
+                                           {"delivered", std::to_string(samples.delivered)},
+                                           {"waiting", std::to_string(samples.waiting)}});
+    if (status.oldest_waiting_ns)
+        text += texts("app.output.oldest", {{"age", age_text(waiting_since(status, wall_ns))}});
+    if (samples.dropped > 0)
+        text += texts("app.output.dropped", {{"count", std::to_string(samples.dropped)}});
+    if (!status.failure.empty()) text += texts("app.output.failure", {{"failure", status.failure}});
+    if (status.journal_failure)
+        text +=
+            texts("app.output.journal", {{"failure", without_stop(texts.describe(*status.journal_failure))}});
+    return text;
+}
+
+std::string outputs_text(const Texts& texts, std::span<const publish::OutputStatus> outputs,
+                         std::int64_t wall_ns) {
+    std::string text;
+    for (const auto& status : outputs) text += output_text(texts, status, wall_ns) + '\n';
+    return text;
+}
+
+file::Json output_json(const Texts& texts, const publish::OutputStatus& status, std::int64_t wall_ns) {
+    auto object = file::Json::object();
+    object.set("name", status.name);
+    object.set("state", publish::name(status.state));
+    object.set("destination", status.destination);
+    object.set("sampled", status.samples.sampled);
+    object.set("delivered", status.samples.delivered);
+    object.set("waiting", status.samples.waiting);
+    object.set("dropped", status.samples.dropped);
+    object.set("oldest_waiting", status.oldest_waiting_ns
+                                     ? file::Json(publish::time_text(*status.oldest_waiting_ns))
+                                     : file::Json());
+    object.set("oldest_waiting_ms", status.oldest_waiting_ns
+                                        ? file::Json(milliseconds(waiting_since(status, wall_ns)))
+                                        : file::Json());
+    object.set("failure", status.failure.empty() ? file::Json() : file::Json(status.failure));
+    object.set("commands", status.commands);
+    object.set("commands_refused", status.commands_refused);
+    object.set("journal", journal_json(texts, status));
+    if (status.mqtt) object.set("mqtt", mqtt_json(*status.mqtt));
+    return object;
+}
+
+file::Json outputs_json(const Texts& texts, std::span<const publish::OutputStatus> outputs,
+                        std::int64_t wall_ns) {
+    auto array = file::Json::array();
+    for (const auto& status : outputs) array.push_back(output_json(texts, status, wall_ns));
+    return array;
+}
+
+}  // namespace takt::report

@@ -1,0 +1,69 @@
+#include "takt/report/outputs_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "sample.hpp"
+#include "takt/report/state_report.hpp"
+
+namespace takt::report {
+namespace {
+
+using namespace test;
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+publish::OutputStatus status() {
+    publish::OutputStatus made;
+    made.name = "cloud";
+    made.state = publish::OutputState::waiting;
+    made.destination = "mqtts://broker.example:8883";
+    made.samples = {.sampled = 130, .delivered = 100, .waiting = 25, .dropped = 5};
+    made.oldest_waiting_ns = 100 * kSecond;
+    made.failure = "refused";
+    return made;
+}
+
+TEST(OutputsReport, ALineForEachOutput) {
+    const publish::OutputStatus outputs[] = {status(), status()};
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        const auto text = outputs_text(texts, outputs, 190 * kSecond);
+        EXPECT_EQ(count_of(text, "\n"), 2U);
+        expect_complete(text);
+        for (const auto* part : {"cloud", "mqtts://broker.example:8883", "100", "25", "5", "refused"})
+            expect_contains(text, part);
+        expect_contains(text, texts("app.output.oldest", {{"age", age_text(std::chrono::seconds(90))}}));
+    }
+    EXPECT_EQ(outputs_text(english(), {}, 0), "");
+}
+
+TEST(OutputsReport, EveryStateHasItsWords) {
+    using enum publish::OutputState;
+    for (const auto state : {starting, connecting, delivering, waiting, stopped, ended})
+        for (const auto language : kLanguages) {
+            auto one = status();
+            one.state = state;
+            one.journal_failure = Error{Code::io_failed, "journal", {28, 0, 0}};
+            expect_complete(output_text(Texts(language), one, 0));
+        }
+}
+
+TEST(OutputsReport, JsonHasTheCountsAndTheOldest) {
+    auto made = status();
+    made.mqtt.emplace();
+    made.mqtt->version = publish::MqttVersion::v5;
+    const auto json = output_json(english(), made, 190 * kSecond);
+    EXPECT_JSON(*json.find("sampled"), 130U);
+    EXPECT_JSON(*json.find("waiting"), 25U);
+    EXPECT_JSON(*json.find("oldest_waiting"), "1970-01-01T00:01:40.000Z");
+    EXPECT_JSON(*json.find("oldest_waiting_ms"), 90'000.0);
+    EXPECT_JSON(*json.find("mqtt")->find("version"), "5");
+    EXPECT_TRUE(json.find("journal")->find("failure")->is_null());
+    made.oldest_waiting_ns.reset();
+    EXPECT_TRUE(output_json(english(), made, 0).find("oldest_waiting")->is_null());
+}
+
+}  // namespace
+}  // namespace takt::report
