@@ -80,14 +80,11 @@ OutputStatus OutputThread::status() const {
 void OutputThread::run() {
     for (;;) {
         const auto now = line::now();
-        if (stopping_ && stop_until_ == kNever) {
-            stop_until_ = now + options_.stop_limit;
-            if (journal_) work_->stop(now);
-        }
         if (!journal_) try_to_open(now);
         if (journal_) work(now);
+        if (stopping_) stop(now);
         publish_status(now);
-        if (stopping_ && (!journal_ || work_->stopped() || now >= stop_until_)) break;
+        if (stopping_ && (!journal_ || (leaving_ && work_->stopped()) || now >= stop_until_)) break;
         wait(std::min(next_wakeup(), stop_until_));
     }
     if (journal_) {
@@ -98,6 +95,26 @@ void OutputThread::run() {
     publish_status(line::now());
     const std::lock_guard lock(status_mutex_);
     status_.state = OutputState::ended;
+}
+
+// What a destination takes at the moment, it gets to the last sample. The rest waits for the next start.
+void OutputThread::stop(Instant now) {
+    if (stop_until_ == kNever) {
+        stop_until_ = now + options_.stop_limit;
+        if (!journal_) return;
+        take_queue(now);
+        // An error is in the status of the journal, and it is tried again at the end.
+        static_cast<void>(journal_->close(now));
+        work_->work(now);
+    }
+    if (!journal_ || leaving_) return;
+    OutputStatus status;
+    work_->report(now, status);
+    const bool more = status.state == OutputState::delivering && journal_->counters(kDestination).waiting > 0;
+    if (more && now < stop_until_ - options_.stop_limit / 2) return;
+    leaving_ = true;
+    work_->stop(now);
+    work_->work(now);
 }
 
 void OutputThread::wait(Instant until) {
@@ -136,7 +153,6 @@ void OutputThread::try_to_open(Instant now) {
     journal_.emplace(*std::move(opened));
     appended_before_ = journal_->counters(kDestination).appended;
     work_->begin(now, *journal_, kDestination);
-    if (stopping_) work_->stop(now);
 }
 
 void OutputThread::take_queue(Instant now) {

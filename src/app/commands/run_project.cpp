@@ -18,6 +18,8 @@
 #include "takt/host/project_file.hpp"
 #include "takt/host/project_host.hpp"
 #include "takt/line/descriptors.hpp"
+#include "takt/publish/outputs.hpp"
+#include "takt/publish/project_outputs.hpp"
 #include "work_loop.hpp"
 
 namespace takt::app {
@@ -32,6 +34,7 @@ public:
     Result<void> begin(const model::Project& project, const plan::Plan& plan, const PrepareDevices& prepare) {
         TAKT_CHECK(work_loop_.begin(options_.traffic, [this] { reload(); }));
         TAKT_TRY(host_, host::ProjectHost::start(project, plan, host_options(prepare)));
+        TAKT_CHECK(begin_outputs());
         console_.emplace(
             texts_,
             console::HostConsole::Environment{
@@ -40,7 +43,8 @@ public:
                 .messages = messages(),
                 .traffic = work_loop_.traffic(),
                 .open_session = [this](const auto& wanted) { return host_->open_session(wanted); },
-                .started = host_->started()},
+                .started = host_->started(),
+                .outputs = [this] { return outputs_->status(); }},
             console_options());
         return console_->begin();
     }
@@ -48,6 +52,7 @@ public:
     void work() {
         work_loop_.work(options_.run_for);
         host_->stop();
+        outputs_->stop();
         console_->end(host_->served());
         // After Ctrl-C a slow reader has half a second; at the end of a run it has time.
         out_.finish(work_loop_.loop().stopped() ? std::chrono::milliseconds(500) : std::chrono::seconds(10));
@@ -55,6 +60,21 @@ public:
     }
 
 private:
+    // A project without outputs may get some with the next reload.
+    Result<void> begin_outputs() {
+        const auto open_session = [host = host_.get()](const host::SessionOptions& wanted) {
+            return host->open_session(wanted);
+        };
+        TAKT_TRY(auto session, open_session({.from_beginning = true}));
+        outputs_.emplace(std::move(session),
+                         [options = publish::ProjectOutputsOptions{.project_file = options_.file,
+                                                                   .open_session = open_session,
+                                                                   .log = log}](const auto& configuration) {
+                             return publish::project_outputs(options, configuration);
+                         });
+        return {};
+    }
+
     // Planning takes this thread, which prints; polling goes on meanwhile.
     void reload() {
         if (options_.file.empty()) return print_status(texts_("app.run.no_file") + '\n');
@@ -103,6 +123,7 @@ private:
     os::LineWriter out_;
     WorkLoop work_loop_;
     std::unique_ptr<host::ProjectHost> host_;
+    std::optional<publish::Outputs> outputs_;
     std::optional<console::HostConsole> console_;
 };
 

@@ -71,11 +71,16 @@ TEST_F(RunViewTest, JsonEndsWithTheSummary) {
     EXPECT_NE(memory.text().find("\"time\":\"" + iso_time(last.t) + '"'), std::string::npos) << memory.text();
 }
 
-TEST_F(RunViewTest, AnOutputIsALineAndInTheSummary) {
+TEST_F(RunViewTest, AnOutputIsALine) {
     publish::OutputStatus status;
     status.name = "cloud";
     make_line_view(english(), *out)->on_output(Instant{3s}, status);
     EXPECT_NE(written().find("output cloud: opening its journal"), std::string::npos) << memory.text();
+}
+
+TEST_F(RunViewTest, AnOutputIsInTheSummary) {
+    publish::OutputStatus status;
+    status.name = "cloud";
     make_json_view(Instant{1s}, english(), *out)->end(last, {status});
     EXPECT_NE(written().find(R"("outputs":[{"name":"cloud","state":"starting")"), std::string::npos)
         << memory.text();

@@ -58,6 +58,7 @@ private:
     static constexpr Duration kOpenAgain = std::chrono::seconds(5);
 
     void run();
+    void stop(Instant now);
     void wait(Instant until);
     void try_to_open(Instant now);
     void take_queue(Instant now);
@@ -78,7 +79,8 @@ private:
     std::optional<Error> open_failure_;
     std::uint64_t taken_ = 0;            // samples from the queue
     std::uint64_t appended_before_ = 0;  // counted by the journal when it was opened
-    Instant stop_until_ = kNever;
+    Instant stop_until_ = kNever;        // kNever: it goes on
+    bool leaving_ = false;               // the work was stopped
     Instant status_at_{};
     std::optional<std::int64_t> oldest_ns_;
 

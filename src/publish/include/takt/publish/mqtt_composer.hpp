@@ -1,0 +1,56 @@
+// The messages of an MQTT output: which samples go together, and to which topic.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "takt/host/configuration.hpp"
+#include "takt/model/output.hpp"
+#include "takt/publish/journal_messages.hpp"
+#include "takt/publish/message_format.hpp"
+
+namespace takt::publish {
+
+/// Composes by the settings of an output. A sample of a variable that the output does not have any more goes
+/// to the topic of the first selection's template.
+///
+/// Messages are in the order of their first samples. One message has each variable once, so the messages of a
+/// variable are in the order of its samples.
+class MqttComposer final : public MessageComposer {
+public:
+    MqttComposer(const model::Output& output, const host::Configuration& configuration);
+
+    void compose(const SampleBatch& batch, const StreamPlace& place,
+                 std::vector<ComposedMessage>& out) override;
+    void compose(const store::Gap& gap, const StreamPlace& place, std::vector<ComposedMessage>& out) override;
+
+    /// A topic of the output itself: "state", "gap", "command".
+    [[nodiscard]] std::string control_topic(std::string_view last_level) const;
+
+private:
+    struct Route {
+        std::string topic;
+        model::MessageScope scope = model::MessageScope::variable;
+        bool retain = true;
+        friend bool operator==(const Route&, const Route&) = default;
+    };
+    /// Samples of one message.
+    struct Group {
+        const Route* route = nullptr;
+        std::vector<PlacedSample> samples;
+    };
+
+    [[nodiscard]] const Route& route_of(const Series& series);
+    void add_to_group(const Route& route, const PlacedSample& sample);
+
+    std::string name_;
+    model::OutputSelection fallback_;
+    std::map<std::pair<std::string, std::string>, Route> routes_;  // by device and variable
+    std::vector<Group> groups_;                                    // scratch, the messages of one batch
+    std::map<std::string_view, std::size_t> open_;                 // scratch, by topic: the group that grows
+};
+
+}  // namespace takt::publish
