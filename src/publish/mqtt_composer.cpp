@@ -7,7 +7,7 @@
 namespace takt::publish {
 
 MqttComposer::MqttComposer(const model::Output& output, const host::Configuration& configuration)
-    : name_(output.name), fallback_(output.selections.at(0)) {
+    : name_(output.name), control_topic_(output.mqtt.control_topic), fallback_(output.selections.at(0)) {
     for (const auto& value : output.values) {
         const auto slot = slot_of(configuration.slots(), value.subject);
         const auto* const device = configuration.device_of(slot);
@@ -79,7 +79,7 @@ void MqttComposer::compose(const store::Gap& gap, const StreamPlace& place,
 }
 
 std::string MqttComposer::control_topic(std::string_view last_level) const {
-    return "takt/" + name_ + "/" + std::string(last_level);
+    return control_topic_ + "/" + std::string(last_level);
 }
 
 }  // namespace takt::publish

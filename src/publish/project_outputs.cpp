@@ -159,8 +159,9 @@ std::string settings_text(const model::Output& output, const host::Configuration
     };
     const auto& mqtt = output.mqtt;
     for (const auto& broker : mqtt.brokers) add(model::url_of(broker));
-    for (const auto& part : {mqtt.client_id, mqtt.user, mqtt.password_file, mqtt.password_env, mqtt.ca_file,
-                             mqtt.certificate_file, mqtt.key_file, mqtt.alpn, output.journal.directory})
+    for (const auto& part :
+         {mqtt.client_id, mqtt.user, mqtt.password_file, mqtt.password_env, mqtt.ca_file,
+          mqtt.certificate_file, mqtt.key_file, mqtt.alpn, mqtt.control_topic, output.journal.directory})
         add(part);
     add(static_cast<int>(output.transport));
     add(static_cast<int>(mqtt.version));

@@ -27,7 +27,7 @@ public:
                  std::vector<ComposedMessage>& out) override;
     void compose(const store::Gap& gap, const StreamPlace& place, std::vector<ComposedMessage>& out) override;
 
-    /// A topic of the output itself: "state", "gap", "command".
+    /// A topic of the output itself: one of model::control_levels() below its control topic.
     [[nodiscard]] std::string control_topic(std::string_view last_level) const;
 
 private:
@@ -47,6 +47,7 @@ private:
     void add_to_group(const Route& route, const PlacedSample& sample);
 
     std::string name_;
+    std::string control_topic_;
     model::OutputSelection fallback_;
     std::map<std::pair<std::string, std::string>, Route> routes_;  // by device and variable
     std::vector<Group> groups_;                                    // scratch, the messages of one batch
