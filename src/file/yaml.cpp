@@ -34,6 +34,8 @@ const Meaning kMeanings[] = {
     {messages::TAB_IN_INDENTATION, "file.tab"},
     {messages::UNKNOWN_TOKEN, "file.reserved_character"},
     {messages::UNKNOWN_ANCHOR, "file.alias"},
+    {messages::ALIAS_NOT_FOUND, "file.alias"},
+    {messages::CHAR_IN_ALIAS, "file.alias"},
     {messages::INVALID_ESCAPE, "file.escape"},
     {messages::INVALID_HEX, "file.escape"},
     {messages::INVALID_UNICODE, "file.escape"},

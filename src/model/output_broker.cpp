@@ -69,20 +69,21 @@ std::expected<Broker, Failure> parse_broker(std::string_view text) {
     const auto scheme_end = text.find(kSeparator);
     const auto scheme = text.substr(0, scheme_end == std::string_view::npos ? 0 : scheme_end);
     auto authority = scheme.empty() ? text : text.substr(scheme_end + kSeparator.size());
-    if (authority.find('@') != std::string_view::npos)
-        return std::unexpected(Failure{Rule::output_broker_user, {}});
+    const auto at = authority.rfind('@');
+    if (at != std::string_view::npos) authority.remove_prefix(at + 1);
     if (authority.ends_with('/')) authority.remove_suffix(1);
     const auto* const known = std::ranges::find(kSchemes, scheme, &std::pair<std::string_view, bool>::first);
-    if (known != std::end(kSchemes) && known - std::begin(kSchemes) < 2)
-        return parse_authority(authority, known->second);
-    // Without a scheme the port says which one is meant.
-    const bool tls = known != std::end(kSchemes) ? known->second : authority.ends_with(":8883");
-    const bool guessed = known != std::end(kSchemes) || scheme.empty();
-    const auto meant = guessed ? parse_authority(authority, tls) : std::unexpected(Failure{});
-    if (!meant)
-        return std::unexpected(
-            Failure{scheme.empty() ? Rule::output_broker_malformed : Rule::output_broker_scheme, {}});
-    return std::unexpected(Failure{Rule::output_broker_scheme, url_of(*meant)});
+    const bool right = known != std::end(kSchemes) && known - std::begin(kSchemes) < 2;
+    // Without a scheme the port says which one is meant. The secure form of another one ends with s: https.
+    const bool tls = known != std::end(kSchemes) ? known->second
+                     : scheme.empty()            ? authority.ends_with(":8883")
+                                                 : scheme.size() > 2 && scheme.ends_with('s');
+    auto meant = parse_authority(authority, tls);
+    if (right && at == std::string_view::npos) return meant;
+    if (at == std::string_view::npos && !meant && scheme.empty()) return meant;
+    return std::unexpected(
+        Failure{at != std::string_view::npos ? Rule::output_broker_user : Rule::output_broker_scheme,
+                meant ? url_of(*meant) : std::string()});
 }
 
 /// A URL with a password is not shown.

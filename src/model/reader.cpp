@@ -127,7 +127,10 @@ void Reader::check_key(const Node& key) {
     constexpr std::size_t kSurelyATypo = 2;
     const auto near = nearest(key.text, known);
     const bool own = typing_distance(key.text, near) <= kSurelyATypo;
-    const auto meant = own ? std::string_view() : synonym(object_, key.text);
+    // `tag: Level` without a name is the name, although it is near to `tags`.
+    const auto other = synonym(object_, key.text);
+    const bool lacks_it = !other.empty() && find_field(object_, other)->required && value(other) == nullptr;
+    const auto meant = own && !lacks_it ? std::string_view() : other;
     const auto guess = meant.empty() ? near : meant;
     if (!meant.empty() && value(meant) != nullptr) {
         findings_.add(Rule::key_twice, key.location, path_of(key.text), key.text, std::move(list),
@@ -140,10 +143,10 @@ void Reader::check_key(const Node& key) {
     // `timeout` may mean this object's `response_timeout`, even if another object has the key `timeout`.
     const bool part = guess.find(key.text) != std::string_view::npos;
     if (!typo && !part)
-        for (const auto other : kObjects)
-            if (find_field(other, key.text) != nullptr) {
+        for (const auto object : kObjects)
+            if (find_field(object, key.text) != nullptr) {
                 const auto where =
-                    std::string(location(other)) + (other == Object::project ? "" : ".") + key.text;
+                    std::string(location(object)) + (object == Object::project ? "" : ".") + key.text;
                 findings_.add(Rule::key_elsewhere, key.location, path_of(key.text), key.text, std::move(list),
                               {{"location", where}});
                 return;

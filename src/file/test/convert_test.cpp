@@ -287,6 +287,15 @@ TEST(Convert, TagsAreOneCell) {
               described(model::interpret(project.document).project));
 }
 
+TEST(Convert, AStarWithoutQuotesIsAnAlias) {
+    for (const auto* list : {"[*]", "[*A]", "[*, A]"})
+        EXPECT_EQ(load_text("p.yaml", std::string("takt: 1\noutputs:\n- {variables: ") + list + "}\n")
+                      .findings.at(0)
+                      .code,
+                  "file.alias")
+            << list;
+}
+
 TEST(Convert, OutputsAreWrittenAsTheyWere) {
     constexpr std::string_view kProject =
         "takt: 1\n"

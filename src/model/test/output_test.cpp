@@ -260,8 +260,11 @@ TEST(Output, BrokersAreUrls) {
         const auto checked =
             with_outputs("{name: o, transport: mqtt, brokers: ['" + std::string(url) + "']}");
         EXPECT_EQ(checked.findings.empty() ? "" : checked.findings[0].code, code) << url;
-        for (const auto& finding : checked.findings)
+        for (const auto& finding : checked.findings) {
             EXPECT_EQ(finding.value.find("geheim"), std::string::npos);
+            for (const auto& [name, text] : finding.arguments)
+                EXPECT_EQ(text.find("geheim"), std::string::npos) << name;
+        }
     }
     EXPECT_EQ(
         findings_text(with_outputs("{name: o, transport: mqtt, brokers: ['mqtt://b', 'mqtt://b:1883']}")),
@@ -389,6 +392,9 @@ TEST(Output, TagsAreWords) {
     EXPECT_EQ(findings_text(Changes{.variable = "{tags: [a, b-2, ц_1, a]}"}), "");
     EXPECT_EQ(findings_text(Changes{.variable = "{tags: [a b]}"}), "tag.malformed tags[0]=a b [1..32]");
     EXPECT_EQ(findings_text(Changes{.variable = "{tags: [\"\"]}"}), "tag.malformed tags[0]= [1..32]");
+    const auto names = interpret(document({.variable = "{name: ~, tag: Level}"}));
+    ASSERT_EQ(names.findings.size(), 1U);
+    EXPECT_EQ(names.findings[0].arguments.at(0).second, "name") << "as other programs call it";
     EXPECT_EQ(findings_text(Changes{.variable = "{tags: a}"}), "field.not_a_list tags=a");
     auto source = document({});
     auto& variable =
