@@ -19,6 +19,7 @@ ExitCode check(const CommonOptions& common, const CheckOptions& options) {
     const Texts texts(common.language);
     auto loaded = host::load_project(options.file);
     static_cast<void>(host::recall_learnt(loaded, options.file));
+    host::check_output_files(loaded, options.file);
     std::optional<report::Outlook> outlook;
     if (!loaded.has_errors()) {
         const auto proof = prove(texts, loaded, options.prove, false, start);

@@ -40,6 +40,36 @@ TEST(ProjectFile, ATextWithoutErrorsGivesItsProject) {
     EXPECT_EQ(loaded.files, std::vector<std::string>{"plant.yaml"});
 }
 
+TEST(ProjectFile, FilesOfOutputsAreChecked) {
+    namespace fs = std::filesystem;
+    const test::Folder folder;
+    const auto path = folder / "plant.yaml";
+    const auto findings_of = [&] {
+        auto loaded = load_project_text(
+            "plant.yaml", std::string(kLearning) +
+                              "outputs:\n  - {name: o, transport: mqtt, brokers: [mqtts://b], user: u, "
+                              "password_file: secret, ca_file: ca.pem}\n");
+        EXPECT_TRUE(loaded.findings.empty());
+        check_output_files(loaded, path);
+        std::string all;
+        for (const auto& finding : loaded.findings) all += finding.code + ' ' + finding.path + '\n';
+        return all;
+    };
+    EXPECT_EQ(findings_of(),
+              "output.file_missing outputs[0].password_file\n"
+              "output.file_missing outputs[0].ca_file\n");
+    folder.write("secret", "x\n");
+    fs::permissions(folder / "secret", fs::perms::owner_read | fs::perms::others_read);
+    fs::create_directory(folder / "ca.pem");
+    EXPECT_EQ(findings_of(),
+              "output.file_exposed outputs[0].password_file\n"
+              "output.file_unreadable outputs[0].ca_file\n");
+    fs::permissions(folder / "secret", fs::perms::owner_read);
+    fs::remove(folder / "ca.pem");
+    folder.write("ca.pem", "x\n");
+    EXPECT_EQ(findings_of(), "");
+}
+
 TEST(ProjectFile, FindingsAreInTheOrderOfTheText) {
     std::string text = kLearning;
     text += "          - {name: Bad, type: nonsense, register: 5, read: 0x03}\nlocals: 5\nunknown_key: 1\n";

@@ -44,6 +44,10 @@ struct LoadedProject : LoadedFile {
 /// Appends the findings of the guarantees.
 void add_findings(LoadedProject& loaded, const plan::Proof& proof);
 
+/// Appends a warning for each file of an output that cannot be read, and for a secret that every user can
+/// read.
+void check_output_files(LoadedProject& loaded, const std::string& project_file);
+
 /// A file that is a list of access rules.
 struct LoadedAccess : LoadedFile {
     std::vector<model::AccessRule> rules;
