@@ -1,6 +1,7 @@
 #include "broker_choice.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace takt::publish {
 namespace {
