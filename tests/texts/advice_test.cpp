@@ -14,7 +14,7 @@ namespace {
 using model::Severity;
 
 /// Where the text of a case stands in a project.
-enum class At { project, line, device, variable, local, server, unit, served, instrument };
+enum class At { project, line, device, variable, local, server, unit, served, instrument, output };
 
 struct Case {
     const char* code;
@@ -48,6 +48,11 @@ std::string project_of(At at, const std::string& text) {
         case At::served:
             return "takt: 1\n" + usual +
                    unit("banks: [{area: holding_register, items: [0..9]}], variables: [" + text + "]");
+        case At::output:
+            return "takt: 1\n" +
+                   line(serial,
+                        device("", variable + ", {name: W, type: float, register: 2, read: 3, write: 16}")) +
+                   "outputs:\n- {name: o, transport: mqtt, " + text + "}\n";
         case At::instrument: break;
     }
     return "takt: 1\ninstruments:\n- {name: I, port: /dev/ttyS1, " + text + "}\n";
@@ -446,6 +451,67 @@ const std::vector<Case>& cases() {
          At::server,
          "- {name: S, listen: '*', access: [{rule: deny, peers: [1.2.3]}], relay: [{line: L}]}",
          {"- {name: S, listen: '*', access: [{rule: deny, peers: [1.2.3.4]}], relay: [{line: L}]}"}},
+        // outputs
+        {"output.name",
+         At::output,
+         "brokers: [mqtt://b]}\n- {name: Cloud A, transport: history",
+         {"brokers: [mqtt://b]}\n- {name: cloud_a, transport: history"}},
+        {"output.password",
+         At::output,
+         "brokers: [mqtts://b], user: u, password: x",
+         {"brokers: [mqtts://b], user: u, password_file: broker.secret",
+          "brokers: [mqtts://b], user: u, password_env: BROKER_PASSWORD"}},
+        {"output.broker_scheme",
+         At::output,
+         "brokers: [broker.example:8883]",
+         {"brokers: [mqtts://broker.example:8883]"}},
+        {"output.broker_scheme", At::output, "brokers: [https://b]", {"brokers: [mqtts://b:8883]"}},
+        {"output.broker_user", At::output, "brokers: [mqtt://u:p@b]", {"brokers: [mqtt://b:1883]"}},
+        {"output.broker_malformed",
+         At::output,
+         "brokers: [mqtt://b/topic]",
+         {"brokers: [mqtts://broker.example:8883]"}},
+        {"output.never",
+         At::output,
+         "brokers: [mqtt://b], on_change: false",
+         {"brokers: [mqtt://b]", "brokers: [mqtt://b], on_change: false, period: 10s"}},
+        {"output.unknown",
+         At::output,
+         "brokers: [mqtt://b], devices: [E]",
+         {"brokers: [mqtt://b], devices: [D]", "brokers: [mqtt://b]"}},
+        {"output.not_writable",
+         At::output,
+         "brokers: [mqtt://b], commands: [V]",
+         {"brokers: [mqtt://b], commands: [W]", "brokers: [mqtt://b]"}},
+        {"output.select_empty",
+         At::output,
+         "brokers: [mqtt://b], select: [{variables: ['*']}, {variables: [V]}]",
+         {"brokers: [mqtt://b], select: [{variables: [V]}, {variables: ['*']}]",
+          "brokers: [mqtt://b], select: [{variables: ['*']}]"}},
+        {"output.quota_short",
+         At::output,
+         "brokers: [mqtt://b], quota_mb: 32, period: 100ms",
+         {"brokers: [mqtt://b], quota_mb: 66, period: 100ms",
+          "brokers: [mqtt://b], quota_mb: 32, period: 1s"}},
+        {"topic.unknown_part",
+         At::output,
+         "brokers: [mqtt://b], topic: 'a/{name}/{variable}'",
+         {"brokers: [mqtt://b], topic: 'a/{line}/{variable}'"}},
+        {"topic.shared",
+         At::output,
+         "brokers: [mqtt://b], topic: 'a/{device}'",
+         {"brokers: [mqtt://b], topic: 'a/{device}/{variable}'",
+          "brokers: [mqtt://b], topic: 'a/{device}', message: device, retain: false"}},
+        {"topic.variable",
+         At::output,
+         "brokers: [mqtt://b], topic: 'a/{variable}', message: device",
+         {"brokers: [mqtt://b], topic: a, message: device",
+          "brokers: [mqtt://b], topic: 'a/{variable}', message: variable"}},
+        {"topic.reserved",
+         At::output,
+         "brokers: [mqtt://b], control_topic: a, topic: 'a/set/{variable}'",
+         {"brokers: [mqtt://b], control_topic: a, topic: 'a/{device}/{variable}'",
+          "brokers: [mqtt://b], topic: 'a/set/{variable}'"}},
         {"server.listen_twice",
          At::server,
          "- {name: S, listen: '*', relay: [{line: L}]}\n- {name: T, listen: '*', relay: [{line: L}]}",
