@@ -94,6 +94,10 @@ void MqttWork::on_disconnected(Instant, MqttConnectionId) {
 
 void MqttWork::on_message(Instant, MqttInbound&&) {}
 
+bool MqttWork::takes_records() const {
+    return session_ && session_->status().state == MqttState::connected;
+}
+
 void MqttWork::stop(Instant now) {
     status_at_ = kNever;
     session_->stop(now);

@@ -108,9 +108,7 @@ void OutputThread::stop(Instant now) {
         work_->work(now);
     }
     if (!journal_ || leaving_) return;
-    OutputStatus status;
-    work_->report(now, status);
-    const bool more = status.state == OutputState::delivering && journal_->counters(kDestination).waiting > 0;
+    const bool more = work_->takes_records() && journal_->counters(kDestination).waiting > 0;
     if (more && now < stop_until_ - options_.stop_limit / 2) return;
     leaving_ = true;
     work_->stop(now);

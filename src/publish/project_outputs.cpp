@@ -15,6 +15,7 @@
 #include <variant>
 
 #include "takt/model/output.hpp"
+#include "takt/publish/history_work.hpp"
 #include "takt/publish/mosquitto_pipe.hpp"
 #include "takt/publish/mqtt_composer.hpp"
 #include "takt/publish/mqtt_work.hpp"
@@ -132,6 +133,14 @@ std::unique_ptr<OutputWork> mqtt_work(const ProjectOutputsOptions& options, cons
     return std::make_unique<MqttWork>(std::move(work));
 }
 
+std::unique_ptr<OutputWork> history_work(const ProjectOutputsOptions& options, const model::Output& output) {
+    store::HistoryOptions history;
+    history.retention = output.journal.retention;
+    history.quota_bytes = output.journal.quota;
+    return std::make_unique<HistoryWork>(history_database(options.project_file),
+                                         journal_folder(options.project_file, output), history);
+}
+
 SamplePolicy policy_of(const model::SamplingPolicy& policy) {
     return {.on_change = policy.on_change,
             .period = policy.period,
@@ -140,8 +149,14 @@ SamplePolicy policy_of(const model::SamplingPolicy& policy) {
             .skip_bad = policy.skip_bad};
 }
 
-store::JournalOptions journal_options(const model::JournalSettings& settings) {
+// A history keeps its values itself.
+store::JournalOptions journal_options(const model::Output& output) {
+    const auto& settings = output.journal;
     store::JournalOptions options;
+    if (output.transport == model::OutputTransport::history) {
+        options.retention = std::chrono::hours(1);
+        return options;
+    }
     options.buffer_bytes = static_cast<std::size_t>(settings.buffer / 2);  // the other half: SampleQueue
     options.quota_bytes = settings.quota;
     options.retention = settings.retention;
@@ -198,6 +213,12 @@ std::string journal_folder(const std::string& project_file, const model::Output&
     return (folder_of(project_file) / base / output.name).string();
 }
 
+std::string history_database(const std::string& project_file) {
+    return (folder_of(project_file) / fs::path(project_file).filename())
+        .replace_extension(".history.db")
+        .string();
+}
+
 std::vector<OutputSetup> project_outputs(const ProjectOutputsOptions& options,
                                          const host::ConfigurationPtr& configuration) {
     std::vector<OutputSetup> setups;
@@ -206,14 +227,16 @@ std::vector<OutputSetup> project_outputs(const ProjectOutputsOptions& options,
         setup.settings = settings_text(output, *configuration);
         setup.thread = {.name = output.name,
                         .directory = journal_folder(options.project_file, output),
-                        .journal = journal_options(output.journal),
+                        .journal = journal_options(output),
                         .queue_bytes = static_cast<std::size_t>(output.journal.buffer / 2),
                         .log = options.log ? options.log("publish") : Log()};
         for (const auto& value : output.values)
             setup.selected.push_back({slot_of(configuration->slots(), value.subject),
                                       policy_of(output.selections.at(value.selection).policy)});
         setup.make_work = [options, configuration, &output] {
-            return mqtt_work(options, output, *configuration);
+            return output.transport == model::OutputTransport::history
+                       ? history_work(options, output)
+                       : mqtt_work(options, output, *configuration);
         };
         setups.push_back(std::move(setup));
     }

@@ -17,6 +17,7 @@ public:
     [[nodiscard]] Instant next_wakeup() const override { return kNever; }
     [[nodiscard]] std::span<const int> descriptors() const override { return {}; }
     void on_state_changed(Instant) override {}
+    [[nodiscard]] bool takes_records() const override { return false; }
     void stop(Instant) override {}
     [[nodiscard]] bool stopped() const override { return true; }
     void report(Instant, OutputStatus& status) const override {

@@ -74,6 +74,7 @@ public:
     [[nodiscard]] Instant next_wakeup() const override { return kNever; }
     [[nodiscard]] std::span<const int> descriptors() const override { return {}; }
     void on_state_changed(Instant) override { ++states_; }
+    [[nodiscard]] bool takes_records() const override { return !*away_; }
     void stop(Instant) override { stopped_ = true; }
     [[nodiscard]] bool stopped() const override { return stopped_; }
     void report(Instant, OutputStatus& status) const override { status.state = OutputState::delivering; }

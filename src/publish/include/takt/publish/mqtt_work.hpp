@@ -34,6 +34,7 @@ public:
     [[nodiscard]] Instant next_wakeup() const override;
     [[nodiscard]] std::span<const int> descriptors() const override { return descriptors_; }
     void on_state_changed(Instant now) override;
+    [[nodiscard]] bool takes_records() const override;
     void stop(Instant now) override;
     [[nodiscard]] bool stopped() const override;
     void report(Instant now, OutputStatus& status) const override;

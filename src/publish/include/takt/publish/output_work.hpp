@@ -28,6 +28,8 @@ public:
     /// The state of lines or devices changed.
     virtual void on_state_changed(Instant now) = 0;
 
+    /// Whether work() takes records at this moment. The orderly end then waits until all are taken.
+    [[nodiscard]] virtual bool takes_records() const = 0;
     /// Begins the orderly end; work() is called until stopped().
     virtual void stop(Instant now) = 0;
     [[nodiscard]] virtual bool stopped() const = 0;

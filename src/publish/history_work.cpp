@@ -1,0 +1,146 @@
+// A record is acknowledged after the commit that has it. After a crash in between, the journal gives it
+// again, and the history skips it by its position: the identity of the journal and the record's sequence
+// number. The identity is a random number beside the segments, so a journal that was deleted and begun again
+// is another one.
+#include "takt/publish/history_work.hpp"
+
+#include <sys/random.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <fstream>
+#include <utility>
+
+#include "takt/line/loop.hpp"
+#include "takt/os/replace.hpp"
+#include "takt/publish/sample_codec.hpp"
+
+namespace takt::publish {
+namespace {
+
+std::int64_t wall_ns(Instant t) {
+    const auto since = line::wall_clock(t).time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
+}
+
+Result<std::uint64_t> identity_in(const std::string& folder) {
+    const auto path = folder + "/identity";
+    std::uint64_t identity = 0;
+    if (std::ifstream(path) >> std::hex >> identity && identity != 0) return identity;
+    if (::getrandom(&identity, sizeof identity, 0) != sizeof identity) return fail(Code::io_failed, path);
+    TAKT_TRY(auto file, os::FileReplacement::begin(path, {}));
+    {
+        std::ofstream stream(file.temporary());
+        stream << std::hex << identity << '\n';
+        if (!stream.flush()) return fail(Code::io_failed, path);
+    }
+    TAKT_CHECK(file.commit());
+    return identity;
+}
+
+}  // namespace
+
+void HistoryWork::begin(Instant now, store::Journal& journal, store::DestinationId destination) {
+    journal_ = &journal;
+    destination_ = destination;
+    next_ = now;
+}
+
+Result<void> HistoryWork::open() {
+    if (history_) return {};
+    TAKT_TRY(identity_, identity_in(journal_folder_));
+    TAKT_TRY(auto opened, store::History::open(path_, options_));
+    history_ = std::move(opened.history);
+    series_.clear();
+    records_ = 0;
+    journal_->rewind(destination_);
+    return {};
+}
+
+Result<store::SeriesId> HistoryWork::series_of(const Series& series) {
+    const auto known = series_.find(series.variable);
+    if (known != series_.end() && known->second.first == series) return known->second.second;
+    TAKT_TRY(const auto id, history_->series({.name = series.variable,
+                                              .device = series.device,
+                                              .type = series.type,
+                                              .scaled = series.scaled,
+                                              .unit = series.unit}));
+    series_.insert_or_assign(series.variable, std::pair(series, id));
+    return id;
+}
+
+Result<void> HistoryWork::append(const store::JournalEntry& entry) {
+    history_->begin_record({identity_, entry.header.sequence});
+    if (entry.gap) {
+        const auto& gap = *entry.gap;
+        history_->append(store::HistoryGap{gap.first_wall_ns, gap.last_wall_ns, gap.cause, gap.samples});
+        return {};
+    }
+    const auto batch = decode_samples(entry.payload);
+    if (!batch) {
+        unreadable_ += entry.header.samples;
+        return journal_->reject(destination_, entry.header.sequence, entry.header.samples);
+    }
+    for (const auto& sample : batch->samples) {
+        TAKT_TRY(const auto series, series_of(batch->series[sample.series]));
+        history_->append(series, {.time_ns = sample.wall_ns,
+                                  .previous_ns = sample.previous_wall_ns,
+                                  .value = sample.value,
+                                  .quality = sample.quality,
+                                  .reason = sample.reason});
+    }
+    return {};
+}
+
+// A commit without samples notes up to when the values are known.
+Result<void> HistoryWork::take(Instant now) {
+    TAKT_CHECK(open());
+    bool more = true;
+    while (more) {
+        while (records_ < kMostRecords) {
+            TAKT_TRY(const auto entry, journal_->read(destination_));
+            more = entry.has_value();
+            if (!more) break;
+            TAKT_CHECK(append(*entry));
+            last_sequence_ = entry->header.sequence;
+            ++records_;
+        }
+        TAKT_CHECK(history_->commit(wall_ns(now)));
+        if (records_ > 0) TAKT_CHECK(journal_->acknowledge(now, destination_, last_sequence_));
+        records_ = 0;
+    }
+    return {};
+}
+
+void HistoryWork::work(Instant now) {
+    if (stopped_ || now < next_) return;
+    next_ = now + kCommitEvery;
+    if (const auto taken = take(now); !taken)
+        fail_with(now, taken.error());
+    else
+        failure_.reset();
+}
+
+// What was appended and not committed is forgotten, and read from the journal again.
+void HistoryWork::fail_with(Instant now, const Error& error) {
+    failure_ = error;
+    history_.reset();
+    next_ = now + kTryAgain;
+}
+
+void HistoryWork::stop(Instant now) {
+    next_ = now;
+    work(now);
+    stopped_ = true;
+    history_.reset();
+}
+
+void HistoryWork::report(Instant, OutputStatus& status) const {
+    status.state = failure_ ? OutputState::waiting : OutputState::delivering;
+    status.destination = path_;
+    if (failure_)
+        status.failure = std::string(name(failure_->code)) + " " + std::string(failure_->subject.view());
+}
+
+}  // namespace takt::publish
