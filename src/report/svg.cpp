@@ -69,6 +69,18 @@ void Svg::text(double x, double y, std::string_view style, std::string_view cont
                          xml_text(content));
 }
 
+void Svg::path(std::string_view commands, std::string_view style) {
+    body_ += fmt::format("<path class=\"{}\" d=\"{}\"/>\n", style, commands);
+}
+
+void Svg::hatch(std::string_view id, double degrees, double distance, std::string_view line_style) {
+    body_ += fmt::format(
+        "<defs><pattern id=\"{0}\" width=\"{1}\" height=\"{1}\" patternUnits=\"userSpaceOnUse\" "
+        "patternTransform=\"rotate({2})\"><line class=\"{3}\" x1=\"0\" y1=\"0\" x2=\"0\" y2=\"{1}\"/>"
+        "</pattern></defs>\n",
+        id, number(distance), number(degrees), line_style);
+}
+
 void Svg::title(std::string_view content) {
     body_ += fmt::format("<title>{}</title>\n", xml_text(content));
 }

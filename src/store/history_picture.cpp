@@ -69,6 +69,8 @@ void PictureBuilder::hold(std::int64_t until_ns) {
 void PictureBuilder::begin(const HistorySample& before) {
     picture_.before = before;
     last_ = summary_of(before);
+    const bool holds = hold_end(before.time_ns, range_.from_ns + 1, gaps_) > range_.from_ns;
+    if (last_->ends_with_number && holds) picture_.held = last_->last;
 }
 
 void PictureBuilder::add(const HistorySample& sample) {

@@ -212,6 +212,10 @@ Result<std::optional<HistoryRange>> HistoryReader::extent(SeriesId series) {
     });
 }
 
+Result<std::optional<HistorySample>> HistoryReader::before(SeriesId series, std::int64_t time_ns) {
+    return state_->consistent([&] { return state_->before(series, time_ns, state_->logged(series)); });
+}
+
 Result<std::vector<HistoryGap>> HistoryReader::gaps(const HistoryRange& range) {
     return state_->consistent([&] { return read_gaps(*state_->database, range.from_ns, range.to_ns - 1); });
 }

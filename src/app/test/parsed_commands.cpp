@@ -6,6 +6,7 @@
 #include "commands/client_commands.hpp"
 #include "commands/convert_command.hpp"
 #include "commands/ctl_command.hpp"
+#include "commands/history_command.hpp"
 #include "commands/plan_command.hpp"
 #include "commands/probe_command.hpp"
 #include "commands/run_command.hpp"
@@ -39,6 +40,9 @@ ExitCode ctl(const CommonOptions&, const CtlOptions& options) {
     return keep(options);
 }
 ExitCode demo(const CommonOptions&, const DemoOptions& options) {
+    return keep(options);
+}
+ExitCode history(const CommonOptions&, const HistoryOptions& options) {
     return keep(options);
 }
 ExitCode plan(const CommonOptions&, const PlanOptions& options) {
@@ -88,6 +92,7 @@ Parsed parse(const std::string& line) {
     add_project_commands(command_line, common);
     add_convert(command_line, common);
     add_table_commands(command_line, common);
+    add_history(command_line, common);
     add_client_commands(command_line, common);
     add_finding_commands(command_line, common);
     g_options.reset();

@@ -30,6 +30,10 @@ public:
     void rect(const Box& box, std::string_view style, std::string_view attributes = {});
     void line(double x1, double y1, double x2, double y2, std::string_view style);
     void text(double x, double y, std::string_view style, std::string_view content);
+    /// @param commands  of SVG paths: "M0 0H5V7"
+    void path(std::string_view commands, std::string_view style);
+    /// A pattern of lines at an angle, for `fill:url(#id)` in the style sheet.
+    void hatch(std::string_view id, double degrees, double distance, std::string_view line_style);
     /// The tooltip of the current group; the first element of the group.
     void title(std::string_view content);
     void begin_group(std::string_view style, std::string_view attributes = {});

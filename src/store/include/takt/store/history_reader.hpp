@@ -52,6 +52,7 @@ struct HistoryPicture {
     HistoryRange range;
     std::vector<HistoryPixel> pixels;     ///< those with samples, in order of time
     std::optional<HistorySample> before;  ///< the last sample before the range: its value holds
+    std::optional<HistoryPoint> held;     ///< the number that holds at the begin of the range
     std::vector<HistoryBadSpan> bad;      ///< in order of time; neighbours of one reason are one span
     std::vector<HistoryGap> gaps;         ///< that overlap the range, in order of time
     std::uint64_t samples = 0;            ///< in the range
@@ -85,6 +86,8 @@ public:
     [[nodiscard]] Result<std::vector<HistorySeriesInfo>> series();
     /// The times of the oldest and newest sample of a series; nothing: it has none.
     [[nodiscard]] Result<std::optional<HistoryRange>> extent(SeriesId series);
+    /// The newest sample before a time.
+    [[nodiscard]] Result<std::optional<HistorySample>> before(SeriesId series, std::int64_t time_ns);
     /// The gaps that overlap the range, in order of time.
     [[nodiscard]] Result<std::vector<HistoryGap>> gaps(const HistoryRange& range);
     /// The samples in the range, in order of time; equal times in the order of arrival.

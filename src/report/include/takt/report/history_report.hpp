@@ -1,0 +1,51 @@
+// The history of variables as text, JSON and CSV.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "takt/file/json.hpp"
+#include "takt/report/texts.hpp"
+#include "takt/store/history_reader.hpp"
+
+namespace takt::report {
+
+/// A variable in a range.
+struct HistoryView {
+    store::HistorySeries series;
+    store::HistoryPicture picture;
+    std::optional<store::HistorySample> last;  ///< the newest sample before the end of the range
+};
+
+/// The word for a cause in JSON and CSV: "restart", "buffer_full", …
+[[nodiscard]] std::string_view gap_word(store::GapCause cause);
+/// The cause in the language of `texts`.
+[[nodiscard]] std::string gap_text(const Texts& texts, store::GapCause cause);
+
+/// A row for each variable (newest value, min, mean, max, share of good time), then gaps and bad times.
+/// @param columns  of a terminal: a small picture of each variable is added; SIZE_MAX: no terminal
+[[nodiscard]] std::string history_text(const Texts& texts, const std::vector<HistoryView>& views,
+                                       std::size_t columns);
+
+/// {"from", "to", "variables": […]} with the points of each pixel, gaps and bad times.
+[[nodiscard]] file::Json history_json(const std::vector<HistoryView>& views,
+                                      const store::HistoryRange& range);
+
+/// The variables of a history, with the times of their oldest and newest samples.
+struct HistoryListEntry {
+    store::HistorySeries series;
+    std::optional<store::HistoryRange> extent;
+};
+[[nodiscard]] std::string history_list_text(const Texts& texts, const std::vector<HistoryListEntry>& entries,
+                                            std::size_t columns);
+[[nodiscard]] file::Json history_list_json(const std::vector<HistoryListEntry>& entries);
+
+/// The heading of a CSV table of samples, with its line end.
+[[nodiscard]] std::string history_csv_heading();
+/// A sample as a row. Decimal point, cells quoted as in RFC 4180.
+[[nodiscard]] std::string history_csv_row(const store::HistorySeries& series,
+                                          const store::HistorySample& sample);
+
+}  // namespace takt::report
