@@ -9,7 +9,6 @@ namespace takt::store {
 namespace {
 
 constexpr std::size_t kMostOpenSamples = 500'000;  // some 40 MB
-constexpr std::size_t kSamplesForMinutes = 8;  // of a minute: with fewer, the samples are as quick to read
 constexpr std::int64_t kGapMemory = 3 * kHour;
 constexpr std::size_t kMostGaps = 10'000;
 
@@ -24,13 +23,6 @@ std::size_t chunk_length(std::span<const HistorySample> samples, std::size_t mos
            hour_of(samples[length].time_ns) == hour_of(samples[0].time_ns))
         ++length;
     return length;
-}
-
-bool needs_minutes(const HistorySummary& summary) {
-    constexpr double kMinute = 60e9;
-    const double minutes = static_cast<double>(summary.end_ns - summary.begin_ns) / kMinute;
-    return summary.numbers > 0 && minutes > 2 &&
-           static_cast<double>(summary.samples) > static_cast<double>(kSamplesForMinutes) * minutes;
 }
 
 }  // namespace
@@ -99,9 +91,7 @@ void OpenChunks::fold(ChunkWriter& writer, SeriesId series, Entry& entry, std::i
         ChunkRow row{.id = next_id_++, .series = series, .summary = summary_of(samples, gaps_)};
         row.open = left.empty() && samples.size() < chunk_samples_ && !close_all_ &&
                    hour_of(samples.back().time_ns) >= hour;
-        const bool minutes = !row.open && needs_minutes(row.summary);
-        writer.write(row, encode_history(samples, {.compress = !row.open}),
-                     minutes ? encode_minutes(samples, gaps_) : std::vector<std::uint8_t>());
+        writer.write(row, encode_history(samples, {.compress = !row.open}));
         if (row.open) {
             entry.next_row = Row{row.id, row.summary.begin_ns};
         } else {

@@ -30,10 +30,6 @@ std::size_t PictureBuilder::pixel_of(std::int64_t time_ns) const {
     return std::min(static_cast<std::size_t>(share * static_cast<double>(pixels_)), pixels_ - 1);
 }
 
-double PictureBuilder::pixel_ns() const {
-    return width_of(range_) / static_cast<double>(pixels_);
-}
-
 bool PictureBuilder::fits(const HistorySummary& summary) const {
     return !summary.mixed && summary.begin_ns >= range_.from_ns && summary.end_ns < range_.to_ns &&
            pixel_of(summary.begin_ns) == pixel_of(summary.end_ns);
@@ -96,7 +92,7 @@ void PictureBuilder::add_to_pixel(const HistorySummary& summary) {
     const std::size_t index = pixel_of(summary.begin_ns);
     auto& all = picture_.pixels;
     if (all.empty() || all.back().index != index) {
-        const double width = pixel_ns();
+        const double width = width_of(range_) / static_cast<double>(pixels_);
         const auto begin = [&](std::size_t i) {
             return range_.from_ns + static_cast<std::int64_t>(static_cast<double>(i) * width);
         };

@@ -16,7 +16,6 @@ public:
     PictureBuilder(const HistoryRange& range, std::size_t pixels, std::span<const HistoryGap> gaps);
 
     [[nodiscard]] std::size_t pixel_of(std::int64_t time_ns) const;
-    [[nodiscard]] double pixel_ns() const;
     /// Whether a roll-up can be added: within the range and one pixel, and of one quality and reason.
     [[nodiscard]] bool fits(const HistorySummary& summary) const;
 

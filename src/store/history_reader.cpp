@@ -1,6 +1,6 @@
 // A query takes the rows of chunks, which are roll-ups, and the samples of the log. Chunks do not overlap,
 // unless the clock was set back: those are decoded and merged. Else a chunk that fits into a pixel is taken
-// as its roll-up, or minute by minute, and only the rest is decoded. No extreme is lost on any of these ways.
+// as its roll-up, and the others are decoded. No extreme is lost either way.
 #include "takt/store/history_reader.hpp"
 
 #include <algorithm>
@@ -19,7 +19,6 @@ namespace {
 using Samples = std::vector<HistorySample>;
 
 constexpr std::size_t kMostPixels = 100'000;
-constexpr double kMinute = 60e9;
 constexpr int kLockWait = 500;  // ms
 
 /// Chunks that overlap in time, as a part of the list.
@@ -98,7 +97,6 @@ struct HistoryReader::State {
     }
     std::optional<HistorySample> before(SeriesId series, std::int64_t time_ns, const Samples& log);
     void draw(PictureBuilder& builder, Cluster cluster, const Samples& log);
-    bool draw_minutes(PictureBuilder& builder, std::int64_t chunk);
     HistoryPicture picture(SeriesId series, const HistoryRange& range, std::size_t pixels);
 };
 
@@ -123,29 +121,9 @@ std::optional<HistorySample> HistoryReader::State::before(SeriesId series, std::
     return best;
 }
 
-bool HistoryReader::State::draw_minutes(PictureBuilder& builder, std::int64_t chunk) {
-    const auto bytes = read_chunk_minutes(*database, chunk);
-    if (bytes.empty()) return false;
-    const auto minutes = decode_minutes(bytes);
-    if (!minutes) return false;
-    Samples samples;
-    for (const HistorySummary& minute : *minutes) {
-        if (builder.fits(minute)) {
-            builder.add(minute);
-            continue;
-        }
-        if (samples.empty()) samples = samples_of(chunk);
-        const auto first = std::ranges::lower_bound(samples, minute.begin_ns, {}, &HistorySample::time_ns);
-        for (auto sample = first; sample != samples.end() && sample->time_ns <= minute.end_ns; ++sample)
-            builder.add(*sample);
-    }
-    return true;
-}
-
 void HistoryReader::State::draw(PictureBuilder& builder, Cluster cluster, const Samples& log) {
     if (cluster.size() == 1 && cluster[0].id != 0) {
         if (builder.fits(cluster[0].summary)) return builder.add(cluster[0].summary);
-        if (builder.pixel_ns() > kMinute && draw_minutes(builder, cluster[0].id)) return;
     }
     for (const auto& sample : merged(cluster, log)) builder.add(sample);
 }

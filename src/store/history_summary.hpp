@@ -46,10 +46,4 @@ void append(HistorySummary& summary, const HistorySummary& next, std::span<const
 /// @param samples  at least one, in order of time
 HistorySummary summary_of(std::span<const HistorySample> samples, std::span<const HistoryGap> gaps);
 
-/// The roll-ups of the minutes (of UTC) that have samples, as bytes.
-std::vector<std::uint8_t> encode_minutes(std::span<const HistorySample> samples,
-                                         std::span<const HistoryGap> gaps);
-/// @returns malformed
-Result<std::vector<HistorySummary>> decode_minutes(Bytes bytes);
-
 }  // namespace takt::store

@@ -15,7 +15,7 @@ constexpr std::int64_t kUnit = 1'000'000;
 constexpr const char* kTables = R"(
 CREATE TABLE series (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, device TEXT NOT NULL, type TEXT NOT NULL,
                      scaled INTEGER NOT NULL, unit TEXT NOT NULL);
-CREATE TABLE chunk (id INTEGER PRIMARY KEY, data BLOB NOT NULL, minutes BLOB);
+CREATE TABLE chunk (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
 CREATE TABLE rollup (series INTEGER NOT NULL, t0 INTEGER NOT NULL, chunk INTEGER NOT NULL, t1 INTEGER NOT NULL,
                      open INTEGER NOT NULL, samples INTEGER NOT NULL, quality INTEGER NOT NULL,
                      reason INTEGER NOT NULL, flags INTEGER NOT NULL, numbers INTEGER NOT NULL,
@@ -207,12 +207,11 @@ HistoryGaps read_gaps(SQLite::Database& database, std::int64_t from_ns, std::int
 ChunkWriter::ChunkWriter(SQLite::Database& database)
     : row_(database, std::string("INSERT INTO rollup (") + kRowColumns +
                          ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"),
-      data_(database, "INSERT INTO chunk (id, data, minutes) VALUES (?, ?, ?)"),
+      data_(database, "INSERT INTO chunk (id, data) VALUES (?, ?)"),
       erase_row_(database, "DELETE FROM rollup WHERE series = ? AND t0 = ? AND chunk = ?"),
       erase_data_(database, "DELETE FROM chunk WHERE id = ?") {}
 
-void ChunkWriter::write(const ChunkRow& row, const std::vector<std::uint8_t>& data,
-                        const std::vector<std::uint8_t>& minutes) {
+void ChunkWriter::write(const ChunkRow& row, const std::vector<std::uint8_t>& data) {
     const auto& summary = row.summary;
     row_.reset();
     row_.bind(1, row.series.value);
@@ -237,10 +236,6 @@ void ChunkWriter::write(const ChunkRow& row, const std::vector<std::uint8_t>& da
     data_.reset();
     data_.bind(1, row.id);
     bind_bytes(data_, 2, data);
-    if (minutes.empty())
-        data_.bind(3);
-    else
-        bind_bytes(data_, 3, minutes);
     run(data_);
 }
 
@@ -282,10 +277,6 @@ std::int64_t last_chunk(SQLite::Database& database) {
 
 std::vector<std::uint8_t> read_chunk_data(SQLite::Database& database, std::int64_t id) {
     return read_blob(database, "SELECT data FROM chunk WHERE id = ?", id);
-}
-
-std::vector<std::uint8_t> read_chunk_minutes(SQLite::Database& database, std::int64_t id) {
-    return read_blob(database, "SELECT minutes FROM chunk WHERE id = ?", id);
 }
 
 std::size_t drop_chunks(SQLite::Database& database, std::int64_t cutoff_ns, std::size_t most) {

@@ -46,9 +46,7 @@ void write_gap(SQLite::Database& database, const HistoryGap& gap);
 class ChunkWriter {
 public:
     explicit ChunkWriter(SQLite::Database& database);
-    /// @param minutes  empty: none
-    void write(const ChunkRow& row, const std::vector<std::uint8_t>& data,
-               const std::vector<std::uint8_t>& minutes);
+    void write(const ChunkRow& row, const std::vector<std::uint8_t>& data);
     void erase(SeriesId series, std::int64_t begin_ns, std::int64_t id);
 
 private:
@@ -68,7 +66,6 @@ private:
 [[nodiscard]] std::int64_t last_chunk(SQLite::Database& database);
 /// Empty where there is no such chunk.
 [[nodiscard]] std::vector<std::uint8_t> read_chunk_data(SQLite::Database& database, std::int64_t id);
-[[nodiscard]] std::vector<std::uint8_t> read_chunk_minutes(SQLite::Database& database, std::int64_t id);
 
 /// Deletes up to `most` closed chunks, the oldest first, that end before `cutoff_ns`. @returns how many
 [[nodiscard]] std::size_t drop_chunks(SQLite::Database& database, std::int64_t cutoff_ns, std::size_t most);

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "../history_log.hpp"
-#include "../history_summary.hpp"
 #include "../little_endian.hpp"
 #include "takt/store/crc32c.hpp"
 
@@ -146,7 +145,6 @@ RC_GTEST_PROP(HistoryCodec, SurvivesBytesThatNobodyWrote, ()) {
     put_little(bytes, crc32c(bytes));
     static_cast<void>(decode_history(bytes));
     static_cast<void>(decode_log(bytes));
-    static_cast<void>(decode_minutes(bytes));
 }
 
 RC_GTEST_PROP(HistoryCodec, ReportsDamage, ()) {
@@ -155,26 +153,6 @@ RC_GTEST_PROP(HistoryCodec, ReportsDamage, ()) {
     bytes[at] = static_cast<std::uint8_t>(bytes[at] ^ (1 << *rc::gen::inRange(0, 8)));
     RC_ASSERT(!decode_history(bytes));
     RC_ASSERT(!decode_history(Bytes(bytes).first(at)));
-}
-
-TEST(HistoryMinutes, AreTheSummariesOfEachMinute) {
-    Samples samples;
-    for (int i = 0; i < 150; ++i)
-        samples.push_back({.time_ns = kStart + i * 1000 * kMs, .value = std::sin(i * 0.1)});
-    samples[70].quality = value::Quality::bad;
-    const HistoryGaps gaps;
-    const auto minutes = decode_minutes(encode_minutes(samples, gaps));
-    ASSERT_TRUE(minutes);
-    HistorySummary whole = minutes->front();
-    for (std::size_t i = 1; i < minutes->size(); ++i) append(whole, (*minutes)[i], gaps);
-    const auto expected = summary_of(samples, gaps);
-    EXPECT_EQ(whole.samples, 150U);
-    EXPECT_EQ(whole.numbers, 149U);
-    EXPECT_EQ(whole.min.value, expected.min.value);
-    EXPECT_EQ(whole.max.time_ns, expected.max.time_ns);
-    EXPECT_NEAR(whole.area, expected.area, 1e-9);
-    EXPECT_NEAR(whole.good_s, 148, 1e-9);
-    EXPECT_TRUE(whole.mixed);
 }
 
 }  // namespace

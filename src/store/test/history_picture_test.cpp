@@ -102,7 +102,7 @@ TEST(HistoryPicture, UsesRollUpsAndStillShowsASpike) {
     for (int i = 0; i < 86'400; ++i)
         stored.append({.time_ns = kStart + i * kSecond, .value = i == 40'000 ? 1e6 : i % 7 / 10.0});
     ASSERT_TRUE(stored.history->commit(kStart + 24 * kHour));
-    for (const std::size_t pixels : {10U, 24U, 100U, 1000U}) {
+    for (const std::size_t pixels : {1U, 10U, 24U, 40U}) {
         const auto picture = stored.picture({kStart, kStart + 24 * kHour}, pixels);
         EXPECT_EQ(picture.samples, 86'400U);
         EXPECT_GT(picture.rolled_up, 0U) << pixels;
