@@ -1,7 +1,9 @@
 #include "takt/report/outputs_report.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <string_view>
+#include <variant>
 
 #include "takt/publish/message_format.hpp"
 #include "takt/report/formatting.hpp"
@@ -42,23 +44,52 @@ file::Json journal_json(const Texts& texts, const publish::OutputStatus& status)
     return object;
 }
 
+Duration duration_of(const file::Json& milliseconds) {
+    const auto* const number = std::get_if<double>(&milliseconds.value());
+    if (const auto* const whole = std::get_if<std::int64_t>(&milliseconds.value()))
+        return std::chrono::milliseconds(*whole);
+    return number == nullptr ? Duration{} : Duration(static_cast<std::int64_t>(*number * 1e6));
+}
+
+std::string string_of(const file::Json& object, std::string_view key) {
+    const auto* const found = object.find(key);
+    if (found == nullptr) return {};
+    if (const auto* const text = std::get_if<std::string>(&found->value())) return *text;
+    return found->is_null() ? std::string() : found->dump();
+}
+
+/// The line of an object of output_json(); keys that are missing are left out.
+std::string line_of(const Texts& texts, const file::Json& output) {
+    auto text = texts("app.output.state", {{"name", string_of(output, "name")},
+                                           {"state", texts("app.output." + string_of(output, "state"))},
+                                           {"destination", string_of(output, "destination")},
+                                           {"delivered", string_of(output, "delivered")},
+                                           {"waiting", string_of(output, "waiting")}});
+    if (const auto* const age = output.find("oldest_waiting_ms"); age != nullptr && !age->is_null())
+        text += texts("app.output.oldest", {{"age", age_text(duration_of(*age))}});
+    if (const auto dropped = string_of(output, "dropped"); !dropped.empty() && dropped != "0")
+        text += texts("app.output.dropped", {{"count", dropped}});
+    if (const auto failure = string_of(output, "failure"); !failure.empty())
+        text += texts("app.output.failure", {{"failure", failure}});
+    const auto* const journal = output.find("journal");
+    const auto* const failure = journal != nullptr ? journal->find("failure") : nullptr;
+    if (failure != nullptr && !failure->is_null())
+        text += texts("app.output.journal", {{"failure", without_stop(string_of(*failure, "text"))}});
+    return text;
+}
+
 }  // namespace
 
 std::string output_text(const Texts& texts, const publish::OutputStatus& status, std::int64_t wall_ns) {
-    const auto& samples = status.samples;
-    auto text = texts("app.output.state", {{"name", status.name},
-                                           {"state", texts("app.output." + std::string(name(status.state)))},
-                                           {"destination", status.destination},
-                                           {"delivered", std::to_string(samples.delivered)},
-                                           {"waiting", std::to_string(samples.waiting)}});
-    if (status.oldest_waiting_ns)
-        text += texts("app.output.oldest", {{"age", age_text(waiting_since(status, wall_ns))}});
-    if (samples.dropped > 0)
-        text += texts("app.output.dropped", {{"count", std::to_string(samples.dropped)}});
-    if (!status.failure.empty()) text += texts("app.output.failure", {{"failure", status.failure}});
-    if (status.journal_failure)
-        text +=
-            texts("app.output.journal", {{"failure", without_stop(texts.describe(*status.journal_failure))}});
+    return line_of(texts, output_json(texts, status, wall_ns));
+}
+
+std::string outputs_text(const Texts& texts, const file::Json& object) {
+    std::string text;
+    const auto* const outputs = object.find("outputs");
+    if (outputs == nullptr) return text;
+    for (const auto& output : std::get<file::Json::Array>(outputs->value()))
+        text += line_of(texts, output) + '\n';
     return text;
 }
 

@@ -10,6 +10,7 @@
 #include "takt/report/command_report.hpp"
 #include "takt/report/event_report.hpp"
 #include "takt/report/formatting.hpp"
+#include "takt/report/outputs_report.hpp"
 #include "takt/report/progress_text.hpp"
 #include "takt/report/response_times_report.hpp"
 #include "takt/report/text_table.hpp"
@@ -480,7 +481,8 @@ std::string status_text(const Texts& texts, const file::Json& status, std::size_
                                  {"values", values_counted(texts, member(status, "values"))}}) +
         '\n';
     for (const auto& line : array_of(status, "lines")) text += '\n' + line_text(texts, line, columns);
-    return text;
+    const auto outputs = outputs_text(texts, status);
+    return outputs.empty() ? text : text + '\n' + wrapped(outputs, columns);
 }
 
 std::string list_text(const Texts& texts, const file::Json& list, std::size_t columns) {

@@ -40,7 +40,8 @@ INSTANTIATE_TEST_SUITE_P(All, Examples,
                                          Example{"scenario-2.yaml", 10, 10}, Example{"scenario-3.yaml", 4, 6},
                                          Example{"boiler.yaml", 6, 7}, Example{"meters.yaml", 4, 12},
                                          Example{"demo.yaml", 7, 13}, Example{"tank-farm.yaml", 7, 10},
-                                         Example{"gateway.yaml", 2, 2}, Example{"converter.yaml", 2, 3}),
+                                         Example{"gateway.yaml", 2, 2}, Example{"converter.yaml", 2, 3},
+                                         Example{"mqtt.yaml", 1, 2}),
                          [](const auto& example) {
                              std::string name(example.param.file.substr(0, example.param.file.find('.')));
                              for (auto& c : name)

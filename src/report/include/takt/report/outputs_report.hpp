@@ -19,6 +19,9 @@ namespace takt::report {
 [[nodiscard]] std::string outputs_text(const Texts& texts, std::span<const publish::OutputStatus> outputs,
                                        std::int64_t wall_ns);
 
+/// The same lines, of the key `outputs` of an object: outputs_json().
+[[nodiscard]] std::string outputs_text(const Texts& texts, const file::Json& object);
+
 /// docs/commands/run.md describes the keys.
 [[nodiscard]] file::Json output_json(const Texts& texts, const publish::OutputStatus& status,
                                      std::int64_t wall_ns);
