@@ -15,6 +15,7 @@
 #include "takt/report/response_times_report.hpp"
 #include "takt/report/text_table.hpp"
 #include "takt/report/value_json.hpp"
+#include "takt/report/word_wrap.hpp"
 #include "takt/text/catalogue.hpp"
 #include "takt/text/escape.hpp"
 #include "takt/value/text.hpp"

@@ -10,6 +10,7 @@
 #include "output.hpp"
 #include "takt/file/write.hpp"
 #include "takt/model/nearest.hpp"
+#include "takt/publish/project_outputs.hpp"
 #include "takt/report/history_report.hpp"
 #include "takt/report/history_svg.hpp"
 #include "takt/report/history_time.hpp"
@@ -122,13 +123,10 @@ ExitCode print_views(const Texts& texts, const HistoryOptions& options, HistoryR
 
 }  // namespace
 
-std::string history_database(const std::string& project_file) {
-    return std::filesystem::path(project_file).replace_extension(".history.db").string();
-}
-
 ExitCode history(const CommonOptions& common, const HistoryOptions& options) {
     const Texts texts(common.language);
-    const std::string path = options.database.empty() ? history_database(options.file) : options.database;
+    const std::string path =
+        options.database.empty() ? publish::history_database(options.file) : options.database;
     const auto range = range_of(texts, options);
     if (!range) return ExitCode::usage;
     auto reader = HistoryReader::open(path);

@@ -15,15 +15,12 @@ struct HistoryOptions {
     std::vector<std::string> variables;  ///< empty: list them
     std::string from = "-1h";
     std::string to = "now";
-    std::string database;  ///< empty: history_database() of the project
+    std::string database;  ///< empty: publish::history_database() of the project
     bool json = false;
     bool csv = false;
     std::string svg;  ///< file for the picture; "-": stdout
     std::uint32_t points = 1000;
 };
-
-/// The history beside a project file: `plant.history.db` of `plant.yaml`.
-[[nodiscard]] std::string history_database(const std::string& project_file);
 
 ExitCode history(const CommonOptions& common, const HistoryOptions& options);
 
