@@ -170,6 +170,22 @@ void Journal::rewind(DestinationId destination) {
     state_->at(destination).rewind();
 }
 
+Result<std::uint64_t> Journal::go_back(Instant now, DestinationId destination, std::uint64_t sequence) {
+    TAKT_TRY(const auto entry, replay(sequence)->next());
+    if (!entry) return std::uint64_t{0};
+    const auto& header = entry->header;
+    const StreamPosition start{.sequence = (entry->gap ? entry->gap->first_sequence : header.sequence) - 1,
+                               .samples = header.samples_before,
+                               .wall_ns = header.wall_ns,
+                               .epoch = header.epoch};
+    auto& reader = state_->at(destination);
+    const auto before = reader.state().position;
+    if (start.sequence >= before.sequence) return std::uint64_t{0};
+    reader.go_back(start);
+    state_->cursors_due = std::min(state_->cursors_due, after(now, state_->options.cursor_interval));
+    return before.samples - start.samples;
+}
+
 std::uint64_t Journal::acknowledged(DestinationId destination) const {
     return state_->at(destination).state().position.sequence;
 }

@@ -67,6 +67,16 @@ void JournalDestination::rewind() {
     reader_ = JournalReader(*segments_, *storage_, state_.position);
 }
 
+// Gaps among the samples that are read again count as delivered before, as far as there are any.
+void JournalDestination::go_back(const StreamPosition& position) {
+    const std::uint64_t samples = state_.position.samples - position.samples;
+    const std::uint64_t delivered = std::min(samples, state_.delivered);
+    state_.delivered -= delivered;
+    state_.dropped -= samples - delivered;
+    state_.position = position;
+    rewind();
+}
+
 DestinationCounters JournalDestination::counters(std::uint64_t samples) const {
     const std::uint64_t finished = state_.delivered + state_.dropped;
     const std::uint64_t waiting = samples - state_.position.samples;

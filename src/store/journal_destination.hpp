@@ -30,6 +30,8 @@ public:
     /// @returns out_of_range
     Result<void> reject(std::uint64_t sequence, std::uint64_t samples);
     void rewind();
+    /// Moves the cursor to a position before it.
+    void go_back(const StreamPosition& position);
 
     [[nodiscard]] bool has_unsaved() const { return !(state_ == cursor_.durable()); }
     Result<void> save() { return cursor_.save(state_); }

@@ -184,6 +184,26 @@ TEST_F(JournalTest, RejectedSamplesCountAsDropped) {
     EXPECT_EQ(counters.waiting, 0U);
 }
 
+TEST_F(JournalTest, ADestinationCanGoBack) {
+    start();
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(append(10));
+    tick();
+    EXPECT_EQ(read_all(kCloud).size(), 6U);
+    ASSERT_TRUE(journal_->acknowledge(now_, kCloud, 6));
+    EXPECT_EQ(journal_->counters(kCloud).delivered, 5U);
+    EXPECT_EQ(*journal_->go_back(now_, kCloud, 7), 0U);
+    EXPECT_EQ(*journal_->go_back(now_, kCloud, 4), 3U);
+    EXPECT_EQ(*journal_->go_back(now_, kCloud, 5), 0U);
+    EXPECT_EQ(journal_->counters(kCloud).waiting, 3U);
+    EXPECT_EQ(journal_->counters(kCloud).delivered, 2U);
+    ASSERT_TRUE(journal_->close(now_));
+    start();  // another gap
+    const auto entries = read_all(kCloud);
+    ASSERT_GE(entries.size(), 3U);
+    EXPECT_EQ(entries[0].header.sequence, 4U);
+    EXPECT_EQ(journal_->counters(kCloud).appended, 5U);
+}
+
 TEST_F(JournalTest, ContinuesAfterARestartWithAGap) {
     start();
     for (int i = 0; i < 4; ++i) ASSERT_TRUE(append(10));
