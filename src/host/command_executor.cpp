@@ -15,6 +15,10 @@ void CommandExecutor::execute(Instant t, std::unique_ptr<CommandRequest> command
     command->outcome.t = t;
     const auto kind = command->command.kind;
     if (kind == Command::Kind::get) return get(t, std::move(command));
+    if (const auto& expires = command->command.expires; expires && *expires <= t) {
+        command->outcome.result = CommandResult::expired;
+        return end(std::move(command));
+    }
     if (const auto name = service_name(command->command); !name.empty())
         return refuse(t, std::move(command), fail(Code::read_only, name).error());
     if (persistence_ && persistence_->keeps(command->command.slot) && persistence_->full())
@@ -96,7 +100,8 @@ bool CommandExecutor::is_written_soon(value::SlotId slot) const {
 void CommandExecutor::write(Instant t, std::unique_ptr<CommandRequest> command) {
     const auto id = command->outcome.id;
     const auto slot = command->command.slot;
-    const auto accepted = master_.write(t, {id, slot, command->command.value, after(t, kCommandExpires)});
+    const auto expires = command->command.expires.value_or(after(t, kCommandExpires));
+    const auto accepted = master_.write(t, {id, slot, command->command.value, expires});
     if (!accepted) return refuse(t, std::move(command), accepted.error());
     pending_.emplace(id, std::move(command));
     surroundings_.on_changed(slot);

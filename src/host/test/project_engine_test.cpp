@@ -118,6 +118,40 @@ TEST(ProjectEngine, ASetOfADeviceThatDoesNotAnswerEndsAsWaiting) {
     EXPECT_EQ(only_outcome(*session).progress, Outcome::Progress::waiting);
 }
 
+TEST(ProjectEngine, ACommandExpiresAtItsInstantAndIsNotExecutedLater) {
+    Rig rig(kPlant);
+    const auto session = rig.open();
+    rig.run(300ms);
+    const auto finish = [&](Command::Kind kind, const char* name, const value::Value& value,
+                            Instant expires) {
+        EXPECT_TRUE(
+            session->submit({.kind = kind, .slot = rig.slot(name), .value = value, .expires = expires}));
+        rig.serve();
+        return session->next_outcome();
+    };
+    for (const auto kind : {Command::Kind::set, Command::Kind::write})
+        EXPECT_EQ(finish(kind, "Setpoint", std::int64_t{4}, rig.now)->result, CommandResult::expired);
+    EXPECT_EQ(finish(Command::Kind::set, "go", true, rig.now)->result, CommandResult::expired);
+    EXPECT_EQ(finish(Command::Kind::set, "go", true, rig.now + 1ms)->result, CommandResult::done);
+}
+
+TEST(ProjectEngine, AWriteToADeadDeviceIsNotLeftWithoutOutcomeBeyondItsExpiry) {
+    Rig rig(kPlant);
+    rig.devices(0).find(UnitId{2})->behaviour.dead = true;
+    const auto session = rig.open();
+    rig.run(3s);
+    const auto sent = rig.now;
+    ASSERT_TRUE(session->submit({.kind = Command::Kind::write,
+                                 .slot = rig.slot("Speed"),
+                                 .value = std::int64_t{9},
+                                 .expires = sent + 400ms}));
+    rig.run(500ms);
+    const auto outcome = only_outcome(*session);
+    EXPECT_EQ(outcome.result, CommandResult::refused) << "known not to answer: not sent";
+    EXPECT_EQ(outcome.reason, value::Reason::not_answering);
+    EXPECT_LE(outcome.t, sent + 450ms);
+}
+
 TEST(ProjectEngine, ALaterSetSupersedesAnEarlierOne) {
     Rig rig(kPlant);
     const auto session = rig.open();

@@ -31,6 +31,9 @@ struct Command {
     std::uint64_t tag = 0;  ///< handed back in the outcome
     /// Instead of `slot`: a service variable that the project does not use. It can only be read.
     std::optional<model::ServiceVariable> service;
+    /// Of set and write: not begun after this instant, and not sent to the device if it is a write. Nothing:
+    /// a write expires after 10 s.
+    std::optional<Instant> expires = std::nullopt;
 };
 
 /// The result of a command. A session gets exactly one outcome for each command that submit() accepted.
