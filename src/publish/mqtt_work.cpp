@@ -34,6 +34,10 @@ std::string url_of(const MqttBroker& broker) {
            ":" + std::to_string(broker.port);
 }
 
+CommandTime both_clocks(Instant now) {
+    return {now, wall_ns(now)};
+}
+
 std::string text_of(const MqttFailure& failure) {
     std::string text(name(failure.kind));
     if (failure.reason != MqttReason::success) text += ", " + std::string(name(failure.reason));
@@ -44,7 +48,9 @@ std::string text_of(const MqttFailure& failure) {
 }  // namespace
 
 MqttWork::MqttWork(Options options)
-    : options_(std::move(options)), descriptors_{options_.pipe->descriptor()} {}
+    : options_(std::move(options)), descriptors_{options_.pipe->descriptor()} {
+    if (options_.commands) descriptors_.push_back(options_.host->descriptor());
+}
 
 MqttWork::~MqttWork() = default;
 
@@ -58,6 +64,7 @@ void MqttWork::work(Instant now) {
     TAKT_ASSERT(session_);
     while (auto event = options_.pipe->next_event()) session_->on_event(now, *std::move(event));
     if (session_->next_wakeup() <= now) session_->on_tick(now);
+    if (options_.commands) execute_commands(now);
     if (status_at_ <= now) publish_status(now);
     while (auto action = session_->next_action(now)) options_.pipe->send(*std::move(action));
 }
@@ -84,6 +91,31 @@ void MqttWork::publish_status(Instant now) {
     static_cast<void>(session_->publish(now, {.message = std::move(message), .this_connection_only = true}));
 }
 
+void MqttWork::execute_commands(Instant now) {
+    auto& desk = options_.commands->desk;
+    const auto time = both_clocks(now);
+    (void)options_.host->rearm();
+    while (const auto command = desk.next_command(time)) {
+        const auto submitted = options_.host->submit(*command);
+        if (!submitted) desk.on_rejected(time, command->tag, submitted.error());
+    }
+    while (const auto outcome = options_.host->next_outcome()) desk.on_outcome(time, *outcome);
+    publish_answers(now);
+}
+
+// The queue of the session is left room for the state topics.
+void MqttWork::publish_answers(Instant now) {
+    auto& desk = options_.commands->desk;
+    while (const auto* const answer = desk.first_answer()) {
+        const auto status = session_->status();
+        if (status.state != MqttState::connected || status.live_waiting + 4 > options_.session.live_queue)
+            return;
+        // Of an answer that can never be sent, the session counts the loss.
+        static_cast<void>(session_->publish(now, {.message = *answer}));
+        desk.remove_first_answer();
+    }
+}
+
 void MqttWork::on_connected(Instant now, MqttConnectionId) {
     status_at_ = now;
 }
@@ -92,7 +124,16 @@ void MqttWork::on_disconnected(Instant, MqttConnectionId) {
     status_at_ = kNever;
 }
 
-void MqttWork::on_message(Instant, MqttInbound&&) {}
+void MqttWork::on_message(Instant now, MqttInbound&& inbound) {
+    if (!options_.commands) return;
+    auto& [desk, rights] = *options_.commands;
+    if (const auto& current = options_.host->configuration(); current != rights_of_) {
+        rights_of_ = current;
+        desk.set_rights(rights(current));
+    }
+    const auto broker = url_of(options_.session.brokers[session_->status().broker]);
+    desk.on_message(both_clocks(now), broker, inbound);
+}
 
 bool MqttWork::takes_records() const {
     return session_ && session_->status().state == MqttState::connected;
@@ -100,6 +141,11 @@ bool MqttWork::takes_records() const {
 
 void MqttWork::stop(Instant now) {
     status_at_ = kNever;
+    if (options_.commands) {
+        execute_commands(now);
+        options_.commands->desk.stop(both_clocks(now));
+        publish_answers(now);
+    }
     session_->stop(now);
 }
 
@@ -114,6 +160,10 @@ void MqttWork::report(Instant, OutputStatus& status) const {
     status.destination = url_of(options_.session.brokers[mqtt.broker]);
     if (mqtt.last_failure && mqtt.state != MqttState::connected) status.failure = text_of(*mqtt.last_failure);
     status.mqtt = mqtt;
+    if (!options_.commands) return;
+    const auto counters = options_.commands->desk.counters();
+    status.commands = counters.received;
+    status.commands_refused = counters.refused;
 }
 
 }  // namespace takt::publish

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "takt/host/session.hpp"
+#include "takt/publish/command_desk.hpp"
 #include "takt/publish/journal_messages.hpp"
 #include "takt/publish/mqtt_pipe.hpp"
 #include "takt/publish/mqtt_session.hpp"
@@ -15,15 +16,23 @@
 namespace takt::publish {
 
 /// Publishes the records of a journal, and the states of lines and devices at most once a second. The broker
-/// has the state "online" from the birth on, and "offline" from its will or the end on.
+/// has the state "online" from the birth on, and "offline" from its will or the end on. Executes commands if
+/// it has a desk for them.
 class MqttWork final : public OutputWork, private MqttListener {
 public:
+    /// Commands of the broker's other clients.
+    struct Commands {
+        CommandDesk desk;
+        /// What they may concern in a configuration. Called by the thread of the output.
+        std::function<CommandRights(const host::ConfigurationPtr&)> rights;
+    };
     struct Options {
-        MqttSessionOptions session;
+        MqttSessionOptions session;  ///< with the subscriptions of the commands
         std::unique_ptr<MessageComposer> composer;
         std::string status_topic;  ///< of lines and devices; retained
         std::unique_ptr<MqttPipe> pipe;
         std::unique_ptr<host::Session> host;  ///< without events
+        std::optional<Commands> commands;     ///< nothing: read-only
     };
 
     explicit MqttWork(Options options);
@@ -48,12 +57,16 @@ private:
     void on_message(Instant now, MqttInbound&& inbound) override;
 
     void publish_status(Instant now);
+    /// Moves commands to the host and outcomes to their answers.
+    void execute_commands(Instant now);
+    void publish_answers(Instant now);
 
     Options options_;
     std::vector<int> descriptors_;
     std::optional<JournalMessages> messages_;
     std::optional<MqttSession> session_;
-    Instant status_at_ = kNever;  // when the status is published next; kNever: not connected
+    host::ConfigurationPtr rights_of_;  // the configuration whose rights the desk has
+    Instant status_at_ = kNever;        // when the status is published next; kNever: not connected
     Instant status_sent_at_{};
 };
 

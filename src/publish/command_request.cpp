@@ -1,0 +1,296 @@
+#include "takt/publish/command_request.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include "takt/base/utf8.hpp"
+
+namespace takt::publish {
+namespace {
+
+using file::Json;
+
+constexpr std::string_view kKeys = "id, command, variable, device, value, sent, expires, expiry_s";
+constexpr std::array kVerbs{CommandVerb::set, CommandVerb::write,  CommandVerb::trigger,
+                            CommandVerb::get, CommandVerb::enable, CommandVerb::disable};
+
+bool concerns_device(CommandVerb verb) {
+    return verb == CommandVerb::enable || verb == CommandVerb::disable;
+}
+
+bool has_value(CommandVerb verb) {
+    return verb == CommandVerb::set || verb == CommandVerb::write;
+}
+
+std::string shown(const Json& value) {
+    const std::string text = value.dump();
+    const auto front = whole_characters(text, 60);
+    return front.size() == text.size() ? text : std::string(front) + "…";
+}
+
+bool is_id(std::string_view text) {
+    return !text.empty() && text.size() <= CommandRequest::kLongestId &&
+           std::ranges::all_of(text, [](char c) { return c >= ' ' && c <= '~'; });
+}
+
+/// Reads the keys of a request; the first fault is kept.
+class Reader {
+public:
+    explicit Reader(const Json& json) : json_(json) {}
+
+    ParsedCommand read() && {
+        if (!std::holds_alternative<Json::Object>(json_.value()))
+            return {{}, CommandRefused{.detail = "no object: " + shown(json_)}};
+        read_id();
+        read_verb();
+        read_subject();
+        read_value();
+        request_.sent_ns = time("sent");
+        request_.expires_ns = time("expires");
+        read_expiry();
+        check_keys();
+        return {std::move(request_), std::move(refused_)};
+    }
+
+private:
+    void fault(std::string detail) {
+        if (!refused_) refused_ = CommandRefused{.detail = std::move(detail)};
+    }
+    void missing(std::string_view key) { fault(std::string(key) + ": missing"); }
+    void wrong(std::string_view key, const Json& value, std::string_view allowed) {
+        fault(std::string(key) + ": " + shown(value) + "; allowed: " + std::string(allowed));
+    }
+    void superfluous(std::string_view key) {
+        if (json_.find(key) != nullptr)
+            fault(std::string(key) + ": not a key of " + std::string(name(request_.verb)));
+    }
+    const std::string* text(std::string_view key) {
+        const Json* const found = json_.find(key);
+        return found == nullptr ? nullptr : std::get_if<std::string>(&found->value());
+    }
+
+    void read_id() {
+        const Json* const found = json_.find("id");
+        if (found == nullptr) return missing("id");
+        const auto* const id = text("id");
+        if (id == nullptr || !is_id(*id)) return wrong("id", *found, "1 to 64 printable ASCII characters");
+        request_.id = *id;
+    }
+
+    void read_verb() {
+        const Json* const found = json_.find("command");
+        if (found == nullptr) return missing("command");
+        const auto* const word = text("command");
+        const auto* const verb =
+            std::ranges::find_if(kVerbs, [&](CommandVerb v) { return word != nullptr && *word == name(v); });
+        if (verb == kVerbs.end())
+            return wrong("command", *found, "set, write, trigger, get, enable, disable");
+        request_.verb = *verb;
+        known_verb_ = true;
+    }
+
+    void read_subject() {
+        if (!known_verb_) return;
+        const bool device = concerns_device(request_.verb);
+        superfluous(device ? "variable" : "device");
+        const std::string_view key = device ? "device" : "variable";
+        const Json* const found = json_.find(key);
+        if (found == nullptr) return missing(key);
+        const auto* const subject = text(key);
+        if (subject == nullptr || subject->empty() || subject->size() > CommandRequest::kLongestName)
+            return wrong(key, *found, "a name of at most 256 bytes");
+        request_.subject = *subject;
+    }
+
+    void read_value() {
+        if (!known_verb_) return;
+        if (!has_value(request_.verb)) return superfluous("value");
+        const Json* const found = json_.find("value");
+        if (found == nullptr) return missing("value");
+        const auto& value = found->value();
+        if (found->is_null() || std::holds_alternative<Json::Array>(value) ||
+            std::holds_alternative<Json::Object>(value))
+            return wrong("value", *found, "true, false, a number or a string");
+        const auto* const string = std::get_if<std::string>(&value);
+        request_.form =
+            string != nullptr ? CommandRequest::ValueForm::string : CommandRequest::ValueForm::other;
+        request_.value = string != nullptr ? *string : found->dump();
+    }
+
+    std::optional<std::int64_t> time(std::string_view key) {
+        const Json* const found = json_.find(key);
+        if (found == nullptr) return std::nullopt;
+        const auto* const string = text(key);
+        const auto parsed = string == nullptr ? std::nullopt : parse_time(*string);
+        if (!parsed) wrong(key, *found, "a time like 2026-11-24T02:30:00Z");
+        return parsed;
+    }
+
+    void read_expiry() {
+        const Json* const found = json_.find("expiry_s");
+        if (found == nullptr) return;
+        const double seconds = std::visit(
+            [](const auto& value) {
+                using T = std::decay_t<decltype(value)>;
+                if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>)
+                    return static_cast<double>(value);
+                else
+                    return 0.0;
+            },
+            found->value());
+        const double most = std::chrono::duration<double>(CommandRequest::kLongestExpiry).count();
+        if (!(seconds > 0 && seconds <= most)) return wrong("expiry_s", *found, "above 0, up to 86400");
+        request_.expiry = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+    }
+
+    void check_keys() {
+        for (const auto& [key, value] : std::get<Json::Object>(json_.value())) {
+            const auto word = key.find_first_of(", ") == std::string::npos ? key : std::string();
+            const auto at = (", " + std::string(kKeys) + ",").find(", " + word + ",");
+            if (word.empty() || at == std::string::npos)
+                return fault("key " + shown(Json(key)) + " is unknown; allowed: " + std::string(kKeys));
+        }
+    }
+
+    const Json& json_;
+    CommandRequest request_;
+    bool known_verb_ = false;
+    std::optional<CommandRefused> refused_;
+};
+
+/// Takes digits off the front of a text.
+class Digits {
+public:
+    explicit Digits(std::string_view text) : rest_(text) {}
+
+    std::optional<int> number(std::size_t digits) {
+        int value = 0;
+        if (rest_.size() < digits) return std::nullopt;
+        const auto* const end = rest_.data() + digits;
+        if (!std::ranges::all_of(rest_.substr(0, digits), [](char c) { return c >= '0' && c <= '9'; }))
+            return std::nullopt;
+        std::from_chars(rest_.data(), end, value);
+        rest_.remove_prefix(digits);
+        return value;
+    }
+    bool take(std::string_view any) {
+        if (rest_.empty() || any.find(rest_.front()) == std::string_view::npos) return false;
+        rest_.remove_prefix(1);
+        return true;
+    }
+    /// Nanoseconds of ".123"; 0 if there is no point.
+    std::optional<std::int64_t> fraction() {
+        if (!take(".")) return 0;
+        std::int64_t ns = 0;
+        std::int64_t unit = 1'000'000'000;
+        std::size_t digits = 0;
+        while (const auto digit = number(1)) {
+            unit /= 10;
+            ns += *digit * unit;
+            ++digits;
+        }
+        if (digits == 0 || digits > 9) return std::nullopt;
+        return ns;
+    }
+    [[nodiscard]] std::string_view rest() const { return rest_; }
+
+private:
+    std::string_view rest_;
+};
+
+/// "Z" or "+03:00" up to the end.
+std::optional<std::chrono::minutes> zone(Digits& digits) {
+    using std::chrono::minutes;
+    if (digits.take("Zz")) return digits.rest().empty() ? std::optional(minutes(0)) : std::nullopt;
+    const bool west = digits.rest().starts_with('-');
+    if (!digits.take("+-")) return std::nullopt;
+    const auto hours = digits.number(2);
+    if (!hours || !digits.take(":")) return std::nullopt;
+    const auto past = digits.number(2);
+    if (!past || *hours > 23 || *past > 59 || !digits.rest().empty()) return std::nullopt;
+    const minutes offset(*hours * 60 + *past);
+    return west ? -offset : offset;
+}
+
+}  // namespace
+
+std::string_view name(CommandVerb verb) {
+    switch (verb) {
+        case CommandVerb::set: return "set";
+        case CommandVerb::write: return "write";
+        case CommandVerb::trigger: return "trigger";
+        case CommandVerb::get: return "get";
+        case CommandVerb::enable: return "enable";
+        case CommandVerb::disable: return "disable";
+    }
+    return "";
+}
+
+std::string_view name(CommandRefusal refusal) {
+    switch (refusal) {
+        case CommandRefusal::retained: return "retained";
+        case CommandRefusal::not_subscribed: return "not_subscribed";
+        case CommandRefusal::expired: return "expired";
+        case CommandRefusal::clock: return "clock";
+        case CommandRefusal::not_listed: return "not_listed";
+        case CommandRefusal::unknown_variable: return "unknown_variable";
+        case CommandRefusal::malformed: return "malformed";
+        case CommandRefusal::too_many: return "too_many";
+        case CommandRefusal::duplicate_id: return "duplicate_id";
+        case CommandRefusal::no_poll_enable: return "no_poll_enable";
+    }
+    return "";
+}
+
+ParsedCommand parse_command(std::string_view payload) {
+    const auto json = Json::parse(payload, CommandRequest::kMostBytes);
+    if (json) return Reader(*json).read();
+    if (json.error().code == Code::too_long)
+        return {{}, CommandRefused{.detail = std::to_string(payload.size()) + " bytes; allowed: 65536"}};
+    return {{}, CommandRefused{.detail = "no JSON: " + std::string(json.error().subject.view())}};
+}
+
+ParsedCommand plain_set(std::string id, std::string_view variable, std::string_view payload) {
+    ParsedCommand parsed;
+    parsed.request.id = std::move(id);
+    parsed.request.verb = CommandVerb::set;
+    if (variable.empty() || variable.size() > CommandRequest::kLongestName) {
+        parsed.refused = CommandRefused{.detail = "variable: allowed is a name of at most 256 bytes"};
+        return parsed;
+    }
+    parsed.request.subject = variable;
+    if (payload.empty() || payload.size() > CommandRequest::kMostBytes)
+        parsed.refused = CommandRefused{.detail = "value: " + std::to_string(payload.size()) +
+                                                  " bytes; allowed: 1 to 65536"};
+    else
+        parsed.request.value = payload;
+    return parsed;
+}
+
+std::optional<std::int64_t> parse_time(std::string_view text) {
+    using namespace std::chrono;
+    Digits digits(text);
+    std::array<int, 6> fields{};  // year, month, day, hour, minute, second
+    constexpr std::array<std::string_view, 6> kAfter{"-", "-", "Tt", ":", ":", ""};
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+        const auto number = digits.number(i == 0 ? 4 : 2);
+        if (!number || (!kAfter[i].empty() && !digits.take(kAfter[i]))) return std::nullopt;
+        fields[i] = *number;
+    }
+    const auto fraction = digits.fraction();
+    const auto offset = zone(digits);
+    const year_month_day date{year{fields[0]}, month{static_cast<unsigned>(fields[1])},
+                              day{static_cast<unsigned>(fields[2])}};
+    if (!fraction || !offset || !date.ok() || fields[0] < 1970 || fields[0] > 2199 || fields[3] > 23 ||
+        fields[4] > 59 || fields[5] > 59)
+        return std::nullopt;
+    const auto time = sys_days(date) + hours(fields[3]) + minutes(fields[4]) + seconds(fields[5]) - *offset;
+    return duration_cast<nanoseconds>(time.time_since_epoch()).count() + *fraction;
+}
+
+}  // namespace takt::publish
