@@ -15,6 +15,8 @@
 #include <variant>
 
 #include "takt/model/output.hpp"
+#include "takt/os/rotating_file.hpp"
+#include "takt/publish/command_desk.hpp"
 #include "takt/publish/history_work.hpp"
 #include "takt/publish/mosquitto_pipe.hpp"
 #include "takt/publish/mqtt_composer.hpp"
@@ -117,6 +119,46 @@ MqttSessionOptions session_options(const model::Output& output, const MqttCompos
     return options;
 }
 
+/// Writes to commands.log beside the journal. Without the file commands are not recorded: the log says so.
+std::function<void(std::string_view)> audit_of(const ProjectOutputsOptions& options,
+                                               const model::Output& output) {
+    const auto folder = journal_folder(options.project_file, output);
+    std::error_code ignored;
+    fs::create_directories(folder, ignored);
+    auto opened = os::RotatingFile::open(folder + "/commands.log", {});
+    if (!opened) {
+        if (options.log) options.log("publish")(LogLevel::error, "commands not recorded", output.name);
+        return {};
+    }
+    return [file = std::shared_ptr<os::RotatingFile>(*std::move(opened))](std::string_view line) {
+        static_cast<void>(file->write(line));
+    };
+}
+
+CommandRights rights_in(const host::ConfigurationPtr& configuration, const std::string& name) {
+    for (const auto& output : configuration->project().outputs)
+        if (output.name == name) return rights_of(configuration, output);
+    return {.configuration = configuration, .commandable = {}, .readable = {}};
+}
+
+void add_commands(const ProjectOutputsOptions& options, const model::Output& output,
+                  MqttWork::Options& work) {
+    if (output.commandable.empty()) return;
+    const auto& topic = output.mqtt.control_topic;
+    work.session.subscriptions = {{.filter = topic + "/command"}, {.filter = topic + "/set/#"}};
+    const auto start = std::chrono::system_clock::now().time_since_epoch();
+    CommandDeskOptions desk{.output = output.name,
+                            .control_topic = topic,
+                            .expiry = output.command_expiry,
+                            .id_prefix = output.name + "-" + std::to_string(start.count()) + "-",
+                            .audit = audit_of(options, output)};
+    work.commands.emplace(
+        MqttWork::Commands{.desk = CommandDesk(std::move(desk)),
+                           .rights = [name = output.name](const host::ConfigurationPtr& configuration) {
+                               return rights_in(configuration, name);
+                           }});
+}
+
 std::unique_ptr<OutputWork> mqtt_work(const ProjectOutputsOptions& options, const model::Output& output,
                                       const host::Configuration& configuration) {
     const auto password = password_of(output.mqtt, options.project_file);
@@ -130,6 +172,7 @@ std::unique_ptr<OutputWork> mqtt_work(const ProjectOutputsOptions& options, cons
     work.composer = std::move(composer);
     work.pipe = std::make_unique<MosquittoPipe>();
     work.host = *std::move(session);
+    add_commands(options, output, work);
     return std::make_unique<MqttWork>(std::move(work));
 }
 

@@ -198,3 +198,76 @@ def test_a_killed_program_continues_where_it_was(plant, seed):
     assert highest == output["sampled"]
     assert output["sampled"] == output["delivered"] + output["waiting"] + output["dropped"]
     assert {gap["cause"] for gap in gaps(folder / "sub")} == {"restart"}
+
+
+def command(broker, payload, *options, topic="takt/cloud/command"):
+    subprocess.run(["mosquitto_pub", "-p", str(broker.port), "-q", "1", "-t", topic, "-m",
+                    payload if isinstance(payload, str) else json.dumps(payload), *options], check=True)
+
+
+def answers(log):
+    return {payload["id"]: payload for topic, payload in messages(log) if topic == "takt/cloud/answer"}
+
+
+COMMANDABLE = """
+          - {{name: Setpoint, type: int16, register: 10, read: 0x03, write: 0x10}}
+          - {{name: Fixed, type: int16, register: 20, read: 0x03, write: 0x10}}
+outputs:"""
+
+
+@pytest.fixture
+def commanded(plant):
+    """A run whose output takes commands for Setpoint."""
+    folder, broker, project = plant
+    text = PLANT.replace("\noutputs:", COMMANDABLE) + "    commands: [Setpoint]\n"
+    project.write_text(text.format(port=broker.port))
+    broker.start()
+    command(broker, {"id": "retained", "command": "write", "variable": "Setpoint", "value": 99}, "-r")
+    subscriber = Subscriber(broker, folder / "sub")
+    program = run(project)
+    wait_until(lambda: len(samples(folder / "sub")) >= 4)
+    yield folder, broker, program
+    end(program)
+    subscriber.stop()
+
+
+def test_commands_have_one_outcome_each(commanded):
+    folder, broker, _ = commanded
+    log = folder / "sub"
+    sent = "2020-01-01T00:00:00Z"
+    expected = {
+        "ok": ({"command": "write", "variable": "Setpoint", "value": 1234}, "done", None),
+        "fixed": ({"command": "write", "variable": "Fixed", "value": 1}, "refused", "not_listed"),
+        "unknown": ({"command": "write", "variable": "Setpoin", "value": 1}, "refused", "unknown_variable"),
+        "old": ({"command": "write", "variable": "Setpoint", "value": 7, "sent": sent}, "expired", None),
+        "big": ({"command": "write", "variable": "Setpoint", "value": 70000}, "refused", None),
+        "get": ({"command": "get", "variable": "Setpoint"}, "done", None),
+    }
+    for name, (body, _, _) in expected.items():
+        command(broker, {"id": name, **body})
+        wait_until(lambda name=name: name in answers(log))
+    for name, (_, outcome, reason) in expected.items():
+        assert answers(log)[name]["outcome"] == outcome, answers(log)[name]
+        if reason:
+            assert answers(log)[name]["reason"] == reason
+    assert answers(log)["retained"]["outcome"] == "refused"
+    assert answers(log)["get"]["value"] == 1234
+    # The same id again: the same answer, nothing is written.
+    command(broker, {"id": "ok", **expected["ok"][0]})
+    command(broker, "321", topic="takt/cloud/set/Setpoint")
+    wait_until(lambda: any(answer["value"] == 321 for answer in answers(log).values() if "value" in answer))
+    audit = (folder / "plant.journal/cloud/commands.log").read_text().splitlines()
+    assert len(audit) >= len(expected) + 2
+
+
+def test_an_output_without_commands_is_read_only(plant):
+    folder, broker, project = plant
+    broker.start()
+    subscriber = Subscriber(broker, folder / "sub")
+    program = run(project)
+    wait_until(lambda: len(samples(folder / "sub")) >= 4)
+    command(broker, {"id": "no", "command": "write", "variable": "Power", "value": 1})
+    time.sleep(1)
+    assert answers(folder / "sub") == {}
+    assert end(program)["commands"] == 0
+    subscriber.stop()
