@@ -200,6 +200,33 @@ def test_a_killed_program_continues_where_it_was(plant, seed):
     assert {gap["cause"] for gap in gaps(folder / "sub")} == {"restart"}
 
 
+def test_a_replay_delivers_again_what_the_broker_lost(plant):
+    folder, broker, project = plant
+    broker.start()
+    program = run(project)
+    time.sleep(2)
+    busy = subprocess.run([TAKT, "replay", project, "--output", "cloud", "--from", "-1h"], capture_output=True, text=True)
+    assert busy.returncode == 3 and "takt run" in busy.stderr
+    delivered = end(program)["delivered"]  # nobody subscribed: the broker kept nothing
+    assert delivered > 20
+    again = subprocess.run([TAKT, "replay", project, "--output", "cloud", "--from", "-1h", "--json"],
+                           capture_output=True, text=True)
+    assert again.returncode == 0, again.stderr
+    assert json.loads(again.stdout)["samples"] == delivered
+    subscriber = Subscriber(broker, folder / "sub")
+    program = run(project)
+    wait_until(lambda: len(samples(folder / "sub")) >= delivered + 4)
+    output = end(program)
+    time.sleep(0.3)
+    subscriber.stop()
+    found = [(sample["epoch"], sample["seq"]) for sample in samples(folder / "sub")]
+    assert [seq for _, seq in found] == list(range(1, len(found) + 1))
+    assert {epoch for epoch, seq in found if seq <= delivered} == {1}
+    assert output["sampled"] == output["delivered"] + output["waiting"] + output["dropped"]
+    for wrong in (["--output", "other", "--from", "-1h"], ["--output", "cloud", "--from", "yesterday"]):
+        assert subprocess.run([TAKT, "replay", project, *wrong], capture_output=True).returncode == 2
+
+
 def command(broker, payload, *options, topic="takt/cloud/command"):
     subprocess.run(["mosquitto_pub", "-p", str(broker.port), "-q", "1", "-t", topic, "-m",
                     payload if isinstance(payload, str) else json.dumps(payload), *options], check=True)
