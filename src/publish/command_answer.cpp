@@ -3,6 +3,7 @@
 #include <variant>
 
 #include "takt/base/utf8.hpp"
+#include "takt/host/value_json.hpp"
 #include "takt/publish/message_format.hpp"
 
 namespace takt::publish {
@@ -14,17 +15,7 @@ using Kind = host::Command::Kind;
 constexpr std::size_t kLongestAudited = 200;  // bytes of a string
 
 Json json_of(const value::SlotInfo& info, const value::Value& value) {
-    if (const auto* const number = std::get_if<double>(&value);
-        number != nullptr && info.type == DataType::float32 && !info.scaled)
-        return {static_cast<float>(*number)};
-    return std::visit(
-        [](const auto& other) {
-            if constexpr (std::is_same_v<std::decay_t<decltype(other)>, std::monostate>)
-                return Json();
-            else
-                return Json(other);
-        },
-        value);
+    return host::to_json(info.type, info.scaled, value);
 }
 
 CommandAnswer begun(const CommandRequest& request, std::int64_t wall_ns) {

@@ -9,6 +9,7 @@
 
 #include "takt/base/assert.hpp"
 #include "takt/file/json.hpp"
+#include "takt/host/value_json.hpp"
 
 namespace takt::publish {
 namespace {
@@ -23,23 +24,9 @@ std::string_view special_number(const value::Value& value) {
     return *number > 0 ? "infinity" : "-infinity";
 }
 
-Json json_of(const Series& series, const value::Value& value) {
-    const bool is_float = series.type == DataType::float32 && !series.scaled;
-    if (const auto* const number = std::get_if<double>(&value))
-        return is_float ? Json(static_cast<float>(*number)) : Json(*number);
-    return std::visit(
-        [](const auto& other) {
-            if constexpr (std::is_same_v<std::decay_t<decltype(other)>, std::monostate>)
-                return Json();
-            else
-                return Json(other);
-        },
-        value);
-}
-
 void set_value(Json& object, const PlacedSample& placed) {
     const auto& sample = *placed.sample;
-    object.set("value", json_of(*placed.series, sample.value));
+    object.set("value", host::to_json(placed.series->type, placed.series->scaled, sample.value));
     if (const auto special = special_number(sample.value); !special.empty()) object.set("special", special);
     if (!placed.series->unit.empty()) object.set("unit", placed.series->unit);
     object.set("quality", value::name(sample.quality));

@@ -9,23 +9,6 @@
 #include "takt/model/service.hpp"
 
 namespace takt::report {
-namespace {
-
-struct ToJson {
-    bool is_float;
-
-    file::Json operator()(std::monostate) const { return {}; }
-    file::Json operator()(double number) const {
-        return is_float ? file::Json(static_cast<float>(number)) : file::Json(number);
-    }
-    file::Json operator()(const auto& other) const { return file::Json(other); }
-};
-
-}  // namespace
-
-file::Json to_json(DataType type, bool scaled, const value::Value& value) {
-    return std::visit(ToJson{type == DataType::float32 && !scaled}, value);
-}
 
 std::string utc_text(const value::SlotInfo& info, const value::Value& value) {
     const auto* const seconds = std::get_if<std::uint64_t>(&value);
