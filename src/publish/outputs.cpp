@@ -55,13 +55,14 @@ void Outputs::run() {
         follow_configuration(now);
         read_events(now);
         count_lost(now);
+        if (std::exchange(current_due_, false)) deliver_current(now);
         sample_due(now);
-        if (flush_at_ <= now) flush(now);
+        if (flush_at_ <= now) flush();
         wait(next_wakeup());
     }
     read_events(line::now());
     count_lost(line::now());
-    flush(line::now());
+    flush();
     for (auto& running : running_) running.thread->ask_to_stop();
     for (auto& running : running_) running.thread->finish();
     std::vector<OutputStatus> last;
@@ -97,11 +98,10 @@ void Outputs::set_clocks(Instant now) {
 // share a directory.
 void Outputs::follow_configuration(Instant now) {
     if (session_->configuration() == configuration_) return;
-    flush(now);
+    flush();
     configuration_ = session_->configuration();
     auto setups = make_setups_(configuration_);
     const auto series = series_of(*configuration_);
-    std::vector<Running> next;
     auto former = std::move(running_);
     std::vector<std::shared_ptr<OutputThread>> continued(setups.size());
     for (std::size_t i = 0; i < setups.size(); ++i)
@@ -115,6 +115,7 @@ void Outputs::follow_configuration(Instant now) {
     std::erase_if(former,
                   [&](const Running& running) { return std::ranges::count(continued, running.thread) > 0; });
     for (auto& running : former) running.thread->ask_to_stop();
+    for (auto& running : former) running.thread->finish();
     former.clear();
 
     for (std::size_t i = 0; i < setups.size(); ++i) {
@@ -129,7 +130,7 @@ void Outputs::follow_configuration(Instant now) {
         for (const auto& running : running_) threads_.push_back(running.thread);
     }
     set_clocks(now);
-    deliver_current();
+    current_due_ = true;
 }
 
 void Outputs::read_events(Instant now) {
@@ -161,30 +162,36 @@ void Outputs::count_lost(Instant now) {
     missed_ = missed;
     if (lost == 0) return;
     for (auto& running : running_) running.feed->lose(lost, last_event_, now);
-    deliver_current();
-    flush(now);
+    current_due_ = true;
 }
 
-// Events that the snapshot does not have yet are newer than it; older ones are read before it.
+// The events up to the moment of the snapshot are read before it is used, so the samples of a slot stay in
+// order.
+std::optional<host::Snapshot> Outputs::take_snapshot(Instant now) {
+    auto snapshot = session_->snapshot({});
+    read_events(now);
+    if (!snapshot || snapshot->configuration != configuration_) return std::nullopt;
+    return *std::move(snapshot);
+}
+
 void Outputs::sample_due(Instant now) {
     const bool due =
         std::ranges::any_of(running_, [&](const Running& r) { return r.feed->next_due() <= now; });
     if (!due) return;
-    const auto snapshot = session_->snapshot({});
-    read_events(now);
-    if (!snapshot || snapshot->configuration != configuration_) return;
-    for (auto& running : running_) running.feed->on_snapshot(now, snapshot->values);
-    flush(now);
+    const auto snapshot = take_snapshot(now);
+    if (!snapshot) return;
+    for (auto& running : running_) running.feed->on_snapshot(snapshot->t, snapshot->values);
+    flush();
 }
 
-void Outputs::deliver_current() {
-    const auto snapshot = session_->snapshot({});
-    if (!snapshot || snapshot->configuration != configuration_) return;
+void Outputs::deliver_current(Instant now) {
+    const auto snapshot = take_snapshot(now);
+    if (!snapshot) return;
     for (auto& running : running_) running.feed->deliver_current(snapshot->t, snapshot->values);
-    flush_at_ = std::min(flush_at_, snapshot->t + kCollect);
+    flush();
 }
 
-void Outputs::flush(Instant) {
+void Outputs::flush() {
     flush_at_ = kNever;
     for (auto& running : running_)
         if (running.feed->flush()) running.thread->wake();

@@ -99,10 +99,14 @@ void SampleSelector::on_snapshot(Instant t, std::span<const value::Slot> slots, 
     }
 }
 
+// An event that is newer than the snapshot may have been read before it.
+void SampleSelector::see(Entry& entry, Instant t, const value::Slot& slot) {
+    if (entry.seen.t <= t) entry.seen = {slot.value, slot.quality, slot.reason, slot.good_at, t};
+}
+
 void SampleSelector::on_due(Instant t, std::size_t index, const value::Slot& slot, const Sink& sink) {
     auto& entry = entries_[index];
-    const bool newer = !entry.seen.good_at || (slot.good_at && *slot.good_at >= *entry.seen.good_at);
-    if (newer) entry.seen = {slot.value, slot.quality, slot.reason, slot.good_at, t};
+    see(entry, t, slot);
     const bool ever_read = entry.seen.quality != value::Quality::never_read;
     const auto& policy = entry.policy;
     if (entry.next_period <= t) {
@@ -119,9 +123,8 @@ void SampleSelector::on_due(Instant t, std::size_t index, const value::Slot& slo
 void SampleSelector::deliver_current(Instant t, std::span<const value::Slot> slots, const Sink& sink) {
     for (auto& entry : entries_) {
         TAKT_ASSERT(entry.slot.value < slots.size());
-        const auto& slot = slots[entry.slot.value];
-        if (slot.quality == value::Quality::never_read) continue;
-        entry.seen = {slot.value, slot.quality, slot.reason, slot.good_at, t};
+        see(entry, t, slots[entry.slot.value]);
+        if (entry.seen.quality == value::Quality::never_read) continue;
         deliver(entry, t, SampleCause::current, {}, sink);
     }
 }

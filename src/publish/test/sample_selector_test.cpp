@@ -158,7 +158,7 @@ TEST_F(Selector, ASnapshotThatIsOlderThanAnEventDoesNotTurnBack) {
     auto older = slots_;
     change(11s, 2.0);
     take();
-    selector_->on_snapshot(at(12s), older, sink());
+    selector_->on_snapshot(at(10s), older, sink());
     const auto samples = take();
     ASSERT_EQ(samples.size(), 1U);
     EXPECT_EQ(samples[0].value, Value(2.0));

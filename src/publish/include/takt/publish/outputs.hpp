@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -67,8 +68,9 @@ private:
     void on_event(const host::Event& event);
     void count_lost(Instant now);
     void sample_due(Instant now);
-    void deliver_current();
-    void flush(Instant now);
+    void deliver_current(Instant now);
+    [[nodiscard]] std::optional<host::Snapshot> take_snapshot(Instant now);
+    void flush();
     void set_clocks(Instant now);
     [[nodiscard]] Instant next_wakeup() const;
 
@@ -78,6 +80,7 @@ private:
     host::ConfigurationPtr configuration_;
     std::vector<Running> running_;
     Instant flush_at_ = kNever;
+    bool current_due_ = false;  // the current state of all values is to be delivered
     Instant last_event_;        // time of the last event that was read
     std::uint64_t missed_ = 0;  // of the session, counted so far
     std::uint64_t lost_ = 0;    // reported by the host, not counted yet

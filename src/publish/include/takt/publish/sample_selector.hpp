@@ -53,7 +53,8 @@ public:
 
     /// When a snapshot is needed; kNever: no period or heartbeat is selected.
     [[nodiscard]] Instant next_due() const;
-    /// @param slots  all slots, not older than the events that were passed to on_change()
+    /// @param t      of the snapshot: the events up to it were passed to on_change()
+    /// @param slots  all slots
     void on_snapshot(Instant t, std::span<const value::Slot> slots, const Sink& sink);
     /// Delivers the current state of all selected slots that were ever read: at the start, and after lost
     /// events.
@@ -84,6 +85,7 @@ private:
 
     void deliver(Entry& entry, Instant t, SampleCause cause, std::optional<Instant> previous,
                  const Sink& sink);
+    static void see(Entry& entry, Instant t, const value::Slot& slot);
     void on_due(Instant t, std::size_t index, const value::Slot& slot, const Sink& sink);
     [[nodiscard]] Instant due_of(const Entry& entry) const;
     void schedule(std::size_t index);
