@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "commands/input_files.hpp"
 #include "log.hpp"
@@ -34,7 +35,7 @@ public:
     Result<void> begin(const model::Project& project, const plan::Plan& plan, const PrepareDevices& prepare) {
         TAKT_CHECK(work_loop_.begin(options_.traffic, [this] { reload(); }));
         TAKT_TRY(host_, host::ProjectHost::start(project, plan, host_options(prepare)));
-        TAKT_CHECK(begin_outputs());
+        TAKT_CHECK(begin_outputs(project));
         console_.emplace(
             texts_,
             console::HostConsole::Environment{
@@ -44,7 +45,8 @@ public:
                 .traffic = work_loop_.traffic(),
                 .open_session = [this](const auto& wanted) { return host_->open_session(wanted); },
                 .started = host_->started(),
-                .outputs = [this] { return outputs_->status(); }},
+                .outputs =
+                    [this] { return outputs_ ? outputs_->status() : std::vector<publish::OutputStatus>(); }},
             console_options());
         return console_->begin();
     }
@@ -52,7 +54,7 @@ public:
     void work() {
         work_loop_.work(options_.run_for);
         host_->stop();
-        outputs_->stop();
+        if (outputs_) outputs_->stop();
         console_->end(host_->served());
         // After Ctrl-C a slow reader has half a second; at the end of a run it has time.
         out_.finish(work_loop_.loop().stopped() ? std::chrono::milliseconds(500) : std::chrono::seconds(10));
@@ -60,8 +62,9 @@ public:
     }
 
 private:
-    // A project without outputs may get some with the next reload.
-    Result<void> begin_outputs() {
+    // Sampling costs time with each event: it begins with the first project that has outputs.
+    Result<void> begin_outputs(const model::Project& project) {
+        if (outputs_ || project.outputs.empty()) return {};
         const auto open_session = [host = host_.get()](const host::SessionOptions& wanted) {
             return host->open_session(wanted);
         };
@@ -84,6 +87,8 @@ private:
         // At once: the rest waits for the transactions in flight.
         static_cast<void>(host_->set_access(loaded->project));
         auto plan = host::prove(*loaded, false, false).plan;
+        if (const auto begun = begin_outputs(loaded->project); !begun)
+            return print_error(texts_.describe(begun.error()));
         if (const auto applied = host_->apply(std::move(loaded->project), std::move(plan)); !applied)
             return print_error(texts_.describe(applied.error()));
         print_status(texts_("app.run.reloaded", {{"file", options_.file}}) + '\n');
