@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "history_bytes.hpp"
 #include "history_file.hpp"
 #include "history_fold.hpp"
 #include "history_log.hpp"
@@ -17,10 +18,9 @@ namespace {
 
 constexpr std::int64_t kStateInterval = 10'000'000'000;  // ns: a commit without samples writes its time
 constexpr std::size_t kDropBatch = 64;
-constexpr std::int64_t kUnit = 1'000'000;
 
 std::int64_t in_unit(std::int64_t ns) {
-    return (ns / kUnit - (ns % kUnit < 0 ? 1 : 0)) * kUnit;
+    return nanoseconds(milliseconds(ns));
 }
 
 }  // namespace

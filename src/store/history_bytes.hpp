@@ -42,6 +42,15 @@ constexpr std::int64_t wrapped_sum(std::int64_t a, std::int64_t b) {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
 }
 
+/// The history keeps times in milliseconds. Rounded down.
+constexpr std::int64_t milliseconds(std::int64_t ns) {
+    return ns / 1'000'000 - (ns % 1'000'000 < 0 ? 1 : 0);
+}
+/// Modulo 2^64: bytes that nobody wrote may hold any number.
+constexpr std::int64_t nanoseconds(std::int64_t ms) {
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(ms) * 1'000'000U);
+}
+
 /// Takes numbers from the beginning of bytes. After the first one that is not there, good() is false and all
 /// others are 0.
 class VarintReader {

@@ -15,7 +15,6 @@
 namespace takt::store {
 namespace {
 
-constexpr std::int64_t kUnit = 1'000'000;
 constexpr std::uint8_t kQuality = 3;
 constexpr unsigned kKindShift = 2;
 constexpr std::uint8_t kKind = 7;
@@ -23,10 +22,6 @@ constexpr std::uint8_t kHasReason = 1 << 5;
 constexpr std::uint8_t kHasPrevious = 1 << 6;
 constexpr std::size_t kChecksum = 4;
 constexpr std::size_t kDouble = 8;
-
-std::int64_t milliseconds(std::int64_t ns) {
-    return ns / kUnit - (ns % kUnit < 0 ? 1 : 0);
-}
 
 struct PutValue {
     ByteVector& out;
@@ -88,12 +83,17 @@ Result<std::vector<LoggedSample>> decode_log(Bytes bytes) {
         LoggedSample logged;
         logged.series.value = static_cast<std::uint32_t>(in.take());
         time = wrapped_sum(time, in.take_signed());
-        logged.sample.time_ns = time * kUnit;
+        logged.sample.time_ns = nanoseconds(time);
         const Bytes state = in.take_bytes(1);
         if (!in.good()) break;
         logged.sample.quality = static_cast<value::Quality>(state[0] & kQuality);
-        if ((state[0] & kHasReason) != 0) logged.sample.reason = static_cast<value::Reason>(in.take());
-        if ((state[0] & kHasPrevious) != 0) logged.sample.previous_ns = (time - in.take_signed()) * kUnit;
+        if ((state[0] & kHasReason) != 0) {
+            const std::uint64_t reason = in.take();
+            if (reason > UINT16_MAX) in.fail();
+            logged.sample.reason = static_cast<value::Reason>(reason);
+        }
+        if ((state[0] & kHasPrevious) != 0)
+            logged.sample.previous_ns = nanoseconds(wrapped_difference(time, in.take_signed()));
         logged.sample.value = take_value(in, state[0] >> kKindShift & kKind);
         samples.push_back(std::move(logged));
     }

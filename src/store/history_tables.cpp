@@ -5,12 +5,13 @@
 
 #include <string>
 
+#include "history_bytes.hpp"
+
 namespace takt::store {
 namespace {
 
 constexpr int kApplication = 0x546B'4869;  // "TkHi"
 constexpr int kVersion = 1;
-constexpr std::int64_t kUnit = 1'000'000;
 
 constexpr const char* kTables = R"(
 CREATE TABLE series (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, device TEXT NOT NULL, type TEXT NOT NULL,
@@ -37,14 +38,6 @@ constexpr const char* kRowColumns =
     " max, last_t, last, area, drawn, good";
 
 enum Flag : std::uint8_t { kMixed = 1, kEndsGood = 2, kEndsWithNumber = 4 };
-
-/// Rounded down. The extreme times stay.
-std::int64_t milliseconds(std::int64_t ns) {
-    return ns / kUnit - (ns % kUnit < 0 ? 1 : 0);
-}
-std::int64_t nanoseconds(std::int64_t ms) {
-    return ms * kUnit;
-}
 
 std::vector<std::uint8_t> bytes_of(const SQLite::Column& column) {
     const auto* const data = static_cast<const std::uint8_t*>(column.getBlob());

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "../history_bytes.hpp"
 #include "../history_log.hpp"
 #include "../little_endian.hpp"
 #include "takt/store/crc32c.hpp"
@@ -145,6 +146,18 @@ RC_GTEST_PROP(HistoryCodec, SurvivesBytesThatNobodyWrote, ()) {
     put_little(bytes, crc32c(bytes));
     static_cast<void>(decode_history(bytes));
     static_cast<void>(decode_log(bytes));
+}
+
+TEST(HistoryCodec, SurvivesALogWithTimesOutOfRange) {
+    for (const std::int64_t ms : {INT64_MAX, INT64_MIN}) {
+        ByteVector bytes;
+        put_varint(bytes, 1);
+        put_signed(bytes, ms);
+        bytes.push_back(1 << 6);
+        put_signed(bytes, -1);
+        put_little(bytes, crc32c(bytes));
+        EXPECT_TRUE(decode_log(bytes));
+    }
 }
 
 RC_GTEST_PROP(HistoryCodec, ReportsDamage, ()) {
