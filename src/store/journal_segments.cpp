@@ -8,6 +8,8 @@ namespace {
 
 constexpr std::size_t kWindowBytes = 256 * 1024;
 static_assert(kWindowBytes >= 2 * kMaxRecordBytes);
+constexpr std::size_t kFirstWindowBytes = 64 * 1024;  // of most segments, a start reads one record only
+static_assert(kFirstWindowBytes >= kMaxRecordBytes);
 
 /// The start of a segment, of whose file only the first records are read.
 Result<std::optional<StreamPosition>> find_start(SegmentScanner& scanner, const Segment& segment) {
@@ -79,7 +81,8 @@ Bytes SegmentScanner::window() const {
 }
 
 Result<void> SegmentScanner::fill(std::uint64_t readable) {
-    window_.resize(std::min<std::uint64_t>(readable - offset_, kWindowBytes));
+    const std::size_t most = offset_ == 0 ? kFirstWindowBytes : kWindowBytes;
+    window_.resize(std::min<std::uint64_t>(readable - offset_, most));
     window_offset_ = offset_;
     const auto got = storage_->read(*segment_, offset_, window_);
     window_.resize(got ? *got : 0);
@@ -111,13 +114,15 @@ Result<RecoveredSegments> recover_segments(JournalStorage& storage) {
     RecoveredSegments found;
     SegmentScanner scanner(storage);
     for (const SegmentFile& file : files) {
-        TAKT_CHECK(storage.sync(file.number));
         Segment segment{file.number, file.bytes, file.bytes, {}};
         TAKT_TRY(segment.start, find_start(scanner, segment));
         found.list.segments.push_back(segment);
         found.next_number = file.number + 1;
     }
+    // A segment is followed by another one only after its last sync: the records of the last one may be the
+    // only ones that are not durable.
     for (auto segment = found.list.segments.rbegin(); segment != found.list.segments.rend(); ++segment) {
+        TAKT_CHECK(storage.sync(segment->number));
         if (!segment->start) continue;
         TAKT_CHECK(find_end(scanner, *segment, found));
         break;

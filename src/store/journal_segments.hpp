@@ -79,8 +79,9 @@ struct RecoveredSegments {
     std::uint64_t next_number = 1;
 };
 
-/// Finds the records that an earlier run left. Makes them durable first: the earlier run may have ended
-/// between a write and its sync. @returns the errors of the storage
+/// Finds the records that an earlier run left, and makes the last ones durable: the earlier run may have
+/// ended between a write and its sync. Reads one record of each segment, and all of the last one.
+/// @returns the errors of the storage
 [[nodiscard]] Result<RecoveredSegments> recover_segments(JournalStorage& storage);
 
 }  // namespace takt::store

@@ -229,6 +229,20 @@ TEST_F(JournalTest, ContinuesAfterARestartWithAGap) {
     EXPECT_GT(closed, last);
 }
 
+TEST_F(JournalTest, AStartSynchronisesTheLastSegmentOnly) {
+    start();
+    for (int i = 0; i < 8; ++i) {
+        ASSERT_TRUE(append(40'000));
+        tick();
+    }
+    ASSERT_TRUE(journal_->close(now_));
+    ASSERT_GE(journal_->status().segments, 8U);
+    const int before = disk_.operations();
+    start();
+    EXPECT_EQ(disk_.operations() - before, 3);  // the segment, and the cursors of two destinations
+    EXPECT_EQ(journal_->counters(kCloud).waiting, 8U);
+}
+
 TEST_F(JournalTest, DropsTheOldestSegmentAboveTheQuota) {
     start();
     tick();
