@@ -1,0 +1,353 @@
+// The shapes of /api/v1 (docs/openapi.json).
+
+export interface Info {
+  project: string;
+  version: string;
+  started: string;
+  now: string;
+  demo: boolean;
+  allow_write: boolean;
+  editable: boolean;
+  history: boolean;
+  generation: number;
+}
+
+export type Quality = 'good' | 'uncertain' | 'bad' | 'never_read';
+export type Scalar = string | number | boolean | null;
+
+/** A value of the stream's snapshot. Instants are milliseconds since 1970. */
+export interface LiveValue {
+  name: string;
+  line?: string;
+  device?: string;
+  type: string;
+  unit: string;
+  value: Scalar;
+  text: string;
+  words?: string;
+  quality: Quality;
+  reason: string;
+  cause?: string;
+  good_at: number | null;
+  area?: string;
+  register?: number;
+  bit?: number;
+  count?: number;
+  raw?: number[];
+  writable: boolean;
+  trigger: boolean;
+  local: boolean;
+  deadline_ms?: number | null;
+  proved_age_ms?: number | null;
+}
+/** index, value, text, quality, reason, good_at, words */
+export type ValueChange = [number, Scalar, string, Quality, string, number | null, string?];
+
+export interface Snapshot {
+  generation: number;
+  time: number;
+  values: LiveValue[];
+}
+export interface ValueBatch {
+  time: number;
+  values: ValueChange[];
+}
+export interface Notice {
+  time: number;
+  severity: 'info' | 'warning' | 'error';
+  text: string;
+}
+
+export interface DeviceStatus {
+  name: string;
+  address: number;
+  state: 'unknown' | 'answering' | 'not_answering' | 'switched_off' | 'link_down';
+  values: Record<Quality, number>;
+  response_ms: number | null;
+  sent: number;
+  failed: number;
+  exceptions: number;
+  outages: number;
+  availability_percent: number | null;
+  downtime_ms: number;
+  late_answers: number;
+  surplus_answers: number;
+  delays: { text: string; setting: string; advised_ms: number } | null;
+  noise: { text: string } | null;
+  turnaround: {
+    exchanges: number;
+    longest_ms: number;
+    p999_ms: number;
+    learnt: boolean;
+    advised: string | null;
+    text?: string;
+  } | null;
+  late_responses: { text?: string } | null;
+}
+export interface LineStatus {
+  name: string;
+  state: string;
+  load: number;
+  planned_cycle_ms: number;
+  measured_cycle_ms: number | null;
+  availability_percent: number | null;
+  downtime_ms: number;
+  requests: number;
+  overrun: number;
+  devices: DeviceStatus[];
+}
+export interface Status {
+  time: string;
+  health: 'ok' | 'degraded' | 'failed';
+  uptime_ms: number;
+  values: Record<Quality, number>;
+  lines: LineStatus[];
+  outputs: OutputStatus[];
+}
+export interface OutputStatus {
+  name: string;
+  state: string;
+  destination: string;
+  sampled: number;
+  delivered: number;
+  waiting: number;
+  dropped: number;
+  failure: string | null;
+}
+
+export interface Finding {
+  severity: 'error' | 'warning' | 'note';
+  code: string;
+  file: string;
+  line: number;
+  column: number;
+  path: string;
+  value: string;
+  allowed: string;
+  message: string;
+  advice: string;
+}
+export interface PlannedRequest {
+  device: string;
+  unit: number;
+  function: number | null;
+  write_function: number | null;
+  start: number;
+  quantity: number;
+  variables: string[];
+  period_ms: number | null;
+  phase_ms: number | null;
+  read_trigger: string | null;
+  write_trigger: string | null;
+  write_on_change: boolean;
+  bus_time_us: number;
+  share: number;
+  c_us: number | null;
+  response_us: number | null;
+  deadline_us: number | null;
+  age_us: number | null;
+  ages_us: (number | null)[];
+  why: string;
+  bridged?: string;
+}
+export interface Cost {
+  requests: number;
+  bytes: number;
+  bus_time_us: number;
+  cycle_us: number;
+  utilization: number;
+  requests_per_second: number;
+  bytes_per_second: number;
+}
+export type Strategy = 'single' | 'classic' | 'optimal';
+export interface Change {
+  path: string;
+  name: string;
+  key: string;
+  from: string;
+  to: string;
+}
+export interface Measure {
+  kinds: string[];
+  text: string;
+  changes: Change[];
+  variable: string;
+  response_before_us: number | null;
+  response_after_us: number | null;
+  deadline_us: number;
+  utilization_before: number;
+  utilization_after: number;
+}
+export interface PlannedLine {
+  name: string;
+  framing: string;
+  baud: number | null;
+  utilization: number;
+  cycle_us: number;
+  requests: PlannedRequest[];
+  devices: { name: string; unit: number; share: number }[];
+  ungrouped_requests: number;
+  request_count: number;
+  feasible: boolean;
+  verdict: 'cannot_hold' | 'not_proved' | 'response_unknown' | 'holds';
+  worst_utilization: number;
+  measures: Measure[];
+  compare: {
+    grouped: Cost;
+    ungrouped: Cost;
+    strategies: Record<Strategy, Cost & { saved_percent: Record<string, number> }>;
+  };
+}
+export interface Evaluation {
+  findings: Finding[];
+  lines: PlannedLine[];
+  took_ms: number;
+}
+
+/** A node of the project document: scalars are the raw texts of the file. */
+export type Node = string | null | Node[] | Mapping;
+export interface Mapping {
+  [key: string]: Node | number;
+}
+export interface ProjectFile {
+  file: string;
+  revision: string;
+  document: Mapping;
+  findings: Finding[];
+  read_only_parts: { path: string; file: string }[];
+}
+export interface Saved {
+  revision: string;
+  backup: string;
+  applied: boolean;
+  findings: Finding[];
+}
+
+export interface FieldRule {
+  kind: string;
+  required: boolean;
+  least?: number;
+  greatest?: number;
+  tolerated?: number;
+  words?: string[];
+  allowed: string;
+  default?: string;
+}
+export type FieldTable = Record<string, Record<string, FieldRule>>;
+
+export interface ImportedRows {
+  kind: 'variables' | 'locals' | 'served' | 'list' | 'devices';
+  rows: Record<string, string>[];
+  findings: Finding[];
+}
+
+export interface CommandResult {
+  outcome: 'done' | 'waiting' | 'refused' | 'unknown' | 'expired';
+  reason: string;
+  text: string;
+  written?: Scalar;
+  read_back?: Scalar;
+}
+export interface CommandPreview {
+  frames: { raw: string; words: string; bus_time_us: number }[];
+  value_written: Scalar;
+  rounded: boolean;
+}
+
+export interface Hop {
+  hop: 'device' | 'line' | 'queue' | 'back_off' | 'trigger' | 'period' | 'enable';
+  state: 'ok' | 'wait' | 'trouble';
+  text: string;
+  ms?: number;
+}
+export interface Why {
+  variable: string;
+  quality: Quality;
+  age_ms: number | null;
+  proved_age_ms: number | null;
+  hops: Hop[];
+}
+
+export interface Frame {
+  t: number;
+  line: string;
+  device?: string;
+  unit: number;
+  direction: 'tx' | 'rx';
+  function?: number;
+  words: string;
+  raw: string;
+  fault?: string;
+}
+export interface RequestCounters {
+  device: string;
+  unit: number;
+  function: number | null;
+  write_function: number | null;
+  start: number;
+  quantity: number;
+  variables: string[];
+  period_ms: number | null;
+  real_period_ms: number | null;
+  sent: number;
+  answered: number;
+  timeouts: number;
+  faults: number;
+  exceptions: number;
+  mean_us: number | null;
+  p50_us: number | null;
+  p99_us: number | null;
+  longest_us: number | null;
+  planned_us: number | null;
+  histogram: [number, number][];
+}
+export interface LineRequests {
+  name: string;
+  utilization: number;
+  cycle_us: number;
+  measured_cycle_us: number | null;
+  requests: RequestCounters[];
+}
+
+export interface HistoryPoint {
+  time: string;
+  value: number;
+  after?: string;
+}
+export interface HistoryPixel {
+  index: number;
+  samples: number;
+  first?: HistoryPoint;
+  min?: HistoryPoint;
+  max?: HistoryPoint;
+  last?: HistoryPoint;
+}
+export interface HistoryVariable {
+  name: string;
+  device?: string;
+  type: string;
+  unit?: string;
+  samples: number;
+  min: number | null;
+  max: number | null;
+  mean: number | null;
+  good_share: number;
+  known_until: string;
+  held?: HistoryPoint;
+  points: HistoryPixel[];
+  bad?: { from: string; to: string; quality: Quality; reason?: string }[];
+  gaps?: { first: string; last: string; samples: number; cause: string; text?: string }[];
+}
+export interface History {
+  from: string;
+  to: string;
+  variables: HistoryVariable[];
+}
+export interface HistorySeries {
+  name: string;
+  device?: string;
+  type: string;
+  unit?: string;
+  from?: string;
+  to?: string;
+}

@@ -1,0 +1,100 @@
+import type { ComponentType } from 'preact';
+import { LANGUAGES, type Language, language, setLanguage, t } from './i18n';
+import { go, VIEWS, type View, view } from './shell/route';
+import { theme, toggleTheme } from './shell/theme';
+import { Toasts } from './shell/toasts';
+import { connected, info, mayWrite, status } from './store/info';
+import { DevicesView } from './views/devices/view';
+import { LiveView } from './views/live/view';
+import { ProjectView } from './views/project/view';
+import { TrafficView } from './views/traffic/view';
+import { TrendsView } from './views/trends/view';
+import { Icon } from './widgets/icon';
+
+const components: Record<View, ComponentType> = {
+  project: ProjectView,
+  live: LiveView,
+  trends: TrendsView,
+  traffic: TrafficView,
+  devices: DevicesView,
+};
+const DOTS = { ok: 'good', degraded: 'warn', failed: 'bad' } as const;
+
+function Health() {
+  const health = connected.value ? status.value?.health : undefined;
+  const text = t.value.health[health ?? 'unknown'];
+  return (
+    <button
+      type="button"
+      class="button quiet health"
+      title={text}
+      aria-label={text}
+      onClick={() => go('devices')}
+    >
+      <i class={`dot ${health ? DOTS[health] : ''}`} />
+      <span>{text}</span>
+    </button>
+  );
+}
+
+function Bar() {
+  const its = info.value;
+  return (
+    <header class="bar">
+      <span class="brand">Takt</span>
+      <span class="project" title={its?.project}>
+        {its?.project}
+      </span>
+      {its?.demo && <span class="badge">{t.value.shell.demo}</span>}
+      {its && !mayWrite.value && (
+        <span class="badge" title={t.value.shell.readOnlyHint}>
+          {t.value.shell.readOnly}
+        </span>
+      )}
+      <span class="spring" />
+      <Health />
+      <select
+        aria-label={t.value.shell.language}
+        value={language.value}
+        onChange={(event) => setLanguage(event.currentTarget.value as Language)}
+      >
+        {LANGUAGES.map((one) => (
+          <option key={one.code} value={one.code}>
+            {one.name}
+          </option>
+        ))}
+      </select>
+      <button
+        type="button"
+        class="icon-button"
+        aria-label={t.value.shell.theme}
+        aria-pressed={theme.value === 'dark'}
+        title={t.value.shell.theme}
+        onClick={toggleTheme}
+      >
+        <Icon name="theme" />
+      </button>
+    </header>
+  );
+}
+
+export function App() {
+  const Current = components[view.value];
+  return (
+    <div class="shell">
+      <Bar />
+      <nav aria-label={t.value.nav.label}>
+        {VIEWS.map((name) => (
+          <a key={name} href={`#/${name}`} aria-current={view.value === name ? 'page' : undefined}>
+            <Icon name={name} />
+            <span>{t.value.nav[name]}</span>
+          </a>
+        ))}
+      </nav>
+      <main id="main" tabIndex={-1}>
+        <Current />
+      </main>
+      <Toasts />
+    </div>
+  );
+}

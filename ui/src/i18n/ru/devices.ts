@@ -1,0 +1,6 @@
+import type { Translated } from '..';
+import type { devices as source } from '../en/devices';
+
+export const devices: Translated<typeof source> = {
+  title: 'Устройства',
+};

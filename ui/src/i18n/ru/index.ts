@@ -1,0 +1,18 @@
+import type { Texts } from '..';
+import { devices } from './devices';
+import { live } from './live';
+import { project } from './project';
+import { requests } from './requests';
+import { shell } from './shell';
+import { traffic } from './traffic';
+import { trends } from './trends';
+
+export const ru: Texts = {
+  ...shell,
+  project,
+  requests,
+  live,
+  trends,
+  traffic,
+  devices,
+};

@@ -1,0 +1,45 @@
+import type { Translated } from '..';
+import type { shell as source } from '../en/shell';
+
+export const shell: Translated<typeof source> = {
+  nav: {
+    label: 'Разделы',
+    project: 'Проект',
+    live: 'Значения',
+    trends: 'Графики',
+    traffic: 'Обмен',
+    devices: 'Устройства',
+  },
+  units: { ms: 'мс', s: 'с', min: 'мин', h: 'ч', us: 'мкс' },
+  quality: { good: 'хорошее', uncertain: 'сомнительное', bad: 'плохое', never_read: 'не прочитано' },
+  health: { ok: 'Всё в порядке', degraded: 'Есть нарушения', failed: 'Отказ', unknown: 'Нет связи' },
+  state: {
+    unknown: 'ещё не опрошено',
+    answering: 'отвечает',
+    not_answering: 'не отвечает',
+    switched_off: 'отключено',
+    link_down: 'нет соединения',
+  },
+  shell: {
+    readOnly: 'только чтение',
+    readOnlyHint: 'Чтобы менять значения и проект, запустите Takt с ключом --allow-write.',
+    demo: 'демо',
+    theme: 'Светлая или тёмная тема',
+    language: 'Язык',
+    connectionLost: 'Нет связи с Takt. Повторяем попытку…',
+    unreachable: 'Takt не отвечает.',
+    close: 'Закрыть',
+    cancel: 'Отмена',
+    ok: 'OK',
+    copy: 'Копировать',
+    failed: (text: string) => `Ошибка: ${text}`,
+    loading: 'Загрузка…',
+    filter: 'Фильтр',
+    clear: 'Очистить',
+    nothing: 'Нет данных',
+    resize: 'Ширина левой части',
+    sortBy: (column: string) => `Сортировать: ${column}`,
+    yes: 'Да',
+    no: 'Нет',
+  },
+};

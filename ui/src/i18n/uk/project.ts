@@ -1,0 +1,6 @@
+import type { Translated } from '..';
+import type { project as source } from '../en/project';
+
+export const project: Translated<typeof source> = {
+  title: 'Проєкт',
+};

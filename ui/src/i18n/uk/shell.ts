@@ -1,0 +1,45 @@
+import type { Translated } from '..';
+import type { shell as source } from '../en/shell';
+
+export const shell: Translated<typeof source> = {
+  nav: {
+    label: 'Розділи',
+    project: 'Проєкт',
+    live: 'Значення',
+    trends: 'Графіки',
+    traffic: 'Обмін',
+    devices: 'Пристрої',
+  },
+  units: { ms: 'мс', s: 'с', min: 'хв', h: 'год', us: 'мкс' },
+  quality: { good: 'добре', uncertain: 'сумнівне', bad: 'погане', never_read: 'не прочитано' },
+  health: { ok: 'Усе гаразд', degraded: 'Є порушення', failed: 'Відмова', unknown: 'Немає зв’язку' },
+  state: {
+    unknown: 'ще не опитано',
+    answering: 'відповідає',
+    not_answering: 'не відповідає',
+    switched_off: 'вимкнено',
+    link_down: 'немає з’єднання',
+  },
+  shell: {
+    readOnly: 'лише читання',
+    readOnlyHint: 'Щоб змінювати значення та проєкт, запустіть Takt з ключем --allow-write.',
+    demo: 'демо',
+    theme: 'Світла чи темна тема',
+    language: 'Мова',
+    connectionLost: 'Немає зв’язку з Takt. Повторюємо спробу…',
+    unreachable: 'Takt не відповідає.',
+    close: 'Закрити',
+    cancel: 'Скасувати',
+    ok: 'OK',
+    copy: 'Копіювати',
+    failed: (text: string) => `Помилка: ${text}`,
+    loading: 'Завантаження…',
+    filter: 'Фільтр',
+    clear: 'Очистити',
+    nothing: 'Немає даних',
+    resize: 'Ширина лівої частини',
+    sortBy: (column: string) => `Сортувати: ${column}`,
+    yes: 'Так',
+    no: 'Ні',
+  },
+};

@@ -1,0 +1,99 @@
+// The live values. Each value has a signal of its own, so that a change draws one row again and not the table.
+// Changes are applied once for each frame of the screen.
+import { type Signal, signal } from '@preact/signals';
+import { openStream, type Stream } from '../api/stream';
+import type { LiveValue, Notice, Snapshot, Status, ValueBatch } from '../api/types';
+import { connected, loadInfo, status } from './info';
+import { refreshProject } from './project';
+
+const MOST_NOTICES = 200;
+/** Numbers of the last minute for the sparkline. */
+const MOST_POINTS = 60;
+
+/** The points of a sparkline: one for each second, [second, value]. */
+export type Recent = [number, number][];
+
+export const values = signal<Signal<LiveValue>[]>([]);
+export const valueTime = signal(0);
+export const notices = signal<Notice[]>([]);
+export const recent = new Map<string, Recent>();
+
+let byName = new Map<string, Signal<LiveValue>>();
+let waiting: ValueBatch[] = [];
+let frame = 0;
+
+export const liveValue = (name: string): Signal<LiveValue> | undefined => byName.get(name);
+
+function remember(value: LiveValue, time: number): void {
+  const number = typeof value.value === 'boolean' ? Number(value.value) : value.value;
+  if (typeof number !== 'number' || value.quality === 'bad' || value.quality === 'never_read') return;
+  const second = Math.floor(time / 1000);
+  let points = recent.get(value.name);
+  if (!points) {
+    points = [];
+    recent.set(value.name, points);
+  }
+  const last = points[points.length - 1];
+  if (last && last[0] === second) last[1] = number;
+  else points.push([second, number]);
+  if (points.length > MOST_POINTS) points.shift();
+}
+
+function onSnapshot(snapshot: Snapshot): void {
+  waiting = [];
+  const made = snapshot.values.map((value) => signal(value));
+  byName = new Map(made.map((its) => [its.peek().name, its]));
+  for (const name of recent.keys()) if (!byName.has(name)) recent.delete(name);
+  for (const its of made) remember(its.peek(), snapshot.time);
+  values.value = made;
+  valueTime.value = snapshot.time;
+}
+
+function apply(): void {
+  frame = 0;
+  const batches = waiting;
+  waiting = [];
+  for (const batch of batches) {
+    for (const [index, value, text, quality, reason, good_at, words] of batch.values) {
+      const its = values.peek()[index];
+      if (!its) continue;
+      const { words: _, ...before } = its.peek();
+      const next: LiveValue = { ...before, value, text, quality, reason, good_at };
+      if (words !== undefined) next.words = words;
+      its.value = next;
+      remember(next, batch.time);
+    }
+    valueTime.value = batch.time;
+  }
+}
+
+function onValues(batch: ValueBatch): void {
+  waiting.push(batch);
+  // A hidden page gets no frames: its memory must not grow.
+  if (document.hidden) apply();
+  else if (!frame) frame = requestAnimationFrame(apply);
+}
+
+export function startLive(): Stream {
+  return openStream(
+    'stream',
+    {
+      snapshot: onSnapshot,
+      values: onValues,
+      status: (its: Status) => {
+        status.value = its;
+      },
+      notice: (its: Notice) => {
+        notices.value = [...notices.peek(), its].slice(-MOST_NOTICES);
+      },
+      configuration: () => {
+        void loadInfo().catch(() => {});
+        void refreshProject();
+      },
+    },
+    (is) => {
+      connected.value = is;
+      if (is) void loadInfo().catch(() => {});
+    },
+  );
+}

@@ -1,0 +1,175 @@
+// The draft of the project: the document as edited, its undo steps, and what the program makes of it.
+import { batch, computed, signal } from '@preact/signals';
+import { ApiError, get, post, put } from '../api/client';
+import type { Evaluation, Finding, Mapping, Node, ProjectFile, Saved } from '../api/types';
+import { language } from '../i18n';
+import { type Path, withNode } from './document';
+
+const MOST_STEPS = 200;
+/** Keystrokes in one field within this time are one undo step. */
+const SAME_STEP_MS = 800;
+const EVALUATE_AFTER_MS = 40;
+
+interface Step {
+  document: Mapping;
+  label: string;
+}
+
+/** As on the disk when it was loaded; null: not loaded, or this run has no project file. */
+export const loaded = signal<ProjectFile | null>(null);
+export const draft = signal<Mapping>({});
+export const evaluation = signal<Evaluation | null>(null);
+export const evaluating = signal(false);
+export const evaluationError = signal<string | null>(null);
+/** The file was changed by another program, or another browser, since it was loaded. */
+export const changedOnDisk = signal(false);
+
+const undone = signal<Step[]>([]);
+const done = signal<Step[]>([]);
+let lastEdit = { label: '', time: 0 };
+
+export const canUndo = computed(() => done.value.length > 0);
+export const canRedo = computed(() => undone.value.length > 0);
+export const isChanged = computed(() => loaded.value !== null && draft.value !== loaded.value.document);
+export const findings = computed<Finding[]>(() => evaluation.value?.findings ?? loaded.value?.findings ?? []);
+export const findingsByPath = computed(() => {
+  const map = new Map<string, Finding[]>();
+  for (const its of findings.value) {
+    const list = map.get(its.path);
+    if (list) list.push(its);
+    else map.set(its.path, [its]);
+  }
+  return map;
+});
+export const hasErrors = computed(() => findings.value.some((its) => its.severity === 'error'));
+
+export function isReadOnlyPart(path: string): string | null {
+  for (const part of loaded.value?.read_only_parts ?? [])
+    if (path === part.path || path.startsWith(`${part.path}.`) || path.startsWith(`${part.path}[`))
+      return part.file;
+  return null;
+}
+
+let timer = 0;
+let running: AbortController | null = null;
+
+async function evaluateNow(): Promise<void> {
+  running?.abort();
+  const mine = new AbortController();
+  running = mine;
+  evaluating.value = true;
+  try {
+    const answer = await post<Evaluation>('project/evaluate', { document: draft.peek() }, mine.signal);
+    if (running !== mine) return;
+    batch(() => {
+      evaluation.value = answer;
+      evaluationError.value = null;
+    });
+  } catch (failure) {
+    if (running !== mine || (failure instanceof DOMException && failure.name === 'AbortError')) return;
+    evaluationError.value = failure instanceof Error ? failure.message : String(failure);
+  }
+  if (running === mine) evaluating.value = false;
+}
+
+function evaluateSoon(): void {
+  window.clearTimeout(timer);
+  timer = window.setTimeout(() => void evaluateNow(), EVALUATE_AFTER_MS);
+}
+language.subscribe(() => {
+  if (loaded.peek()) evaluateSoon();
+});
+
+function take(file: ProjectFile): void {
+  batch(() => {
+    loaded.value = file;
+    draft.value = file.document;
+    done.value = [];
+    undone.value = [];
+    changedOnDisk.value = false;
+  });
+  evaluateSoon();
+}
+
+export async function loadProject(): Promise<void> {
+  take(await get<ProjectFile>('project'));
+}
+
+/** Another project runs: takes the file if nothing is edited here, else says that it changed. */
+export async function refreshProject(): Promise<void> {
+  if (!loaded.peek()) return;
+  try {
+    const file = await get<ProjectFile>('project');
+    if (file.revision === loaded.peek()?.revision) return;
+    if (isChanged.peek()) changedOnDisk.value = true;
+    else take(file);
+  } catch {
+    // The next save reports what is wrong with the file.
+  }
+}
+
+/**
+ * Changes the draft. Steps with the same label that follow each other quickly are undone together.
+ * @param label  what was changed, as the path of a field
+ */
+export function change(document: Mapping, label: string): void {
+  if (document === draft.peek()) return;
+  const time = Date.now();
+  const same = label === lastEdit.label && time - lastEdit.time < SAME_STEP_MS && done.peek().length > 0;
+  lastEdit = { label, time };
+  batch(() => {
+    if (!same) done.value = [...done.peek(), { document: draft.peek(), label }].slice(-MOST_STEPS);
+    undone.value = [];
+    draft.value = document;
+  });
+  evaluateSoon();
+}
+
+export function setNode(path: Path, value: Node | undefined): void {
+  change(withNode(draft.peek(), path, value) as Mapping, path.join('/'));
+}
+
+/** Several changes as one undo step. */
+export function setNodes(changes: { path: Path; value: Node | undefined }[], label: string): void {
+  let document: Node = draft.peek();
+  for (const { path, value } of changes) document = withNode(document, path, value);
+  lastEdit = { label: '', time: 0 };
+  change(document as Mapping, label);
+}
+
+function move(from: typeof done, to: typeof done): void {
+  const step = from.peek().at(-1);
+  if (!step) return;
+  lastEdit = { label: '', time: 0 };
+  batch(() => {
+    from.value = from.peek().slice(0, -1);
+    to.value = [...to.peek(), { document: draft.peek(), label: step.label }];
+    draft.value = step.document;
+  });
+  evaluateSoon();
+}
+export const undo = () => move(done, undone);
+export const redo = () => move(undone, done);
+export function revert(): void {
+  const file = loaded.peek();
+  if (file) change(file.document, 'revert');
+}
+
+/** What saving would change, as a unified difference. */
+export async function difference(): Promise<string> {
+  const answer = await post<{ diff: string }>('project/diff', body());
+  return answer.diff;
+}
+
+export async function save(apply: boolean): Promise<Saved> {
+  try {
+    const saved = await put<Saved>('project', { ...body(), apply });
+    await loadProject();
+    return saved;
+  } catch (failure) {
+    if (failure instanceof ApiError && failure.code === 'changed_on_disk') changedOnDisk.value = true;
+    throw failure;
+  }
+}
+
+const body = () => ({ document: draft.peek(), revision: loaded.peek()?.revision });

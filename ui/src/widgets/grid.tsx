@@ -1,0 +1,187 @@
+// A table for thousands of rows: only the rows in sight are in the document. Arrow keys move the current cell.
+import type { ComponentChildren } from 'preact';
+import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
+import { t } from '../i18n';
+
+export interface Column<Row> {
+  key: string;
+  title: string;
+  width: string; // of a CSS grid: "120px", "minmax(120px, 1fr)"
+  align?: 'right';
+  sortable?: boolean;
+  cell: (row: Row, index: number) => ComponentChildren;
+  cellClass?: (row: Row, index: number) => string;
+}
+
+export interface GridCell {
+  row: number;
+  column: number;
+}
+
+export interface GridProps<Row> {
+  label: string;
+  columns: Column<Row>[];
+  rows: Row[];
+  rowKey: (row: Row, index: number) => string | number;
+  rowClass?: (row: Row, index: number) => string;
+  empty?: ComponentChildren;
+  height?: string;
+  sort?: { key: string; down: boolean } | null;
+  onSort?: (key: string) => void;
+  /** The current cell, if the owner keeps it. */
+  current?: GridCell | null;
+  onCurrent?: (cell: GridCell, event: MouseEvent | KeyboardEvent) => void;
+  /** Keys that the grid does not use. */
+  onKey?: (event: KeyboardEvent, cell: GridCell) => void;
+  onOpen?: (cell: GridCell) => void; // Enter, double click
+}
+
+const SPARE_ROWS = 12;
+
+export function Grid<Row>(props: GridProps<Row>) {
+  const box = useRef<HTMLDivElement>(null);
+  const [range, setRange] = useState({ first: 0, last: 60 });
+  const [own, setOwn] = useState<GridCell | null>(null);
+  const current = props.current === undefined ? own : props.current;
+  const rowHeight = useRef(28);
+
+  const look = () => {
+    const element = box.current;
+    if (!element) return;
+    const first = Math.max(0, Math.floor(element.scrollTop / rowHeight.current) - SPARE_ROWS);
+    const last = Math.ceil((element.scrollTop + element.clientHeight) / rowHeight.current) + SPARE_ROWS;
+    setRange((before) => (before.first === first && before.last === last ? before : { first, last }));
+  };
+  useLayoutEffect(() => {
+    rowHeight.current =
+      Number.parseFloat(getComputedStyle(document.documentElement).getPropertyValue('--row')) || 28;
+    look();
+    const observer = new ResizeObserver(look);
+    observer.observe(box.current!);
+    return () => observer.disconnect();
+  }, []);
+  useEffect(look, [props.rows.length]);
+  useEffect(() => {
+    const element = box.current;
+    if (!element || !current) return;
+    const top = current.row * rowHeight.current;
+    const head = rowHeight.current;
+    if (top < element.scrollTop) element.scrollTop = top;
+    else if (top + head + rowHeight.current > element.scrollTop + element.clientHeight)
+      element.scrollTop = top + head + rowHeight.current - element.clientHeight;
+  }, [current?.row, current?.column]);
+
+  const set = (cell: GridCell, event: MouseEvent | KeyboardEvent) => {
+    setOwn(cell);
+    props.onCurrent?.(cell, event);
+  };
+  const onKeyDown = (event: KeyboardEvent) => {
+    if (event.target !== box.current) return; // an editor in a cell
+    const cell = current ?? { row: 0, column: 0 };
+    const page = Math.max(1, Math.floor((box.current?.clientHeight ?? 300) / rowHeight.current) - 2);
+    const moves: Record<string, GridCell> = {
+      ArrowUp: { ...cell, row: cell.row - 1 },
+      ArrowDown: { ...cell, row: cell.row + 1 },
+      ArrowLeft: { ...cell, column: cell.column - 1 },
+      ArrowRight: { ...cell, column: cell.column + 1 },
+      PageUp: { ...cell, row: cell.row - page },
+      PageDown: { ...cell, row: cell.row + page },
+      Home: event.ctrlKey ? { row: 0, column: cell.column } : { ...cell, column: 0 },
+      End: event.ctrlKey
+        ? { row: props.rows.length - 1, column: cell.column }
+        : { ...cell, column: props.columns.length - 1 },
+    };
+    const to = moves[event.key];
+    if (to && !event.altKey && !event.metaKey) {
+      event.preventDefault();
+      set(
+        {
+          row: Math.min(props.rows.length - 1, Math.max(0, to.row)),
+          column: Math.min(props.columns.length - 1, Math.max(0, to.column)),
+        },
+        event,
+      );
+    } else if (event.key === 'Enter' && props.onOpen && current) {
+      event.preventDefault();
+      props.onOpen(current);
+    } else {
+      props.onKey?.(event, cell);
+    }
+  };
+
+  const template = { gridTemplateColumns: props.columns.map((its) => its.width).join(' ') };
+  const first = Math.min(range.first, props.rows.length);
+  const last = Math.min(range.last, props.rows.length);
+  const side = (column: Column<Row>) => (column.align === 'right' ? 'right' : '');
+  return (
+    <div
+      class="grid"
+      role="grid"
+      tabIndex={0}
+      ref={box}
+      aria-label={props.label}
+      aria-rowcount={props.rows.length + 1}
+      aria-activedescendant={current ? `cell-${current.row}-${current.column}` : undefined}
+      style={props.height ? { height: props.height } : undefined}
+      onScroll={look}
+      onKeyDown={onKeyDown}
+    >
+      <div class="head" role="row" style={template}>
+        {props.columns.map((column) => {
+          const sorted = props.sort?.key === column.key;
+          return (
+            <div
+              key={column.key}
+              role="columnheader"
+              class={side(column)}
+              {...(column.sortable && {
+                'aria-sort': sorted ? (props.sort?.down ? 'descending' : 'ascending') : 'none',
+                title: t.value.shell.sortBy(column.title),
+                onClick: () => props.onSort?.(column.key),
+              })}
+            >
+              {column.title}
+              {sorted && <span aria-hidden="true">{props.sort?.down ? '▾' : '▴'}</span>}
+            </div>
+          );
+        })}
+      </div>
+      {props.rows.length === 0 && <div class="empty">{props.empty ?? t.value.shell.nothing}</div>}
+      <div style={{ height: `${first * rowHeight.current}px` }} />
+      {props.rows.slice(first, last).map((row, offset) => {
+        const index = first + offset;
+        return (
+          <div
+            key={props.rowKey(row, index)}
+            class={`line ${props.rowClass?.(row, index) ?? ''}`}
+            role="row"
+            aria-rowindex={index + 2}
+            style={template}
+          >
+            {props.columns.map((column, c) => (
+              // biome-ignore lint/a11y/useKeyWithClickEvents: the grid takes the keyboard
+              <div
+                key={column.key}
+                id={`cell-${index}-${c}`}
+                role="gridcell"
+                tabIndex={-1}
+                class={`${side(column)} ${column.cellClass?.(row, index) ?? ''} ${
+                  current?.row === index && current.column === c ? 'current' : ''
+                }`}
+                onClick={(event) => {
+                  set({ row: index, column: c }, event);
+                  // A click into an editor of the cell stays there.
+                  if (!(event.target as Element).closest('input, select, button, a')) box.current?.focus();
+                }}
+                onDblClick={() => props.onOpen?.({ row: index, column: c })}
+              >
+                {column.cell(row, index)}
+              </div>
+            ))}
+          </div>
+        );
+      })}
+      <div style={{ height: `${Math.max(0, props.rows.length - last) * rowHeight.current}px` }} />
+    </div>
+  );
+}
