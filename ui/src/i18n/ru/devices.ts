@@ -1,6 +1,62 @@
-import type { Translated } from '..';
+import { slavic, type Translated } from '..';
 import type { devices as source } from '../en/devices';
 
 export const devices: Translated<typeof source> = {
   title: 'Устройства',
+  columns: {
+    device: 'Устройство',
+    address: 'Адрес',
+    state: 'Состояние',
+    values: 'Значения',
+    response: 'Ответ',
+    sent: 'Отправлено',
+    failed: 'Неудачи',
+    exceptions: 'Исключения',
+    late: 'Опоздания',
+    available: 'Доступность',
+    actions: 'Действия',
+  },
+  line: (name: string) => `Линия ${name}`,
+  lineState: {
+    connected: 'соединение есть',
+    never_connected: 'соединения ещё не было',
+    lost: 'соединение потеряно',
+  },
+  busy: 'занята',
+  cycle: 'цикл',
+  available: 'доступна',
+  notGood: (n: number) => `${n} ${slavic('ru', n, 'нехорошее', 'нехороших', 'нехороших')}`,
+  allGood: (n: number) => `${n} ${slavic('ru', n, 'хорошее', 'хороших', 'хороших')}`,
+  tryNow: 'Опросить сейчас',
+  tried: (name: string) => `${name}: запрос уйдёт, как только на линии будет место`,
+  details: 'Подробности',
+  measured: 'Время реакции',
+  measuredText: (longest: string, p999: string, n: string) =>
+    `наибольшее ${longest}, 99,9 % не дольше ${p999}, обменов: ${n}`,
+  advised: 'Для проекта:',
+  outages: 'Отказы',
+  downtime: 'Простой',
+  surplus: 'Лишние ответы',
+  findings: 'Замечания',
+  well: 'Замечаний нет.',
+  choose: 'Выберите устройство, чтобы увидеть подробности.',
+  outputs: 'Выходы',
+  output: {
+    name: 'Имя',
+    state: 'Состояние',
+    destination: 'Назначение',
+    sampled: 'Отобрано',
+    delivered: 'Доставлено',
+    waiting: 'Ожидает',
+    dropped: 'Потеряно',
+    failure: 'Последняя ошибка',
+  },
+  outputState: {
+    connecting: 'соединяется',
+    delivering: 'доставляет',
+    waiting: 'ждёт',
+    stopped: 'остановлен',
+    ended: 'завершён',
+    unusable: 'непригоден',
+  },
 };

@@ -1,6 +1,62 @@
-import type { Translated } from '..';
+import { slavic, type Translated } from '..';
 import type { devices as source } from '../en/devices';
 
 export const devices: Translated<typeof source> = {
   title: 'Пристрої',
+  columns: {
+    device: 'Пристрій',
+    address: 'Адреса',
+    state: 'Стан',
+    values: 'Значення',
+    response: 'Відповідь',
+    sent: 'Надіслано',
+    failed: 'Невдачі',
+    exceptions: 'Винятки',
+    late: 'Запізнення',
+    available: 'Доступність',
+    actions: 'Дії',
+  },
+  line: (name: string) => `Лінія ${name}`,
+  lineState: {
+    connected: 'з’єднання є',
+    never_connected: 'з’єднання ще не було',
+    lost: 'з’єднання втрачено',
+  },
+  busy: 'зайнята',
+  cycle: 'цикл',
+  available: 'доступна',
+  notGood: (n: number) => `${n} ${slavic('uk', n, 'недобре', 'недобрі', 'недобрих')}`,
+  allGood: (n: number) => `${n} ${slavic('uk', n, 'добре', 'добрі', 'добрих')}`,
+  tryNow: 'Опитати зараз',
+  tried: (name: string) => `${name}: запит піде, щойно на лінії буде місце`,
+  details: 'Подробиці',
+  measured: 'Час реакції',
+  measuredText: (longest: string, p999: string, n: string) =>
+    `найдовший ${longest}, 99,9 % не довше ${p999}, обмінів: ${n}`,
+  advised: 'Для проєкту:',
+  outages: 'Відмови',
+  downtime: 'Простій',
+  surplus: 'Зайві відповіді',
+  findings: 'Зауваження',
+  well: 'Зауважень немає.',
+  choose: 'Виберіть пристрій, щоб побачити подробиці.',
+  outputs: 'Виходи',
+  output: {
+    name: 'Ім’я',
+    state: 'Стан',
+    destination: 'Призначення',
+    sampled: 'Відібрано',
+    delivered: 'Доставлено',
+    waiting: 'Очікує',
+    dropped: 'Втрачено',
+    failure: 'Остання помилка',
+  },
+  outputState: {
+    connecting: 'з’єднується',
+    delivering: 'доставляє',
+    waiting: 'чекає',
+    stopped: 'зупинено',
+    ended: 'завершено',
+    unusable: 'непридатний',
+  },
 };

@@ -1,5 +1,177 @@
-import { t } from '../../i18n';
+// Lines and devices: state, counters, what was learnt and measured; outputs.
+import { computed, signal } from '@preact/signals';
+import { post } from '../../api/client';
+import type { DeviceStatus, LineStatus } from '../../api/types';
+import { formatDuration, formatNumber, t } from '../../i18n';
+import { toast, toastError } from '../../shell/toasts';
+import { mayWrite, status } from '../../store/info';
+import { type Column, Grid } from '../../widgets/grid';
+import { Details } from './details';
+import { OutputList } from './outputs';
+import '../../style/devices.css';
+
+export const DEVICE_DOTS = {
+  unknown: '',
+  answering: 'good',
+  not_answering: 'bad',
+  switched_off: '',
+  link_down: 'bad',
+} as const;
+
+/** Line and device, as "line/device". */
+const chosen = signal('');
+
+const current = computed(() => {
+  for (const line of status.value?.lines ?? [])
+    for (const device of line.devices)
+      if (chosen.value === `${line.name}/${device.name}`) return { line, device };
+  return null;
+});
+
+export async function tryNow(line: string, device: string): Promise<void> {
+  try {
+    await post('devices/probe', { line, device });
+    toast('info', t.peek().devices.tried(device));
+  } catch (failure) {
+    toastError(failure);
+  }
+}
+
+function columns(line: string): Column<DeviceStatus>[] {
+  const texts = t.value.devices.columns;
+  const number = (key: 'sent' | 'failed' | 'exceptions' | 'late_answers', title: string, bad: boolean) => ({
+    key,
+    title,
+    width: '84px',
+    align: 'right' as const,
+    cell: (its: DeviceStatus) => (
+      <span class={bad && its[key] > 0 ? 'warn' : ''}>{formatNumber(its[key])}</span>
+    ),
+  });
+  return [
+    { key: 'device', title: texts.device, width: 'minmax(120px, 1.2fr)', cell: (its) => <b>{its.name}</b> },
+    { key: 'address', title: texts.address, width: '64px', align: 'right', cell: (its) => its.address },
+    {
+      key: 'state',
+      title: texts.state,
+      width: 'minmax(140px, 1fr)',
+      cell: (its) => (
+        <>
+          <i class={`dot ${DEVICE_DOTS[its.state]}`} /> {t.value.state[its.state]}
+        </>
+      ),
+    },
+    {
+      key: 'values',
+      title: texts.values,
+      width: '120px',
+      cell: (its) => {
+        const bad = its.values.bad + its.values.uncertain;
+        return bad > 0 ? (
+          <span class="warn">{t.value.devices.notGood(bad)}</span>
+        ) : (
+          t.value.devices.allGood(its.values.good)
+        );
+      },
+    },
+    {
+      key: 'response',
+      title: texts.response,
+      width: '92px',
+      align: 'right',
+      cell: (its) => (its.response_ms === null ? '–' : formatDuration(its.response_ms)),
+    },
+    number('sent', texts.sent, false),
+    number('failed', texts.failed, true),
+    number('exceptions', texts.exceptions, true),
+    number('late_answers', texts.late, true),
+    {
+      key: 'available',
+      title: texts.available,
+      width: '104px',
+      align: 'right',
+      cell: (its) =>
+        its.availability_percent === null ? '–' : `${formatNumber(its.availability_percent, 2)} %`,
+    },
+    {
+      key: 'actions',
+      title: texts.actions,
+      width: '150px',
+      cell: (its) => (
+        <button
+          type="button"
+          class="button small"
+          disabled={!mayWrite.value || its.state !== 'not_answering'}
+          onClick={() => void tryNow(line, its.name)}
+        >
+          {t.value.devices.tryNow}
+        </button>
+      ),
+    },
+  ];
+}
+
+function LinePanel({ line }: { line: LineStatus }) {
+  const texts = t.value.devices;
+  const word = texts.lineState[line.state as keyof typeof texts.lineState] ?? line.state;
+  return (
+    <section class="panel">
+      <header>
+        <h2>{texts.line(line.name)}</h2>
+        <span>
+          <i class={`dot ${line.state === 'connected' ? 'good' : 'bad'}`} /> {word}
+        </span>
+        <span class="muted">
+          {texts.busy} {formatNumber(100 * line.load, 1)} %
+        </span>
+        {line.measured_cycle_ms !== null && (
+          <span class="muted">
+            {texts.cycle} {formatDuration(line.measured_cycle_ms)}
+          </span>
+        )}
+        {line.availability_percent !== null && (
+          <span class="muted">
+            {texts.available} {formatNumber(line.availability_percent, 2)} %
+          </span>
+        )}
+      </header>
+      <Grid
+        label={texts.line(line.name)}
+        columns={columns(line.name)}
+        rows={line.devices}
+        rowKey={(its) => its.name}
+        rowClass={(its) => (chosen.value === `${line.name}/${its.name}` ? 'selected' : '')}
+        onCurrent={({ row }) => {
+          const its = line.devices[row];
+          if (its) chosen.value = `${line.name}/${its.name}`;
+        }}
+      />
+    </section>
+  );
+}
 
 export function DevicesView() {
-  return <h1>{t.value.devices.title}</h1>;
+  const texts = t.value.devices;
+  const its = status.value;
+  if (!its) return <p class="muted">{t.value.shell.loading}</p>;
+  return (
+    <div class="devices">
+      <div class="lines">
+        {its.lines.map((line) => (
+          <LinePanel key={line.name} line={line} />
+        ))}
+        {its.outputs.length > 0 && <OutputList outputs={its.outputs} />}
+      </div>
+      <aside class="panel">
+        <header>
+          <h2>{current.value ? current.value.device.name : texts.details}</h2>
+        </header>
+        {current.value ? (
+          <Details line={current.value.line} device={current.value.device} />
+        ) : (
+          <p class="muted pad">{texts.choose}</p>
+        )}
+      </aside>
+    </div>
+  );
 }

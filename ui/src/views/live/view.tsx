@@ -1,5 +1,243 @@
+// All values of the running project.
+import { computed, signal } from '@preact/signals';
+import { post } from '../../api/client';
+import type { CommandResult, LiveValue } from '../../api/types';
 import { t } from '../../i18n';
+import { go } from '../../shell/route';
+import { toast, toastError } from '../../shell/toasts';
+import { second } from '../../store/clock';
+import { info, mayWrite } from '../../store/info';
+import { values } from '../../store/live';
+import { type Column, Grid } from '../../widgets/grid';
+import { Icon } from '../../widgets/icon';
+import { AgeCell, QualityCell, type Row, SparkCell, typeClass, ValueCell } from './cells';
+import { FORMATS, type Format, hasBits } from './format';
+import { Notices } from './notices';
+import { WhyDialog } from './why_dialog';
+import { WriteDialog } from './write_dialog';
+import '../../style/live.css';
+
+const filter = signal('');
+const onlyTrouble = signal(false);
+const sort = signal<{ key: string; down: boolean } | null>(null);
+const formats = signal<Record<string, Format>>({});
+const writing = signal<LiveValue | null>(null);
+const asking = signal<string | null>(null);
+
+const RANK = { bad: 0, uncertain: 1, never_read: 2, good: 3 } as const;
+const keyOf: Record<string, (its: LiveValue) => string | number> = {
+  device: (its) => its.device ?? '',
+  name: (its) => its.name,
+  quality: (its) => RANK[its.quality],
+};
+
+const rows = computed<Row[]>(() => {
+  const wanted = filter.value.trim().toLowerCase();
+  // Qualities are looked at once a second: the table does not depend on each value.
+  if (onlyTrouble.value || sort.value?.key === 'quality') void second.value;
+  let found = values.value.filter((row) => {
+    const its = row.peek();
+    if (onlyTrouble.value && its.quality === 'good') return false;
+    return wanted === '' || `${its.device ?? ''} ${its.name}`.toLowerCase().includes(wanted);
+  });
+  if (sort.value) {
+    const { key, down } = sort.value;
+    const of = keyOf[key]!;
+    const order = new Intl.Collator(undefined, { numeric: true });
+    found = [...found].sort((a, b) => {
+      const [x, y] = [of(a.peek()), of(b.peek())];
+      const compared =
+        typeof x === 'number' && typeof y === 'number' ? x - y : order.compare(String(x), String(y));
+      return down ? -compared : compared;
+    });
+  }
+  return found;
+});
+
+async function trigger(name: string): Promise<void> {
+  try {
+    const result = await post<CommandResult>('commands', { kind: 'trigger', variable: name, value: true });
+    if (result.outcome === 'done') toast('good', t.peek().live.triggered(name));
+    else toast('bad', `${name}: ${t.peek().live.outcome[result.outcome]}. ${result.text}`);
+  } catch (failure) {
+    toastError(failure);
+  }
+}
+
+function Actions({ row }: { row: Row }) {
+  const texts = t.value.live;
+  const its = row.peek();
+  const format = formats.value[its.name] ?? 'normal';
+  return (
+    <span class="actions">
+      {its.trigger ? (
+        <button
+          type="button"
+          class="button small"
+          disabled={!mayWrite.value}
+          onClick={() => void trigger(its.name)}
+        >
+          {texts.trigger}
+        </button>
+      ) : (
+        <button
+          type="button"
+          class="icon-button"
+          title={texts.write}
+          aria-label={`${texts.write}: ${its.name}`}
+          disabled={!its.writable || !mayWrite.value}
+          onClick={() => {
+            writing.value = row.peek();
+          }}
+        >
+          <Icon name="write" />
+        </button>
+      )}
+      <button
+        type="button"
+        class="icon-button"
+        title={texts.why}
+        aria-label={`${texts.why} ${its.name}`}
+        disabled={its.local}
+        onClick={() => {
+          asking.value = its.name;
+        }}
+      >
+        <Icon name="why" />
+      </button>
+      <button
+        type="button"
+        class="icon-button"
+        title={texts.plot}
+        aria-label={`${texts.plot}: ${its.name}`}
+        disabled={!info.value?.history || its.type === 'string'}
+        onClick={() => go('trends', { pens: its.name })}
+      >
+        <Icon name="trends" />
+      </button>
+      <select
+        class="format"
+        aria-label={`${texts.format.label}: ${its.name}`}
+        title={texts.format.label}
+        disabled={!hasBits(its)}
+        value={format}
+        onChange={(event) => {
+          formats.value = { ...formats.peek(), [its.name]: event.currentTarget.value as Format };
+        }}
+      >
+        {FORMATS.map((one) => (
+          <option key={one} value={one}>
+            {texts.format[one]}
+          </option>
+        ))}
+      </select>
+    </span>
+  );
+}
+
+function columns(): Column<Row>[] {
+  const texts = t.value.live.columns;
+  return [
+    {
+      key: 'device',
+      title: texts.device,
+      width: 'minmax(90px, 0.7fr)',
+      sortable: true,
+      cell: (row) => row.peek().device ?? <span class="muted">{t.value.live.local}</span>,
+    },
+    {
+      key: 'name',
+      title: texts.name,
+      width: 'minmax(130px, 1.2fr)',
+      sortable: true,
+      cell: (row) => <span class={typeClass(row.peek().type)}>{row.peek().name}</span>,
+    },
+    {
+      key: 'value',
+      title: texts.value,
+      width: 'minmax(110px, 0.9fr)',
+      align: 'right',
+      cell: (row) => <ValueCell row={row} format={formats.value[row.peek().name] ?? 'normal'} />,
+    },
+    { key: 'unit', title: texts.unit, width: '70px', cell: (row) => row.peek().unit },
+    {
+      key: 'quality',
+      title: texts.quality,
+      width: 'minmax(120px, 1fr)',
+      sortable: true,
+      cell: (row) => <QualityCell row={row} />,
+    },
+    { key: 'age', title: texts.age, width: '90px', align: 'right', cell: (row) => <AgeCell row={row} /> },
+    { key: 'trend', title: texts.trend, width: '126px', cell: (row) => <SparkCell row={row} /> },
+    { key: 'actions', title: texts.actions, width: '236px', cell: (row) => <Actions row={row} /> },
+  ];
+}
+
+function onSort(key: string): void {
+  const now = sort.peek();
+  if (now?.key !== key) sort.value = { key, down: false };
+  else sort.value = now.down ? null : { key, down: true };
+}
 
 export function LiveView() {
-  return <h1>{t.value.live.title}</h1>;
+  const texts = t.value.live;
+  return (
+    <div class="live">
+      <section class="panel values">
+        <header>
+          <h2>{texts.title}</h2>
+          <span class="muted small">{texts.shown(rows.value.length, values.value.length)}</span>
+          <label class="check">
+            <input
+              type="checkbox"
+              checked={onlyTrouble.value}
+              onChange={(event) => {
+                onlyTrouble.value = event.currentTarget.checked;
+              }}
+            />
+            {texts.onlyTrouble}
+          </label>
+          <input
+            type="search"
+            placeholder={texts.filter}
+            aria-label={texts.filter}
+            value={filter.value}
+            onInput={(event) => {
+              filter.value = event.currentTarget.value;
+            }}
+          />
+        </header>
+        <Grid
+          label={texts.title}
+          columns={columns()}
+          rows={rows.value}
+          rowKey={(row) => row.peek().name}
+          sort={sort.value}
+          onSort={onSort}
+          onOpen={({ row }) => {
+            const its = rows.peek()[row]?.peek();
+            if (its?.writable && mayWrite.peek()) writing.value = its;
+          }}
+          empty={values.value.length === 0 ? texts.waiting : undefined}
+        />
+      </section>
+      <Notices />
+      {writing.value && (
+        <WriteDialog
+          value={writing.value}
+          onClose={() => {
+            writing.value = null;
+          }}
+        />
+      )}
+      {asking.value && (
+        <WhyDialog
+          variable={asking.value}
+          onClose={() => {
+            asking.value = null;
+          }}
+        />
+      )}
+    </div>
+  );
 }

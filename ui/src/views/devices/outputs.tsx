@@ -1,0 +1,62 @@
+import type { OutputStatus } from '../../api/types';
+import { formatNumber, t } from '../../i18n';
+import { Grid } from '../../widgets/grid';
+
+/** Where values are delivered to: sampled = delivered + waiting + dropped at all times. */
+export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
+  const texts = t.value.devices;
+  const count = (key: 'sampled' | 'delivered' | 'waiting' | 'dropped') => ({
+    key,
+    title: texts.output[key],
+    width: '104px',
+    align: 'right' as const,
+    cell: (its: OutputStatus) => formatNumber(its[key]),
+  });
+  return (
+    <section class="panel">
+      <header>
+        <h2>{texts.outputs}</h2>
+      </header>
+      <Grid
+        label={texts.outputs}
+        columns={[
+          {
+            key: 'name',
+            title: texts.output.name,
+            width: 'minmax(90px, 0.7fr)',
+            cell: (its) => <b>{its.name}</b>,
+          },
+          {
+            key: 'state',
+            title: texts.output.state,
+            width: '120px',
+            cell: (its) => (
+              <>
+                <i class={`dot ${its.failure ? 'bad' : its.state === 'delivering' ? 'good' : ''}`} />{' '}
+                {texts.outputState[its.state as keyof typeof texts.outputState] ?? its.state}
+              </>
+            ),
+          },
+          {
+            key: 'destination',
+            title: texts.output.destination,
+            width: 'minmax(160px, 1.3fr)',
+            cell: (its) => <span title={its.destination}>{its.destination}</span>,
+          },
+          count('sampled'),
+          count('delivered'),
+          count('waiting'),
+          count('dropped'),
+          {
+            key: 'failure',
+            title: texts.output.failure,
+            width: 'minmax(140px, 1fr)',
+            cell: (its) => <span title={its.failure ?? ''}>{its.failure ?? '–'}</span>,
+          },
+        ]}
+        rows={outputs}
+        rowKey={(its) => its.name}
+      />
+    </section>
+  );
+}

@@ -1,0 +1,71 @@
+// The cells of the live table. Each subscribes to what it shows, so that a change draws a cell, not the table.
+import type { Signal } from '@preact/signals';
+import type { LiveValue } from '../../api/types';
+import { formatDuration, t } from '../../i18n';
+import { second, tick } from '../../store/clock';
+import { recent } from '../../store/live';
+import { type Format, formatValue, sparkline } from './format';
+
+export type Row = Signal<LiveValue>;
+
+export const typeClass = (type: string) =>
+  type === 'bool'
+    ? 'type-bool'
+    : type === 'float' || type === 'double'
+      ? 'type-float'
+      : type === 'string'
+        ? 'type-string'
+        : 'type-int';
+
+export function ValueCell({ row, format }: { row: Row; format: Format }) {
+  const its = row.value;
+  if (its.value === null) return <span class="muted">–</span>;
+  const text =
+    its.type === 'bool' && format === 'normal' && !its.words
+      ? t.value.live.boolean[its.value ? 'on' : 'off']
+      : (format === 'normal' && its.words) || formatValue(its, format);
+  const stale = its.quality === 'good' ? '' : 'stale';
+  return (
+    <span
+      class={`value ${typeClass(its.type)} ${stale} ${format === 'normal' ? '' : 'mono'}`}
+      title={its.text}
+    >
+      {text}
+    </span>
+  );
+}
+
+const DOTS = { good: 'good', uncertain: 'warn', bad: 'bad', never_read: '' } as const;
+
+export function QualityCell({ row }: { row: Row }) {
+  const { quality, reason, cause } = row.value;
+  const word = t.value.quality[quality];
+  const why = [reason, cause].filter(Boolean).join(', ');
+  return (
+    <span class="quality" title={why || word}>
+      <i class={`dot ${DOTS[quality]}`} /> {word}
+      {why && <span class="muted">{why}</span>}
+    </span>
+  );
+}
+
+export function AgeCell({ row }: { row: Row }) {
+  const { good_at, proved_age_ms, local } = row.value;
+  if (good_at === null || local) return <span class="muted">–</span>;
+  const age = Math.max(0, tick.value - good_at);
+  const late = typeof proved_age_ms === 'number' && age > proved_age_ms;
+  return <span class={late ? 'late' : ''}>{formatDuration(age < 1000 ? Math.round(age) : age)}</span>;
+}
+
+const WIDTH = 110;
+const HEIGHT = 20;
+
+export function SparkCell({ row }: { row: Row }) {
+  const now = second.value;
+  const path = sparkline(recent.get(row.peek().name) ?? [], WIDTH, HEIGHT, now);
+  return (
+    <svg class="spark" width={WIDTH} height={HEIGHT} viewBox={`0 0 ${WIDTH} ${HEIGHT}`} aria-hidden="true">
+      {path && <path d={path} />}
+    </svg>
+  );
+}

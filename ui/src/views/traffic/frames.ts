@@ -1,0 +1,82 @@
+// The frames that the page keeps: the last ones, while the view is open.
+import { computed, signal } from '@preact/signals';
+import { openStream, type Stream } from '../../api/stream';
+import type { Frame } from '../../api/types';
+
+const MOST_FRAMES = 2000;
+
+export interface NumberedFrame extends Frame {
+  number: number;
+}
+
+export const frames = signal<NumberedFrame[]>([]);
+export const missed = signal(0);
+export const paused = signal(false);
+export const device = signal('');
+export const functionCode = signal('');
+export const errorsOnly = signal(false);
+export const text = signal('');
+
+let last = 0;
+let waiting: NumberedFrame[] = [];
+let timer = 0;
+
+function show(): void {
+  timer = 0;
+  if (paused.peek()) return;
+  frames.value = [...frames.peek(), ...waiting].slice(-MOST_FRAMES);
+  waiting = [];
+}
+
+/** The table follows five times a second; a paused one keeps what it shows, and the newest frames beside it. */
+export function openFrames(): Stream {
+  return openStream(
+    'traffic',
+    {
+      frames: (its: Frame[]) => {
+        waiting = [...waiting, ...its.map((frame) => ({ ...frame, number: ++last }))].slice(-MOST_FRAMES);
+        if (!timer) timer = window.setTimeout(show, 200);
+      },
+      missed: (its: { count: number }) => {
+        missed.value += its.count;
+      },
+    },
+    () => {},
+  );
+}
+
+export function togglePause(): void {
+  paused.value = !paused.peek();
+  if (!paused.peek()) show();
+}
+export function clearFrames(): void {
+  frames.value = [];
+  waiting = [];
+  missed.value = 0;
+}
+
+/** An exception response has the highest bit of its function set. */
+export const isError = (frame: Frame) => frame.fault !== undefined || (frame.function ?? 0) >= 0x80;
+
+export const shownFrames = computed(() => {
+  const wanted = text.value.trim().toLowerCase();
+  return frames.value
+    .filter(
+      (frame) =>
+        (device.value === '' || frame.device === device.value) &&
+        (functionCode.value === '' || ((frame.function ?? -1) & 0x7f) === Number(functionCode.value)) &&
+        (!errorsOnly.value || isError(frame)) &&
+        (wanted === '' || `${frame.words} ${frame.raw}`.toLowerCase().includes(wanted)),
+    )
+    .reverse();
+});
+export const devices = computed(() =>
+  [...new Set(frames.value.map((frame) => frame.device).filter((its) => its !== undefined))].sort(),
+);
+export const functionCodes = computed(() =>
+  [
+    ...new Set(
+      frames.value.flatMap((frame) => (frame.function === undefined ? [] : [frame.function & 0x7f])),
+    ),
+  ].sort((a, b) => a - b),
+);
