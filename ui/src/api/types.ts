@@ -312,7 +312,8 @@ export interface LineRequests {
 export interface HistoryPoint {
   time: string;
   value: number;
-  after?: string;
+  /** The poll before: the change happened after it. */
+  previous_poll?: string;
 }
 export interface HistoryPixel {
   index: number;
@@ -324,30 +325,37 @@ export interface HistoryPixel {
 }
 export interface HistoryVariable {
   name: string;
-  device?: string;
+  device: string;
   type: string;
-  unit?: string;
+  unit: string;
   samples: number;
   min: number | null;
   max: number | null;
   mean: number | null;
   good_share: number;
   known_until: string;
-  held?: HistoryPoint;
+  /** The value that holds at the begin of the range. */
+  held?: HistoryPoint | null;
   points: HistoryPixel[];
-  bad?: { from: string; to: string; quality: Quality; reason?: string }[];
-  gaps?: { first: string; last: string; samples: number; cause: string; text?: string }[];
+  bad: { from: string; to: string; quality: Quality; reason?: string }[];
+}
+export interface HistoryGap {
+  from: string;
+  to: string;
+  cause: string;
+  samples: number | null;
 }
 export interface History {
   from: string;
   to: string;
   variables: HistoryVariable[];
+  gaps: HistoryGap[];
 }
 export interface HistorySeries {
   name: string;
-  device?: string;
+  device: string;
   type: string;
-  unit?: string;
-  from?: string;
-  to?: string;
+  unit: string;
+  oldest: string | null;
+  newest: string | null;
 }

@@ -54,6 +54,6 @@ export const devices = {
     waiting: 'waiting',
     stopped: 'stopped',
     ended: 'ended',
-    unusable: 'unusable',
+    starting: 'starting',
   },
 };

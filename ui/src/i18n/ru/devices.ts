@@ -57,6 +57,6 @@ export const devices: Translated<typeof source> = {
     waiting: 'ждёт',
     stopped: 'остановлен',
     ended: 'завершён',
-    unusable: 'непригоден',
+    starting: 'запускается',
   },
 };

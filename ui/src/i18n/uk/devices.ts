@@ -57,6 +57,6 @@ export const devices: Translated<typeof source> = {
     waiting: 'чекає',
     stopped: 'зупинено',
     ended: 'завершено',
-    unusable: 'непридатний',
+    starting: 'запускається',
   },
 };

@@ -12,7 +12,6 @@ export function Notices() {
       <header>
         <h2>{texts.notices}</h2>
       </header>
-      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls */}
       <ul tabIndex={0} aria-label={texts.notices}>
         {all.length === 0 && <li class="muted">{texts.noNotices}</li>}
         {all.map((its, i) => (

@@ -1,0 +1,298 @@
+// The chart: uPlot draws axes and steps; hooks draw what belongs to the history only: hatches where nothing is
+// known, the age of each change, lanes of booleans, marks, cursors.
+import { useEffect, useRef } from 'preact/hooks';
+import uPlot from 'uplot';
+import 'uplot/dist/uPlot.min.css';
+import type { History } from '../../api/types';
+import { formatNumber, language, t } from '../../i18n';
+import { theme } from '../../shell/theme';
+import { notices } from '../../store/live';
+import { changesOf, type Curve, curveOf, type Span, type SpanKind, spansOf } from './data';
+import { cursors, frozen, goLive, pens, range, width, zoomTo } from './state';
+
+const LANE = 16;
+
+const color = (name: string) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+export const penColor = (index: number) => `var(--pen-${(index % 6) + 1})`;
+const penCanvasColor = (index: number) => color(`--pen-${(index % 6) + 1}`);
+
+const HATCHES: Record<SpanKind, { color: string; step: number; rising: boolean }> = {
+  restart: { color: '--idle', step: 9, rising: true },
+  lost: { color: '--warn', step: 6, rising: true },
+  bad: { color: '--bad', step: 7, rising: false },
+  uncertain: { color: '--warn', step: 12, rising: false },
+};
+
+function hatch(u: uPlot, span: Span): void {
+  const { ctx, bbox } = u;
+  const left = Math.max(bbox.left, u.valToPos(span.from, 'x', true));
+  const right = Math.min(bbox.left + bbox.width, u.valToPos(span.to, 'x', true));
+  if (right <= bbox.left || left >= bbox.left + bbox.width) return;
+  const style = HATCHES[span.kind];
+  const step = style.step * devicePixelRatio;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(left, bbox.top, Math.max(1, right - left), bbox.height);
+  ctx.clip();
+  ctx.strokeStyle = color(style.color);
+  ctx.globalAlpha = 0.55;
+  ctx.lineWidth = devicePixelRatio;
+  ctx.beginPath();
+  for (let x = left - bbox.height; x < right + bbox.height; x += step) {
+    const [x0, x1] = style.rising ? [x, x + bbox.height] : [x + bbox.height, x];
+    ctx.moveTo(x0, bbox.top + bbox.height);
+    ctx.lineTo(x1, bbox.top);
+  }
+  ctx.stroke();
+  ctx.restore();
+}
+
+function vertical(u: uPlot, time: number, stroke: string, label: string): void {
+  const { ctx, bbox } = u;
+  const x = u.valToPos(time, 'x', true);
+  if (x < bbox.left || x > bbox.left + bbox.width) return;
+  ctx.save();
+  ctx.strokeStyle = stroke;
+  ctx.fillStyle = stroke;
+  ctx.lineWidth = devicePixelRatio;
+  ctx.setLineDash(label ? [] : [2 * devicePixelRatio, 3 * devicePixelRatio]);
+  ctx.beginPath();
+  ctx.moveTo(x, bbox.top);
+  ctx.lineTo(x, bbox.top + bbox.height);
+  ctx.stroke();
+  if (label) {
+    ctx.font = `${12 * devicePixelRatio}px sans-serif`;
+    ctx.fillText(label, x + 3 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
+  }
+  ctx.restore();
+}
+
+interface Drawn {
+  name: string;
+  pen: number;
+  bool: boolean;
+  curve: Curve;
+  spans: Span[];
+}
+
+function drawBefore(u: uPlot, drawn: Drawn[]): void {
+  const seen = new Set<string>();
+  for (const its of drawn)
+    for (const span of its.spans) {
+      const key = `${span.from}/${span.to}/${span.kind}`;
+      if (!seen.has(key)) hatch(u, span);
+      seen.add(key);
+    }
+}
+
+/** The change of a value happened somewhere between two polls: a band from the poll before to this one. */
+function drawAges(u: uPlot, history: History, drawn: Drawn[]): void {
+  const { ctx, bbox } = u;
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  ctx.clip();
+  ctx.globalAlpha = 0.22;
+  for (const its of drawn) {
+    if (its.bool) continue;
+    const variable = history.variables.find((one) => one.name === its.name);
+    if (!variable) continue;
+    ctx.fillStyle = penCanvasColor(its.pen);
+    for (const change of changesOf(variable)) {
+      const left = u.valToPos(change.from, 'x', true);
+      const right = u.valToPos(change.to, 'x', true);
+      const [a, b] = [u.valToPos(change.before, its.name, true), u.valToPos(change.after, its.name, true)];
+      if (right - left >= 1) ctx.fillRect(left, Math.min(a, b), right - left, Math.max(1, Math.abs(a - b)));
+    }
+  }
+  ctx.restore();
+}
+
+/** Booleans are lanes at the bottom: filled where the value is true. */
+function drawLanes(u: uPlot, drawn: Drawn[]): void {
+  const { ctx, bbox } = u;
+  const height = LANE * devicePixelRatio;
+  let lane = 0;
+  for (const its of drawn) {
+    if (!its.bool) continue;
+    const top = bbox.top + bbox.height - ++lane * height;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, top, bbox.width, height);
+    ctx.clip();
+    ctx.fillStyle = penCanvasColor(its.pen);
+    for (const [i, time] of its.curve.times.entries()) {
+      if (!its.curve.values[i]) continue;
+      const left = u.valToPos(time, 'x', true);
+      const right = u.valToPos(its.curve.times[i + 1] ?? time, 'x', true);
+      ctx.fillRect(
+        left,
+        top + 3 * devicePixelRatio,
+        Math.max(1, right - left),
+        height - 6 * devicePixelRatio,
+      );
+    }
+    ctx.font = `${11 * devicePixelRatio}px sans-serif`;
+    ctx.fillStyle = color('--text');
+    ctx.fillText(its.name, bbox.left + 4 * devicePixelRatio, top + height - 4 * devicePixelRatio);
+    ctx.restore();
+  }
+}
+
+function drawMarks(u: uPlot): void {
+  for (const its of notices.peek())
+    vertical(u, its.time / 1000, color(its.severity === 'info' ? '--idle' : '--warn'), '');
+  const { a, b } = cursors.peek();
+  if (a !== null) vertical(u, a / 1000, color('--text'), 'A');
+  if (b !== null) vertical(u, b / 1000, color('--text'), 'B');
+}
+
+function options(history: History, drawn: Drawn[], size: { width: number; height: number }): uPlot.Options {
+  const line = color('--hairline');
+  const text = color('--muted');
+  const numbers = drawn.filter((its) => !its.bool);
+  const lanes = drawn.length - numbers.length;
+  return {
+    ...size,
+    cursor: { drag: { x: true, y: false, setScale: false } },
+    legend: { show: false },
+    scales: {
+      x: { time: true, range: () => [Date.parse(history.from) / 1000, Date.parse(history.to) / 1000] },
+      ...Object.fromEntries(
+        numbers.map((its) => [
+          its.name,
+          {
+            // Room at the bottom for the lanes.
+            range: (_: uPlot, min: number | null, max: number | null): [number, number] => {
+              if (min === null || max === null) return [0, 1];
+              const span = max - min || Math.abs(max) || 1;
+              return [min - span * (0.06 + lanes * 0.09), max + span * 0.08];
+            },
+          },
+        ]),
+      ),
+    },
+    axes: [
+      { stroke: text, grid: { stroke: line, width: 1 }, ticks: { stroke: line } },
+      ...numbers.map(
+        (its, i): uPlot.Axis => ({
+          scale: its.name,
+          side: i % 2 === 0 ? 3 : 1,
+          stroke: penCanvasColor(its.pen),
+          size: 64,
+          grid: { show: i === 0, stroke: line, width: 1 },
+          ticks: { stroke: line },
+          values: (_, splits) => splits.map((value) => formatNumber(value, 6)),
+        }),
+      ),
+    ],
+    series: [
+      {},
+      ...numbers.map(
+        (its): uPlot.Series => ({
+          scale: its.name,
+          stroke: penCanvasColor(its.pen),
+          width: 1.5,
+          paths: uPlot.paths.stepped!({ align: 1 }),
+          points: { show: false },
+          spanGaps: false,
+        }),
+      ),
+    ],
+    hooks: {
+      drawAxes: [(u) => drawBefore(u, drawn)],
+      draw: [
+        (u) => {
+          drawAges(u, history, drawn);
+          drawLanes(u, drawn);
+          drawMarks(u);
+        },
+      ],
+      setSelect: [
+        (u) => {
+          if (u.select.width < 4) return;
+          zoomTo({
+            from: u.posToVal(u.select.left, 'x') * 1000,
+            to: u.posToVal(u.select.left + u.select.width, 'x') * 1000,
+          });
+          u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+        },
+      ],
+    },
+  };
+}
+
+export function drawnOf(history: History): Drawn[] {
+  return pens.value.flatMap((name, pen) => {
+    const variable = history.variables.find((its) => its.name === name);
+    if (!variable) return [];
+    return [
+      {
+        name,
+        pen,
+        bool: variable.type === 'bool',
+        curve: curveOf(history, variable),
+        spans: spansOf(history, variable),
+      },
+    ];
+  });
+}
+
+const HEIGHT = 420;
+
+export function Chart({ history }: { history: History }) {
+  const box = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const observer = new ResizeObserver(() => {
+      width.value = Math.max(200, Math.floor(box.current?.clientWidth ?? 1000));
+    });
+    observer.observe(box.current!);
+    return () => observer.disconnect();
+  }, []);
+
+  // uPlot keeps its options: another picture is another chart.
+  useEffect(() => {
+    const drawn = drawnOf(history);
+    const numbers = drawn.filter((its) => !its.bool);
+    const tables = numbers.map((its): uPlot.AlignedData => [its.curve.times, its.curve.values]);
+    const data: uPlot.AlignedData = tables.length > 0 ? uPlot.join(tables) : [[]];
+    const height = Math.max(HEIGHT, Math.min(900, window.innerHeight - 330));
+    const chart = new uPlot(options(history, drawn, { width: width.peek(), height }), data, box.current!);
+    const click = (event: MouseEvent) => {
+      const time = chart.posToVal(event.offsetX, 'x') * 1000;
+      cursors.value = event.shiftKey ? { ...cursors.peek(), b: time } : { ...cursors.peek(), a: time };
+    };
+    chart.over.addEventListener('click', click);
+    const redraw = [
+      cursors.subscribe(() => chart.redraw(false)),
+      notices.subscribe(() => chart.redraw(false)),
+    ];
+    return () => {
+      for (const stop of redraw) stop();
+      chart.destroy();
+    };
+  }, [history, theme.value, language.value, width.value, pens.value]);
+
+  const move = (event: KeyboardEvent) => {
+    const { from, to } = range();
+    const step = (to - from) / 100;
+    const key = event.shiftKey ? 'b' : 'a';
+    const now = cursors.peek()[key] ?? (from + to) / 2;
+    if (event.key === 'ArrowLeft') cursors.value = { ...cursors.peek(), [key]: now - step };
+    else if (event.key === 'ArrowRight') cursors.value = { ...cursors.peek(), [key]: now + step };
+    else if (event.key === 'Escape') cursors.value = { a: null, b: null };
+    else if (event.key === 'l' && frozen.peek()) goLive();
+    else return;
+    event.preventDefault();
+  };
+  return (
+    <div
+      class="chart"
+      ref={box}
+      role="application"
+      tabIndex={0}
+      aria-label={t.value.trends.chart(pens.value.join(', '))}
+      onKeyDown={move}
+    />
+  );
+}

@@ -1,0 +1,158 @@
+// What is drawn: pens, range, cursors. The address keeps pens and range, so a link opens the same view.
+import { computed, effect, signal } from '@preact/signals';
+import { get } from '../../api/client';
+import type { History, HistorySeries } from '../../api/types';
+import { query, setQuery, view } from '../../shell/route';
+import { programNow } from '../../store/info';
+
+export interface Range {
+  from: number;
+  to: number;
+}
+
+export const SPANS = { m1: 60, m10: 600, h1: 3600, h8: 28_800, d1: 86_400, d7: 604_800 } as const;
+const MOST_PENS = 6;
+const REFRESH_MS = 1000;
+const LEAST_SPAN_MS = 100;
+
+export const pens = signal<string[]>([]);
+/** Length of the live window in seconds. */
+export const span = signal<number>(SPANS.m10);
+/** null: live. */
+export const frozen = signal<Range | null>(null);
+export const cursors = signal<{ a: number | null; b: number | null }>({ a: null, b: null });
+export const series = signal<HistorySeries[]>([]);
+export const picture = signal<History | null>(null);
+export const problem = signal('');
+export const width = signal(1000);
+
+const earlier = signal<(Range | null)[]>([]);
+export const canGoBack = computed(() => earlier.value.length > 0);
+
+export const range = (): Range =>
+  frozen.peek() ?? { from: programNow() - span.peek() * 1000, to: programNow() };
+
+// ---- the address
+
+let reading = false;
+effect(() => {
+  if (view.value !== 'trends') return;
+  const its = query.value;
+  reading = true;
+  const names = its
+    .getAll('pens')
+    .flatMap((text) => text.split('\u001f'))
+    .filter(Boolean);
+  if (names.length > 0 && names.join() !== pens.peek().join()) pens.value = names.slice(0, MOST_PENS);
+  const from = Number(its.get('from'));
+  const to = Number(its.get('to'));
+  if (from > 0 && to > from) frozen.value = { from, to };
+  const seconds = Number(its.get('span'));
+  if (seconds > 0) span.value = seconds;
+  reading = false;
+});
+effect(() => {
+  const its: Record<string, string> = { span: String(span.value) };
+  if (pens.value.length > 0) its.pens = pens.value.join('\u001f');
+  if (frozen.value)
+    Object.assign(its, {
+      from: String(Math.round(frozen.value.from)),
+      to: String(Math.round(frozen.value.to)),
+    });
+  if (!reading && view.peek() === 'trends') setQuery(its);
+});
+
+// ---- the data
+
+let running: AbortController | null = null;
+
+export async function refresh(): Promise<void> {
+  if (pens.peek().length === 0) {
+    picture.value = null;
+    return;
+  }
+  running?.abort();
+  const mine = new AbortController();
+  running = mine;
+  const { from, to } = range();
+  const parameters = new URLSearchParams();
+  for (const name of pens.peek()) parameters.append('variable', name);
+  try {
+    const answer = await get<History>(
+      `history?${parameters}`,
+      {
+        from: new Date(from).toISOString(),
+        to: new Date(to).toISOString(),
+        pixels: Math.min(4000, width.peek()),
+      },
+      mine.signal,
+    );
+    picture.value = answer;
+    problem.value = '';
+  } catch (failure) {
+    if (mine.signal.aborted) return;
+    problem.value = failure instanceof Error ? failure.message : String(failure);
+  }
+}
+
+export async function loadSeries(): Promise<void> {
+  try {
+    series.value = (await get<{ variables: HistorySeries[] }>('history/series')).variables;
+    problem.value = '';
+  } catch (failure) {
+    problem.value = failure instanceof Error ? failure.message : String(failure);
+  }
+}
+
+/** Refreshes while the view is open. @returns a function that ends it */
+export function follow(): () => void {
+  void loadSeries();
+  const stop = effect(() => {
+    void [pens.value, frozen.value, span.value, width.value];
+    void refresh();
+  });
+  const timer = setInterval(() => {
+    if (!frozen.peek() && !document.hidden) void refresh();
+  }, REFRESH_MS);
+  return () => {
+    stop();
+    clearInterval(timer);
+    running?.abort();
+  };
+}
+
+// ---- what people do
+
+export function addPen(name: string): void {
+  if (!pens.peek().includes(name)) pens.value = [...pens.peek(), name].slice(-MOST_PENS);
+}
+export function removePen(name: string): void {
+  pens.value = pens.peek().filter((its) => its !== name);
+}
+export function zoomTo(next: Range): void {
+  if (next.to - next.from < LEAST_SPAN_MS) return;
+  earlier.value = [...earlier.peek(), frozen.peek()].slice(-50);
+  frozen.value = next;
+}
+export function back(): void {
+  const before = earlier.peek().at(-1);
+  if (before === undefined) return;
+  earlier.value = earlier.peek().slice(0, -1);
+  frozen.value = before;
+}
+export function goLive(seconds = span.peek()): void {
+  earlier.value = [];
+  frozen.value = null;
+  span.value = seconds;
+}
+export function zoomBy(factor: number): void {
+  const { from, to } = range();
+  const middle = (from + to) / 2;
+  const half = ((to - from) * factor) / 2;
+  zoomTo({ from: middle - half, to: Math.min(programNow(), middle + half) });
+}
+export function shiftBy(part: number): void {
+  const { from, to } = range();
+  const by = Math.min((to - from) * part, programNow() - to);
+  zoomTo({ from: from + by, to: to + by });
+}
