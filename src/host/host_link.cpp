@@ -48,8 +48,12 @@ bool HostLink::post(std::unique_ptr<HostRequest> request) {
         unserved->refuse(*this, std::move(request));
         return false;
     }
+    const auto& posted = *request;
     requests.push(std::move(request));
-    ring(bell);
+    if (on_posted)
+        on_posted(posted);
+    else
+        ring(bell);
     if (ended) refuse_rest();
     return true;
 }

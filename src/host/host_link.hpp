@@ -104,6 +104,9 @@ public:
     std::atomic<CommandId> last_command = 0;
     Mailbox<HostRequest> requests;
     os::Descriptor bell;  // an eventfd that wakes the I/O thread; open as long as a session may ring it
+    /// Instead of the bell, for a host without a thread: called by post() for a request that waits now. A
+    /// session that blocks for its snapshot continues if the snapshot is served inside.
+    std::function<void(const HostRequest& request)> on_posted;
     std::atomic<bool> stopped = false;  // no further request is accepted
     std::atomic<bool> ended = false;    // the I/O thread is gone
 

@@ -91,6 +91,21 @@ TEST(Session, WaitsNoLongerThanForSomethingToRead) {
     EXPECT_TRUE(session->wait(1h));
 }
 
+TEST(Session, GetsASnapshotOfAHostWithoutAThread) {
+    Rig rig(kPlant);
+    const auto session = rig.open();
+    std::size_t posted = 0;
+    rig.link->on_posted = [&](const HostRequest&) {
+        ++posted;
+        rig.serve();
+    };
+    const auto snapshot = session->snapshot({}, 0ns);
+    ASSERT_TRUE(snapshot);
+    EXPECT_EQ(snapshot->t, rig.now);
+    EXPECT_EQ(snapshot->values.size(), rig.engine->configuration()->slot_count());
+    EXPECT_EQ(posted, 1U);
+}
+
 TEST(Session, RefusesCommandsOfAHostThatHasStoppedAndGivesThemAnOutcome) {
     Rig rig(kPlant);
     const auto session = rig.open();
