@@ -1,20 +1,13 @@
 #include "takt/publish/mqtt_work.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "takt/base/assert.hpp"
-#include "takt/line/loop.hpp"
 #include "takt/publish/message_format.hpp"
 
 namespace takt::publish {
 namespace {
-
-std::int64_t wall_ns(Instant t) {
-    const auto since = line::wall_clock(t).time_since_epoch();
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
-}
 
 OutputState state_of(const MqttStatus& status) {
     switch (status.state) {
@@ -32,10 +25,6 @@ std::string url_of(const MqttBroker& broker) {
     const bool ipv6 = broker.host.find(':') != std::string::npos;
     return std::string(broker.tls ? "mqtts://" : "mqtt://") + (ipv6 ? "[" + broker.host + "]" : broker.host) +
            ":" + std::to_string(broker.port);
-}
-
-CommandTime both_clocks(Instant now) {
-    return {now, wall_ns(now)};
 }
 
 std::string text_of(const MqttFailure& failure) {
@@ -69,6 +58,10 @@ void MqttWork::work(Instant now) {
     while (auto action = session_->next_action(now)) options_.pipe->send(*std::move(action));
 }
 
+CommandTime MqttWork::in_both_clocks(Instant now) const {
+    return {now, options_.wall_ns(now)};
+}
+
 Instant MqttWork::next_wakeup() const {
     return session_ ? std::min(session_->next_wakeup(), status_at_) : kNever;
 }
@@ -84,7 +77,7 @@ void MqttWork::publish_status(Instant now) {
     const auto snapshot = options_.host->snapshot({.values = false, .statistics = true}, kStatusGap);
     if (!snapshot) return;
     MqttMessage message{.topic = options_.status_topic,
-                        .payload = status_message(*snapshot, wall_ns(snapshot->t))};
+                        .payload = status_message(*snapshot, options_.wall_ns(snapshot->t))};
     message.retain = true;
     message.properties.content_type = "application/json";
     // A full queue is counted by the session; the next status replaces this one.
@@ -93,7 +86,7 @@ void MqttWork::publish_status(Instant now) {
 
 void MqttWork::execute_commands(Instant now) {
     auto& desk = options_.commands->desk;
-    const auto time = both_clocks(now);
+    const auto time = in_both_clocks(now);
     (void)options_.host->rearm();
     while (const auto command = desk.next_command(time)) {
         const auto submitted = options_.host->submit(*command);
@@ -132,7 +125,7 @@ void MqttWork::on_message(Instant now, MqttInbound&& inbound) {
         desk.set_rights(rights(current));
     }
     const auto broker = url_of(options_.session.brokers[session_->status().broker]);
-    desk.on_message(both_clocks(now), broker, inbound);
+    desk.on_message(in_both_clocks(now), broker, inbound);
 }
 
 bool MqttWork::takes_records() const {
@@ -143,7 +136,7 @@ void MqttWork::stop(Instant now) {
     status_at_ = kNever;
     if (options_.commands) {
         execute_commands(now);
-        options_.commands->desk.stop(both_clocks(now));
+        options_.commands->desk.stop(in_both_clocks(now));
         publish_answers(now);
     }
     session_->stop(now);

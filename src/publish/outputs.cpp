@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <utility>
-#include <variant>
 
 #include "takt/base/assert.hpp"
 #include "takt/line/loop.hpp"
@@ -17,7 +16,7 @@ namespace takt::publish {
 Outputs::Outputs(std::unique_ptr<host::Session> session, MakeSetups make_setups)
     : session_(std::move(session)),
       make_setups_(std::move(make_setups)),
-      last_event_(line::now()),
+      sampler_(*session_, *this, system_wall_ns, line::now()),
       bell_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     TAKT_ASSERT(bell_);
     thread_ = std::thread([this] { run(); });
@@ -50,19 +49,10 @@ std::vector<OutputStatus> Outputs::status() const {
 
 void Outputs::run() {
     while (!stopping_) {
-        const auto now = line::now();
-        set_clocks(now);
-        follow_configuration(now);
-        read_events(now);
-        count_lost(now);
-        if (std::exchange(current_due_, false)) deliver_current(now);
-        sample_due(now);
-        if (flush_at_ <= now) flush();
-        wait(next_wakeup());
+        sampler_.step(line::now());
+        wait(sampler_.next_wakeup());
     }
-    read_events(line::now());
-    count_lost(line::now());
-    flush();
+    sampler_.finish(line::now());
     for (auto& running : running_) running.thread->ask_to_stop();
     for (auto& running : running_) running.thread->finish();
     std::vector<OutputStatus> last;
@@ -82,32 +72,34 @@ void Outputs::wait(Instant until) {
                  static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(left).count()));
 }
 
-Instant Outputs::next_wakeup() const {
-    Instant next = flush_at_;
-    for (const auto& running : running_) next = std::min(next, running.feed->next_due());
-    return next;
-}
-
-void Outputs::set_clocks(Instant now) {
-    const auto wall = line::wall_clock(now).time_since_epoch();
-    const auto offset = std::chrono::duration_cast<std::chrono::nanoseconds>(wall) - now.time_since_epoch();
-    for (auto& running : running_) running.feed->set_clock(offset.count());
-}
-
 // Outputs that are not in the new project, or have other settings, end before their successors begin: they
 // share a directory.
-void Outputs::follow_configuration(Instant now) {
-    if (session_->configuration() == configuration_) return;
-    flush();
-    configuration_ = session_->configuration();
-    auto setups = make_setups_(configuration_);
-    const auto series = series_of(*configuration_);
-    auto former = std::move(running_);
+std::vector<SampleFeed*> Outputs::on_configuration(Instant now, const host::ConfigurationPtr& configuration) {
+    auto setups = make_setups_(configuration);
+    const auto series = series_of(*configuration);
     std::vector<std::shared_ptr<OutputThread>> continued(setups.size());
     for (std::size_t i = 0; i < setups.size(); ++i)
-        for (auto& running : former)
+        for (auto& running : running_)
             if (running.thread->name() == setups[i].thread.name && running.settings == setups[i].settings)
                 continued[i] = running.thread;
+    end_others(continued);
+
+    std::vector<SampleFeed*> feeds;
+    for (std::size_t i = 0; i < setups.size(); ++i) {
+        auto& setup = setups[i];
+        auto thread = continued[i];
+        if (!thread) thread = std::make_shared<OutputThread>(std::move(setup.thread), setup.make_work());
+        auto feed = std::make_unique<SampleFeed>(series, setup.selected, thread->queue(), now);
+        feeds.push_back(feed.get());
+        running_.push_back({std::move(setup.settings), std::move(thread), std::move(feed)});
+    }
+    const std::lock_guard lock(threads_mutex_);
+    for (const auto& running : running_) threads_.push_back(running.thread);
+    return feeds;
+}
+
+void Outputs::end_others(const std::vector<std::shared_ptr<OutputThread>>& continued) {
+    auto former = std::exchange(running_, {});
     {
         const std::lock_guard lock(threads_mutex_);
         threads_.clear();
@@ -116,85 +108,14 @@ void Outputs::follow_configuration(Instant now) {
                   [&](const Running& running) { return std::ranges::count(continued, running.thread) > 0; });
     for (auto& running : former) running.thread->ask_to_stop();
     for (auto& running : former) running.thread->finish();
-    former.clear();
-
-    for (std::size_t i = 0; i < setups.size(); ++i) {
-        auto& setup = setups[i];
-        auto thread = continued[i];
-        if (!thread) thread = std::make_shared<OutputThread>(std::move(setup.thread), setup.make_work());
-        auto feed = std::make_unique<SampleFeed>(series, setup.selected, thread->queue(), now);
-        running_.push_back({std::move(setup.settings), std::move(thread), std::move(feed)});
-    }
-    {
-        const std::lock_guard lock(threads_mutex_);
-        for (const auto& running : running_) threads_.push_back(running.thread);
-    }
-    set_clocks(now);
-    current_due_ = true;
 }
 
-void Outputs::read_events(Instant now) {
-    while (const auto event = session_->next_event()) {
-        if (session_->configuration() != configuration_) follow_configuration(now);
-        last_event_ = event->t;
-        on_event(*event);
-    }
-    const bool collected =
-        std::ranges::any_of(running_, [](const Running& r) { return r.feed->collected(); });
-    if (collected && flush_at_ == kNever) flush_at_ = now + kCollect;
+void Outputs::on_enqueued(std::size_t feed) {
+    running_[feed].thread->wake();
 }
 
-void Outputs::on_event(const host::Event& event) {
-    if (const auto* const changed = std::get_if<host::ValueChanged>(&event.body)) {
-        for (auto& running : running_) running.feed->on_change(event.t, *changed);
-    } else if (const auto* const lost = std::get_if<host::EventsLost>(&event.body)) {
-        lost_ += lost->count;
-    } else if (std::holds_alternative<host::DeviceStateChanged>(event.body) ||
-               std::holds_alternative<host::LinkChanged>(event.body)) {
-        for (auto& running : running_) running.thread->state_changed();
-    }
-}
-
-// The values that the lost events had are known again from a snapshot.
-void Outputs::count_lost(Instant now) {
-    const auto missed = session_->missed_events();
-    const auto lost = std::exchange(lost_, 0) + (missed - missed_);
-    missed_ = missed;
-    if (lost == 0) return;
-    for (auto& running : running_) running.feed->lose(lost, last_event_, now);
-    current_due_ = true;
-}
-
-// The events up to the moment of the snapshot are read before it is used, so the samples of a slot stay in
-// order.
-std::optional<host::Snapshot> Outputs::take_snapshot(Instant now) {
-    auto snapshot = session_->snapshot({});
-    read_events(now);
-    if (!snapshot || snapshot->configuration != configuration_) return std::nullopt;
-    return *std::move(snapshot);
-}
-
-void Outputs::sample_due(Instant now) {
-    const bool due =
-        std::ranges::any_of(running_, [&](const Running& r) { return r.feed->next_due() <= now; });
-    if (!due) return;
-    const auto snapshot = take_snapshot(now);
-    if (!snapshot) return;
-    for (auto& running : running_) running.feed->on_snapshot(snapshot->t, snapshot->values);
-    flush();
-}
-
-void Outputs::deliver_current(Instant now) {
-    const auto snapshot = take_snapshot(now);
-    if (!snapshot) return;
-    for (auto& running : running_) running.feed->deliver_current(snapshot->t, snapshot->values);
-    flush();
-}
-
-void Outputs::flush() {
-    flush_at_ = kNever;
-    for (auto& running : running_)
-        if (running.feed->flush()) running.thread->wake();
+void Outputs::on_state_changed() {
+    for (auto& running : running_) running.thread->state_changed();
 }
 
 }  // namespace takt::publish

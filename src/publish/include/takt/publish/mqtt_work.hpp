@@ -12,6 +12,7 @@
 #include "takt/publish/mqtt_pipe.hpp"
 #include "takt/publish/mqtt_session.hpp"
 #include "takt/publish/output_work.hpp"
+#include "takt/publish/wall_clock.hpp"
 
 namespace takt::publish {
 
@@ -33,6 +34,7 @@ public:
         std::unique_ptr<MqttPipe> pipe;
         std::unique_ptr<host::Session> host;  ///< without events
         std::optional<Commands> commands;     ///< nothing: read-only
+        WallClock wall_ns = system_wall_ns;
     };
 
     explicit MqttWork(Options options);
@@ -60,6 +62,7 @@ private:
     /// Moves commands to the host and outcomes to their answers.
     void execute_commands(Instant now);
     void publish_answers(Instant now);
+    [[nodiscard]] CommandTime in_both_clocks(Instant now) const;
 
     Options options_;
     std::vector<int> descriptors_;

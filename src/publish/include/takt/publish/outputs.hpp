@@ -5,7 +5,6 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "takt/os/descriptor.hpp"
 #include "takt/publish/output_thread.hpp"
 #include "takt/publish/sample_feed.hpp"
+#include "takt/publish/sampler.hpp"
 
 namespace takt::publish {
 
@@ -32,7 +32,7 @@ struct OutputSetup {
 ///
 /// Threads: all members may be called from any thread, but for the destructor. Nothing here holds up the
 /// host: events that are not read in time are counted as lost, in the stream of every output.
-class Outputs {
+class Outputs final : private SamplerOwner {
 public:
     /// The outputs of a configuration. Called on the sampling thread.
     using MakeSetups = std::function<std::vector<OutputSetup>(const host::ConfigurationPtr& configuration)>;
@@ -52,38 +52,26 @@ public:
     [[nodiscard]] std::vector<OutputStatus> status() const;
 
 private:
-    /// How long samples are collected before they go to the journal together.
-    static constexpr Duration kCollect = std::chrono::milliseconds(50);
-
     struct Running {
         std::string settings;
         std::shared_ptr<OutputThread> thread;
         std::unique_ptr<SampleFeed> feed;
     };
 
+    std::vector<SampleFeed*> on_configuration(Instant now,
+                                              const host::ConfigurationPtr& configuration) override;
+    void on_enqueued(std::size_t feed) override;
+    void on_state_changed() override;
+
     void run();
     void wait(Instant until);
-    void follow_configuration(Instant now);
-    void read_events(Instant now);
-    void on_event(const host::Event& event);
-    void count_lost(Instant now);
-    void sample_due(Instant now);
-    void deliver_current(Instant now);
-    [[nodiscard]] std::optional<host::Snapshot> take_snapshot(Instant now);
-    void flush();
-    void set_clocks(Instant now);
-    [[nodiscard]] Instant next_wakeup() const;
+    void end_others(const std::vector<std::shared_ptr<OutputThread>>& continued);
 
     // The sampling thread's.
     std::unique_ptr<host::Session> session_;
     MakeSetups make_setups_;
-    host::ConfigurationPtr configuration_;
+    Sampler sampler_;
     std::vector<Running> running_;
-    Instant flush_at_ = kNever;
-    bool current_due_ = false;  // the current state of all values is to be delivered
-    Instant last_event_;        // time of the last event that was read
-    std::uint64_t missed_ = 0;  // of the session, counted so far
-    std::uint64_t lost_ = 0;    // reported by the host, not counted yet
 
     os::Descriptor bell_;
     std::atomic<bool> stopping_ = false;

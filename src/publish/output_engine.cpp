@@ -1,0 +1,161 @@
+#include "takt/publish/output_engine.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "takt/base/assert.hpp"
+
+namespace takt::publish {
+namespace {
+
+constexpr store::DestinationId kDestination{0};
+
+}  // namespace
+
+OutputEngine::OutputEngine(Options options, std::unique_ptr<OutputWork> work)
+    : options_(std::move(options)), queue_(options_.queue_bytes), work_(std::move(work)) {
+    TAKT_ASSERT(options_.open_storage && options_.wall_ns && work_);
+    status_.name = options_.name;
+}
+
+OutputEngine::~OutputEngine() = default;
+
+OutputStatus OutputEngine::status() const {
+    const std::lock_guard lock(status_mutex_);
+    auto status = status_;
+    const auto queued = queue_.pushed() - status_taken_;
+    status.samples.sampled += queued;
+    status.samples.waiting += queued;
+    return status;
+}
+
+void OutputEngine::step(Instant now) {
+    if (!journal_) try_to_open(now);
+    if (journal_) work(now);
+    if (stopping_) advance_stop(now);
+    publish_status(now);
+}
+
+Instant OutputEngine::next_wakeup() const {
+    if (!journal_) return std::min(open_again_, stop_until_);
+    return std::min({journal_->next_wakeup(), work_->next_wakeup(), stop_until_});
+}
+
+std::span<const int> OutputEngine::descriptors() const {
+    return journal_ ? work_->descriptors() : std::span<const int>();
+}
+
+void OutputEngine::on_state_changed(Instant now) {
+    if (journal_) work_->on_state_changed(now);
+}
+
+bool OutputEngine::finished(Instant now) const {
+    if (!stopping_) return false;
+    return !journal_ || (leaving_ && work_->stopped()) || now >= stop_until_;
+}
+
+void OutputEngine::close(Instant now) {
+    if (journal_) {
+        take_queue(now);
+        if (const auto closed = journal_->close(now); !closed)
+            options_.log(LogLevel::error, "journal not closed", options_.name);
+    }
+    publish_status(now);
+    const std::lock_guard lock(status_mutex_);
+    status_.state = OutputState::ended;
+}
+
+// What a destination takes at the moment, it gets to the last sample. The rest waits for the next start.
+void OutputEngine::advance_stop(Instant now) {
+    if (stop_until_ == kNever) {
+        stop_until_ = now + options_.stop_limit;
+        if (!journal_) return;
+        take_queue(now);
+        // An error is in the status of the journal, and it is tried again at the end.
+        static_cast<void>(journal_->close(now));
+        work_->work(now);
+    }
+    if (!journal_ || leaving_) return;
+    const bool more = work_->takes_records() && journal_->counters(kDestination).waiting > 0;
+    if (more && now < stop_until_ - options_.stop_limit / 2) return;
+    leaving_ = true;
+    work_->stop(now);
+    work_->work(now);
+}
+
+Result<store::Journal> OutputEngine::open(Instant now) {
+    if (!storage_) {
+        TAKT_TRY(storage_, options_.open_storage());
+    }
+    const std::string_view destinations[] = {options_.name};
+    return store::Journal::open(*storage_, options_.journal, destinations, now, options_.wall_ns(now));
+}
+
+void OutputEngine::try_to_open(Instant now) {
+    if (now < open_again_) return;
+    open_again_ = now + kOpenAgain;
+    auto opened = open(now);
+    if (!opened) {
+        if (open_failure_ != opened.error())
+            options_.log(LogLevel::error, "journal not opened", options_.name);
+        open_failure_ = opened.error();
+        return;
+    }
+    open_failure_.reset();
+    journal_.emplace(*std::move(opened));
+    appended_before_ = journal_->counters(kDestination).appended;
+    work_->begin(now, *journal_, kDestination);
+}
+
+void OutputEngine::take_queue(Instant now) {
+    while (const auto queued = queue_.take()) {
+        taken_ += queued->samples;
+        if (queued->payload.empty())
+            journal_->append_loss(now, queued->samples, queued->first_wall_ns, queued->last_wall_ns);
+        else
+            // A full buffer is counted by the journal, and a payload has a size that it takes.
+            static_cast<void>(journal_->append(now, {.samples = queued->samples,
+                                                     .wall_ns = queued->last_wall_ns,
+                                                     .monotonic_ns = queued->last_monotonic_ns,
+                                                     .payload = queued->payload}));
+    }
+}
+
+void OutputEngine::work(Instant now) {
+    take_queue(now);
+    if (journal_->next_wakeup() <= now) journal_->on_tick(now, options_.wall_ns(now));
+    work_->work(now);
+}
+
+// A start that lost nothing is a gap without samples.
+void OutputEngine::find_oldest(Instant now) {
+    status_at_ = now + std::chrono::seconds(1);
+    oldest_ns_.reset();
+    if (journal_->counters(kDestination).waiting == 0) return;
+    const auto stream = journal_->replay(journal_->acknowledged(kDestination) + 1);
+    for (auto entry = stream->next(); entry && *entry && !oldest_ns_; entry = stream->next())
+        if ((*entry)->header.samples > 0) oldest_ns_ = (*entry)->header.wall_ns;
+}
+
+void OutputEngine::publish_status(Instant now) {
+    OutputStatus status;
+    status.name = options_.name;
+    status.journal_failure = open_failure_;
+    status.samples.sampled = appended_before_ + taken_;
+    if (journal_) {
+        const auto counters = journal_->counters(kDestination);
+        status.samples.delivered = counters.delivered;
+        status.samples.dropped = counters.dropped;
+        status.samples.waiting = counters.waiting;
+        status.journal = journal_->status();
+        status.journal_failure = status.journal.failure;
+        if (now >= status_at_ || !oldest_ns_) find_oldest(now);
+        if (counters.waiting > 0) status.oldest_waiting_ns = oldest_ns_;
+        work_->report(now, status);
+    }
+    const std::lock_guard lock(status_mutex_);
+    status_ = std::move(status);
+    status_taken_ = taken_;
+}
+
+}  // namespace takt::publish
