@@ -1,6 +1,6 @@
 // A table for thousands of rows: only the rows in sight are in the document. Arrow keys move the current cell.
 import type { ComponentChildren } from 'preact';
-import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
+import { useEffect, useId, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../i18n';
 
 export interface Column<Row> {
@@ -24,6 +24,8 @@ export interface GridProps<Row> {
   rows: Row[];
   rowKey: (row: Row, index: number) => string | number;
   rowClass?: (row: Row, index: number) => string;
+  /** Where several rows can be selected: whether this one is. */
+  rowSelected?: (row: Row, index: number) => boolean;
   empty?: ComponentChildren;
   height?: string;
   sort?: { key: string; down: boolean } | null;
@@ -40,6 +42,7 @@ const SPARE_ROWS = 12;
 
 export function Grid<Row>(props: GridProps<Row>) {
   const box = useRef<HTMLDivElement>(null);
+  const id = useId();
   const [range, setRange] = useState({ first: 0, last: 60 });
   const [own, setOwn] = useState<GridCell | null>(null);
   const current = props.current === undefined ? own : props.current;
@@ -121,7 +124,8 @@ export function Grid<Row>(props: GridProps<Row>) {
       ref={box}
       aria-label={props.label}
       aria-rowcount={props.rows.length + 1}
-      aria-activedescendant={current ? `cell-${current.row}-${current.column}` : undefined}
+      aria-multiselectable={props.rowSelected ? true : undefined}
+      aria-activedescendant={current ? `${id}-${current.row}-${current.column}` : undefined}
       style={props.height ? { height: props.height } : undefined}
       onScroll={look}
       onKeyDown={onKeyDown}
@@ -156,13 +160,14 @@ export function Grid<Row>(props: GridProps<Row>) {
             class={`line ${props.rowClass?.(row, index) ?? ''}`}
             role="row"
             aria-rowindex={index + 2}
+            aria-selected={props.rowSelected?.(row, index)}
             style={template}
           >
             {props.columns.map((column, c) => (
               // biome-ignore lint/a11y/useKeyWithClickEvents: the grid takes the keyboard
               <div
                 key={column.key}
-                id={`cell-${index}-${c}`}
+                id={`${id}-${index}-${c}`}
                 role="gridcell"
                 tabIndex={-1}
                 class={`${side(column)} ${column.cellClass?.(row, index) ?? ''} ${
