@@ -24,11 +24,25 @@ constexpr int kLockWait = 500;  // ms
 /// Chunks that overlap in time, as a part of the list.
 using Cluster = std::span<const ChunkRow>;
 
+/// The position of a row in the order of arrival: chunks are numbered in that order, and the log is newer
+/// than all of them.
+std::int64_t arrival(const ChunkRow& row) {
+    return row.id == 0 ? INT64_MAX : row.id;
+}
+
+// Neighbours that share an instant are joined if the second one arrived first: samples of one instant stay in
+// the order of arrival.
 Cluster next_cluster(Cluster chunks) {
     std::size_t length = 1;
     std::int64_t end = chunks[0].summary.end_ns;
-    while (length < chunks.size() && chunks[length].summary.begin_ns < end)
-        end = std::max(end, chunks[length++].summary.end_ns);
+    std::int64_t newest = arrival(chunks[0]);
+    for (; length < chunks.size(); ++length) {
+        const ChunkRow& next = chunks[length];
+        if (next.summary.begin_ns > end) break;
+        if (next.summary.begin_ns == end && arrival(next) > newest) break;
+        end = std::max(end, next.summary.end_ns);
+        newest = std::max(newest, arrival(next));
+    }
     return chunks.first(length);
 }
 
@@ -85,8 +99,7 @@ struct HistoryReader::State {
     Samples merged(Cluster cluster, const Samples& log) {
         if (cluster.size() == 1) return cluster[0].id == 0 ? log : samples_of(cluster[0].id);
         std::vector<ChunkRow> by_arrival(cluster.begin(), cluster.end());
-        std::ranges::sort(by_arrival, {},
-                          [](const ChunkRow& row) { return row.id == 0 ? INT64_MAX : row.id; });
+        std::ranges::sort(by_arrival, {}, arrival);
         Samples all;
         for (const ChunkRow& row : by_arrival) {
             const auto samples = row.id == 0 ? log : samples_of(row.id);
@@ -101,7 +114,7 @@ struct HistoryReader::State {
 };
 
 // The newest sample before a time is in the chunk that begins last before it, or in one that overlaps that
-// one.
+// one. Of several at one instant, the one that came last counts.
 std::optional<HistorySample> HistoryReader::State::before(SeriesId series, std::int64_t time_ns,
                                                           const Samples& log) {
     SQLite::Statement select(*database, "SELECT max(t0) FROM rollup WHERE series = ? AND t0 < ?");
@@ -114,7 +127,9 @@ std::optional<HistorySample> HistoryReader::State::before(SeriesId series, std::
     };
     if (select.executeStep() && !select.isColumnNull(0)) {
         const std::int64_t begin = select.getColumn(0).getInt64() * 1'000'000;
-        for (const ChunkRow& row : read_chunks(*database, series, begin - kHour, time_ns))
+        auto rows = read_chunks(*database, series, begin - kHour, time_ns);
+        std::ranges::sort(rows, {}, arrival);
+        for (const ChunkRow& row : rows)
             if (row.summary.end_ns >= begin) take(samples_of(row.id));
     }
     take(log);

@@ -127,6 +127,23 @@ TEST_F(HistoryTest, OrdersSamplesByTimeWhenTheClockWasSetBack) {
     EXPECT_EQ(values, (std::vector<std::int64_t>{1, 5000, 5001, 7000, 7001, 7001, 7002, 20'000}));
 }
 
+TEST_F(HistoryTest, KeepsSamplesOfOneInstantInOrderOfArrival) {
+    // The clock is set back: the second chunk ends at the instant at which the first one begins.
+    const Samples arrived{at(10, 1.0), at(20, 2.0), at(0, 3.0), at(10, 4.0)};
+    const auto history = open({.chunk_samples = 2, .log_commits = 1});
+    const auto id = history->series(kSeries).value();
+    for (const auto& sample : arrived) {
+        history->append(id, sample);
+        ASSERT_TRUE(history->commit(kStart));
+    }
+    expect_stored({arrived[2], arrived[0], arrived[3], arrived[1]});
+    auto reader = HistoryReader::open(path_);
+    ASSERT_TRUE(reader);
+    const auto newest = reader->before(id, kStart + 11 * kSecond).value();
+    ASSERT_TRUE(newest);
+    EXPECT_TRUE(same(*newest, arrived[3]));
+}
+
 TEST_F(HistoryTest, DropsChunksThatAreTooOld) {
     const auto history = open({.retention = std::chrono::hours(10), .log_commits = 1});
     const auto id = history->series(kSeries).value();
