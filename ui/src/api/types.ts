@@ -134,6 +134,8 @@ export interface PlannedRequest {
   write_function: number | null;
   start: number;
   quantity: number;
+  write_start?: number;
+  write_quantity?: number;
   variables: string[];
   period_ms: number | null;
   phase_ms: number | null;

@@ -1,0 +1,129 @@
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import { functionOf, isPlaceholder, milliseconds, nodeText, rawOf } from '../src/views/project/cells';
+import * as rows from '../src/views/project/rows';
+import { formatTable, parseTable } from '../src/views/project/tsv';
+
+test('a pasted table has cells with tabs, quotes and line ends', () => {
+  assert.deepEqual(parseTable('a\tb\r\n"c\td"\t"e ""f""\ng"\n'), [
+    ['a', 'b'],
+    ['c\td', 'e "f"\ng'],
+  ]);
+  assert.deepEqual(parseTable('\tx\n\t'), [
+    ['', 'x'],
+    ['', ''],
+  ]);
+  assert.deepEqual(parseTable('"Pump" room\n5" pipe'), [['"Pump" room'], ['5" pipe']]);
+  assert.deepEqual(parseTable(''), []);
+});
+
+test('what is copied is read back the same', () => {
+  const table = [
+    ['a\tb', '"', ''],
+    ['', 'c\nd', 'e'],
+  ];
+  assert.deepEqual(parseTable(formatTable(table)), table);
+});
+
+test('the words of the IDE become those of the file', () => {
+  assert.equal(rawOf('type', 'Целочисленн...'), 'int16');
+  assert.equal(rawOf('type', 'С плавающей запя…'), 'float');
+  assert.equal(rawOf('type', 'Булевское'), 'bool');
+  assert.equal(rawOf('type', 'uint32'), 'uint32');
+  assert.equal(rawOf('type', 'flot'), 'flot');
+  assert.equal(rawOf('boolean', '☑'), 'true');
+  assert.equal(rawOf('boolean', 'Нет'), 'false');
+  assert.equal(rawOf('local', '‹ не выбр...'), undefined);
+  assert.equal(rawOf('duration', '100'), '100ms');
+  assert.equal(rawOf('duration', '1.5s'), '1.5s');
+  assert.equal(rawOf('number', '0,01'), '0.01');
+  assert.deepEqual(rawOf('words', '0=off, 1=on'), { 0: 'off', 1: 'on' });
+  assert.deepEqual(rawOf('list', 'energy, daily'), ['energy', 'daily']);
+  assert.ok(isPlaceholder('< не выбрана >') && isPlaceholder('«не выбрана»') && !isPlaceholder('Pump'));
+});
+
+test('functions are understood as people write them', () => {
+  assert.equal(functionOf('03 (0x03) Read Holding Registers'), '0x03');
+  assert.equal(functionOf('16'), '0x10');
+  assert.equal(functionOf('0xf'), '0x0F');
+  assert.equal(functionOf('Нет'), 'none');
+  assert.equal(functionOf('read'), undefined);
+});
+
+test('durations are milliseconds', () => {
+  assert.equal(milliseconds('1s'), 1000);
+  assert.equal(milliseconds('500us'), 0.5);
+  assert.equal(milliseconds('2min'), 120_000);
+  assert.equal(milliseconds('soon'), null);
+});
+
+test('nodes are one line of text', () => {
+  assert.equal(nodeText(['7', '0..99', ['0', '9']]), '7, 0..99, 0..9');
+  assert.equal(nodeText({ 0: 'off', $from: 3 }), '0=off');
+});
+
+const NAME = { key: 'name', kind: 'text' } as const;
+const REGISTER = { key: 'register', kind: 'number' } as const;
+const float = (name: string, register: string) => ({ name, type: 'float', register, read: '0x03' });
+
+test('a new row goes on with name and address', () => {
+  const taken = new Set(['Var1', 'Var2']);
+  assert.deepEqual(rows.rowAfter(float('Var1', '0'), {}, taken), float('Var3', '2'));
+  assert.deepEqual(rows.nextAddress({ type: 'bool', register: '3', bit: '15' }), { register: '4', bit: '0' });
+  assert.deepEqual(rows.nextAddress({ type: 'int64', reference: '40001' }), { reference: '40005' });
+  assert.deepEqual(rows.nextAddress({ type: 'int16', register: '0x0F' }), { register: '0x10' });
+  assert.equal(rows.nextName('Pump', new Set(['Pump'])), 'Pump 2');
+  assert.equal(rows.nextName('T09', new Set()), 'T10');
+});
+
+test('copies have new names and no place in the file', () => {
+  const list = [{ ...float('A1', '0'), $from: 0 }, float('B', '2')];
+  const next = rows.duplicated(list, [0], rows.namesIn(list));
+  assert.deepEqual(next, [list[0], float('A2', '0'), list[1]]);
+});
+
+test('filling down counts names and addresses on', () => {
+  const list = [float('V1', '10'), float('x', '0'), { name: 'y', type: 'int16', register: '0' }];
+  const next = rows.filledDown(list, [0, 1, 2], [NAME, REGISTER], rows.namesIn(list));
+  assert.deepEqual(
+    next.map((its) => [its.name, its.register]),
+    [
+      ['V1', '10'],
+      ['V2', '12'],
+      ['V3', '14'],
+    ],
+  );
+  const units = rows.filledDown(
+    [{ unit: 'V' }, {}, { unit: 'A' }],
+    [0, 1, 2],
+    [{ key: 'unit', kind: 'text' }],
+    new Set(),
+  );
+  assert.deepEqual(units, [{ unit: 'V' }, { unit: 'V' }, { unit: 'V' }]);
+});
+
+test('a pasted table overwrites, adds rows and leaves out the empty choice', () => {
+  const list = [float('A', '0'), float('B', '2')];
+  const next = rows.pasted(
+    list,
+    [1, 0],
+    [
+      ['X', '7'],
+      ['< не выбрана >', '8'],
+      ['Y', '9'],
+      ['Z', '11'],
+    ],
+    { row: 0, column: 0 },
+    [NAME, REGISTER],
+    () => ({ type: 'int16' }),
+  );
+  assert.deepEqual(next, [float('Y', '9'), float('X', '7'), { type: 'int16', name: 'Z', register: '11' }]);
+  assert.deepEqual(list, [float('A', '0'), float('B', '2')]);
+});
+
+test('rows are filtered and sorted by number', () => {
+  const list = [float('B', '10'), float('A', '9'), { name: 'C', register: '100' }];
+  const columns = [NAME, REGISTER];
+  assert.deepEqual(rows.ordered(list, '', { key: 'register', down: false }, columns), [1, 0, 2]);
+  assert.deepEqual(rows.ordered(list, '10', null, columns), [0, 2]);
+});
