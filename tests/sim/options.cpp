@@ -1,29 +1,12 @@
 #include "options.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstdio>
 
 namespace takt::simtest {
 namespace {
 
-constexpr double kMostMinutes = 100'000;
-constexpr unsigned kMostJobs = 256;
-
-template <class Number>
-bool parse_number(std::string_view text, Number& number) {
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    return error == std::errc() && end == text.data() + text.size();
-}
-
-bool parse_seeds(std::string_view text, Options& options) {
-    const auto dots = text.find("..");
-    if (!parse_number(text.substr(0, dots), options.first)) return false;
-    options.last = options.first;
-    if (dots != std::string_view::npos && !parse_number(text.substr(dots + 2), options.last)) return false;
-    return options.first <= options.last;
-}
+using seeds::parse_number;
 
 std::optional<Duration> parse_seconds(std::string_view text) {
     double seconds = 0;
@@ -78,42 +61,26 @@ std::optional<std::string> parse_faults(std::string_view text, Options& options)
 }
 
 std::optional<std::string> parse_value(std::string_view key, std::string_view value, Options& options) {
-    const std::string given = std::string(key) + " " + std::string(value) + ": ";
-    if (key == "--seeds") {
-        if (!parse_seeds(value, options)) return given + "a number, or a range like 1..300";
-    } else if (key == "--minutes") {
-        if (!parse_number(value, options.minutes) || !(options.minutes > 0) || options.minutes > kMostMinutes)
-            return given + "above 0, at most 100000";
-    } else if (key == "--jobs") {
-        if (!parse_number(value, options.jobs) || options.jobs < 1 || options.jobs > kMostJobs)
-            return given + "1..256";
-    } else if (key == "--project") {
-        options.project = value;
-    } else if (key == "--resume") {
-        options.resume = value;
-    } else if (key == "--faults") {
-        return parse_faults(value, options);
-    } else {
-        return "unknown option " + std::string(key) + "; --help shows all";
+    std::string allowed;
+    switch (seeds::parse_value(key, value, options, allowed)) {
+        case seeds::Parsed::good: return std::nullopt;
+        case seeds::Parsed::wrong: return std::string(key) + " " + std::string(value) + ": " + allowed;
+        case seeds::Parsed::unknown: break;
     }
+    if (key == "--faults") return parse_faults(value, options);
+    if (key != "--project") return "unknown option " + std::string(key) + "; --help shows all";
+    options.project = value;
     return std::nullopt;
 }
 
 }  // namespace
 
-Duration Options::length() const {
-    return Duration(std::llround(minutes * 60e9));
-}
-
 std::optional<std::string> parse_options(std::span<char*> arguments, Options& options) {
     for (std::size_t i = 0; i < arguments.size(); ++i) {
         const std::string_view key = arguments[i];
-        bool* const flag = key == "--json"                  ? &options.json
-                           : key == "--lenient"             ? &options.lenient
-                           : key == "--trace"               ? &options.trace
-                           : key == "--print-project"       ? &options.print_project
-                           : key == "--help" || key == "-h" ? &options.help
-                                                            : nullptr;
+        bool* const flag = key == "--lenient"         ? &options.lenient
+                           : key == "--print-project" ? &options.print_project
+                                                      : seeds::flag_of(key, options);
         if (flag) {
             *flag = true;
             continue;
@@ -144,9 +111,7 @@ Exit codes: 0 all invariants hold, 1 one does not, or a kind of fault or recover
 }
 
 std::string replay(const Options& options, std::uint64_t seed) {
-    char minutes[32];
-    std::snprintf(minutes, sizeof minutes, "%g", options.minutes);
-    std::string made = "takt-sim --seeds " + std::to_string(seed) + " --minutes " + minutes;
+    std::string made = "takt-sim " + seeds::replay_arguments(options, seed);
     if (options.faults != "seed") made += " --faults " + options.faults;
     if (options.lenient) made += " --lenient";
     if (!options.project.empty()) made += " --project " + options.project;
