@@ -11,7 +11,8 @@ std::uint32_t frame_hash(Bytes pdu) {
     return hash;
 }
 
-// An exception does not show the shape of its request.
+// An exception does not show the shape of its request. A response of another shape shows that those before it
+// were the own ones; it may itself be a copy of the past, so it is not named as one that is in step.
 void StepWatch::on_outcome(const Outcome& outcome) {
     const bool came = outcome.status == Status::ok || outcome.status == Status::exception ||
                       outcome.status == Status::ambiguous;
@@ -25,7 +26,7 @@ void StepWatch::on_outcome(const Outcome& outcome) {
     if (!outcome.response.empty()) hash_ = frame_hash(outcome.response.pdu());
     if (outcome.status != Status::ok) return;
     const AnswerShape shape = answer_shape(outcome.request);
-    if (shape != shape_ || outcome.request.repeated) in_step_at_ = outcome.ended_at;
+    if (shape != shape_ || outcome.request.repeated) in_step_at_ = outcome.sent_at;
     shape_ = shape;
 }
 
@@ -35,16 +36,16 @@ void StepWatch::on_late(Instant t, const AnswerShape& shape) {
     quiet_at_ = std::max(quiet_at_, t + pause_);
 }
 
-// More of them may follow. What was read before has been named.
+// More of them may follow. A unit that is behind may repeat its last response, too: only a frame that names
+// what was read before ends the doubt about it.
 std::optional<Instant> StepWatch::on_surplus(const SurplusFrame& frame) {
-    const Instant since = std::exchange(in_step_at_, frame.at);
     in_a_row_ = frame.at <= after(surplus_at_, kInterval) ? in_a_row_ + 1 : 0;
     surplus_at_ = frame.at;
     drained_ = false;
     quiet_at_ = std::max(quiet_at_, frame.at + pause_);
     alert_until_ = frame.at + kAlert;
     if (frame.hash == hash_) return std::nullopt;
-    return since;
+    return std::exchange(in_step_at_, frame.at);
 }
 
 // A unit that often answers twice would answer a read of another shape with a copy, and seem to fail.

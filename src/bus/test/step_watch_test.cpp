@@ -66,12 +66,22 @@ TEST(StepWatch, ASurplusFrameNamesTheTimeSinceWhenTheUnitMayBeBehind) {
     const auto one = hex(kOne);
     for (Instant t = at(10s); t < at(10500ms); t += 12ms) step.on_outcome(answered(t, one, kOneRegister));
     EXPECT_EQ(step.on_surplus(surplus(at(10501ms), kOne)), std::nullopt) << "it repeats the last response";
-    EXPECT_EQ(step.on_surplus(surplus(at(10502ms), "03 02 22 22")), at(10501ms));
+    EXPECT_EQ(step.on_surplus(surplus(at(10502ms), "03 02 22 22")), at(10s)) << "a repetition proves nothing";
     EXPECT_EQ(step.on_surplus(surplus(at(10503ms), "03 02 22 22")), at(10502ms)) << "those before were named";
 
     step.on_outcome(answered(at(10504ms), one, kOneRegister));
     for (Instant t = at(10516ms); t < at(10720ms); t += 12ms) step.on_outcome(answered(t, one, kOneRegister));
     EXPECT_GT(step.earliest(at(10725ms), kShapeOfOne), at(10725ms)) << "checked more often for some minutes";
+}
+
+// A copy of the past can have another shape than the response before it, too.
+TEST(StepWatch, TheResponseOfAnotherShapeIsNamedToo) {
+    const auto one = hex(kOne);
+    StepWatch step;
+    Instant t = at(10s);
+    for (; t < at(10500ms); t += 12ms) step.on_outcome(answered(t, one, kOneRegister));
+    step.on_outcome(answered(t, hex("03 04 11 11 22 22"), kTwoRegisters));
+    EXPECT_EQ(step.on_surplus(surplus(t + 15ms, "03 04 33 33 44 44")), t) << "since its request";
 }
 
 // An exception does not show which request of its function it answers, and it fills the pause.
