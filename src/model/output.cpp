@@ -104,6 +104,14 @@ MqttSettings read_mqtt(Interpretation& state, Reader& reader, std::string_view n
     return mqtt;
 }
 
+/// A project has one history, in a file beside it.
+void check_history(Interpretation& state, Reader& reader) {
+    const auto& others = state.project.outputs;
+    const auto first = std::ranges::find(others, OutputTransport::history, &Output::transport);
+    if (first != others.end())
+        reader.report(Rule::output_history_twice, "transport", {}, {{"first", first->name}});
+}
+
 JournalSettings read_journal(Reader& reader) {
     constexpr unsigned kMebi = 20;
     JournalSettings journal;
@@ -126,6 +134,7 @@ Output interpret_output(Interpretation& state, const Node& node, const std::stri
     const auto transport = reader.choice<OutputTransport>("transport");
     output.transport = transport.value_or(OutputTransport::mqtt);
     if (output.transport == OutputTransport::history) {
+        check_history(state, reader);
         report_keys_without_effect(reader, kMqttKeys, name(output.transport));
     } else if (transport || !reader.given("transport")) {
         output.mqtt = read_mqtt(state, reader, output.name);

@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <ranges>
+#include <set>
 #include <utility>
 
 #include "interpretation.hpp"
@@ -75,6 +76,7 @@ public:
         given_ = reader.given(key);
         if (list == nullptr) return;
         if (list->items.empty()) reader.report(Rule::field_empty, key, {}, {{"key", std::string(key)}});
+        std::set<std::string_view> seen;
         for (std::size_t i = 0; i < list->items.size(); ++i) {
             const auto& item = list->items[i];
             auto path = reader.path_of(key) + "[" + std::to_string(i) + "]";
@@ -85,6 +87,8 @@ public:
                 state.findings.add(Rule::field_length, item.location, path, item.text,
                                    "1.." + std::to_string(kLongestPattern),
                                    {{"length", std::to_string(length)}});
+            } else if (!seen.insert(item.text).second) {
+                state.findings.add(Rule::output_pattern_twice, item.location, path, item.text);
             } else {
                 filter_.add(item.text);
                 places_.emplace_back(item.location, std::move(path));

@@ -164,6 +164,8 @@ constexpr std::array kRules{
     Entry{Rule::output_broker_scheme, "output.broker_scheme"},
     Entry{Rule::output_broker_user, "output.broker_user"},
     Entry{Rule::output_broker_twice, "output.broker_twice", Severity::warning},
+    Entry{Rule::output_history_twice, "output.history_twice"},
+    Entry{Rule::output_pattern_twice, "output.pattern_twice", Severity::warning},
     Entry{Rule::output_never, "output.never"},
     Entry{Rule::output_unknown, "output.unknown"},
     Entry{Rule::output_unused, "output.unused"},

@@ -164,6 +164,8 @@ enum class Rule : std::uint8_t {
     output_broker_scheme,        // {meant}
     output_broker_user,          // {meant}
     output_broker_twice,         // {meant}
+    output_history_twice,        // {first}
+    output_pattern_twice,
     output_never,
     output_unknown,  // {kind}, {nearest}
     output_unused,

@@ -287,6 +287,9 @@ TEST(Output, MistakesOfTheSelectionAreFindings) {
          "[system.time, system.uptime, system.first_cycle, system.pulse_1s, "
          "system.pulse_1min, system.line.NAME.*, system.device.NAME.*]"},
         {"variables: []", "field.empty variables="},
+        {"variables: [Flow, Flow]", "?output.pattern_twice variables[1]=Flow"},
+        {"variables: ['F*', Flow, 'F*']", "?output.pattern_twice variables[2]=F*"},
+        {"commands: [go, go]", "?output.pattern_twice commands[1]=go"},
         {"variables: [[Flow]]", "field.not_a_value variables[0]="},
         {"devices: [Metr]", "output.unknown devices[0]=Metr"},
         {"tags: [enrgy]", "output.unknown tags[0]=enrgy"},
@@ -329,7 +332,8 @@ TEST(Output, MistakesOfTheSelectionAreFindings) {
 }
 
 TEST(Output, SeveralOutputsDoNotDisturbEachOther) {
-    EXPECT_EQ(findings_text(with_outputs("{name: a, transport: history}, {name: a, transport: history}")),
+    EXPECT_EQ(findings_text(with_outputs("{name: a, transport: mqtt, brokers: [mqtt://b]}, "
+                                         "{name: a, transport: history}")),
               "name.duplicate name=a");
     EXPECT_EQ(findings_text(with_outputs("{name: a, transport: mqtt, brokers: [mqtt://b], client_id: x}, "
                                          "{name: c, transport: mqtt, brokers: [mqtt://b], client_id: x}, "
@@ -386,6 +390,13 @@ TEST(Output, HistoryTakesNoKeysOfMqtt) {
         "?field.without_effect topic=x; ?field.without_effect message=device; "
         "?field.without_effect retain=true; ?field.without_effect commands=; "
         "?field.without_effect user=u; ?field.without_effect topic=x");
+}
+
+TEST(Output, AProjectHasOneHistory) {
+    EXPECT_EQ(findings_text(with_outputs("{name: a, transport: history, variables: [Flow]}, "
+                                         "{name: b, transport: mqtt, brokers: [mqtts://b]}, "
+                                         "{name: c, transport: history, variables: [Alarm]}")),
+              "output.history_twice transport=history");
 }
 
 TEST(Output, TagsAreWords) {
