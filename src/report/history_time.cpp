@@ -39,8 +39,8 @@ std::optional<std::int64_t> parse_span(std::string_view text, std::int64_t now_n
         std::string_view name;
         double seconds;
     };
-    constexpr std::array<Unit, 6> kUnits{
-        {{"ms", 0.001}, {"s", 1}, {"m", 60}, {"h", 3600}, {"d", 86'400}, {"w", 604'800}}};
+    constexpr std::array<Unit, 7> kUnits{
+        {{"ms", 0.001}, {"s", 1}, {"m", 60}, {"min", 60}, {"h", 3600}, {"d", 86'400}, {"w", 604'800}}};
     for (const auto& [name, seconds] : kUnits) {
         const double span = number * seconds * static_cast<double>(kSecond);
         if (unit == name && span < kMostSpan) return now_ns - static_cast<std::int64_t>(span);
