@@ -40,6 +40,11 @@ export interface GridProps<Row> {
 
 const SPARE_ROWS = 12;
 
+/** The least width of a column: all rows of a table get the same widths. */
+function leastWidth(width: string): number {
+  return Number.parseFloat(width.replace(/^minmax\(/, '')) || 0;
+}
+
 export function Grid<Row>(props: GridProps<Row>) {
   const box = useRef<HTMLDivElement>(null);
   const id = useId();
@@ -68,7 +73,7 @@ export function Grid<Row>(props: GridProps<Row>) {
     const element = box.current;
     if (!element || !current) return;
     const top = current.row * rowHeight.current;
-    const head = rowHeight.current;
+    const head = element.querySelector<HTMLElement>('.head')?.offsetHeight ?? rowHeight.current;
     if (top < element.scrollTop) element.scrollTop = top;
     else if (top + head + rowHeight.current > element.scrollTop + element.clientHeight)
       element.scrollTop = top + head + rowHeight.current - element.clientHeight;
@@ -112,7 +117,10 @@ export function Grid<Row>(props: GridProps<Row>) {
     }
   };
 
-  const template = { gridTemplateColumns: props.columns.map((its) => its.width).join(' ') };
+  const template = {
+    gridTemplateColumns: props.columns.map((its) => its.width).join(' '),
+    minWidth: `${props.columns.reduce((sum, its) => sum + leastWidth(its.width), 0)}px`,
+  };
   const first = Math.min(range.first, props.rows.length);
   const last = Math.min(range.last, props.rows.length);
   const side = (column: Column<Row>) => (column.align === 'right' ? 'right' : '');

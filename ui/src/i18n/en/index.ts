@@ -1,4 +1,5 @@
 import { devices } from './devices';
+import { keys, words } from './keys';
 import { live } from './live';
 import { project } from './project';
 import { requests } from './requests';
@@ -8,6 +9,8 @@ import { trends } from './trends';
 
 export const en = {
   ...shell,
+  keys,
+  words,
   project,
   requests,
   live,

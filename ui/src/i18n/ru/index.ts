@@ -1,5 +1,6 @@
 import type { Texts } from '..';
 import { devices } from './devices';
+import { keys, words } from './keys';
 import { live } from './live';
 import { project } from './project';
 import { requests } from './requests';
@@ -9,6 +10,8 @@ import { trends } from './trends';
 
 export const ru: Texts = {
   ...shell,
+  keys,
+  words,
   project,
   requests,
   live,

@@ -57,3 +57,10 @@ export function formatTable(rows: string[][]): string {
   return rows.map((row) => row.map(formatCell).join('\t')).join('\n');
 }
 const formatCell = (cell: string) => (/[\t\r\n"]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
+
+const HEADING =
+  /^(имя( переменной)?|тип( переменной)?|адрес регистра|функция (чтения|записи)|ім.я змінної|тип змінної|variable name|variable type|register address|read function)$/i;
+/** Whether the first row has headings of the IDE: then the table is imported by them. */
+export function hasHeadings(cells: string[][]): boolean {
+  return (cells[0] ?? []).filter((its) => HEADING.test(its.trim())).length >= 2;
+}

@@ -1,5 +1,137 @@
+// The project: its tree and the settings of what is selected; beside them what they do to the bus.
+import { useEffect, useState } from 'preact/hooks';
 import { t } from '../../i18n';
+import { info, mayEdit } from '../../store/info';
+import { canRedo, canUndo, isChanged, loaded, redo, revert, undo } from '../../store/project';
+import { Icon, type IconName } from '../../widgets/icon';
+import { Split } from '../../widgets/split';
+import { RequestsPane } from '../requests/pane';
+import { Details } from './details';
+import { ImportDialog } from './import_dialog';
+import { importing } from './importing';
+import { Problems, wrongValues } from './problems';
+import { Conflict, SaveDialog } from './save_dialog';
+import { half } from './selection';
+import { TabBar } from './tab_bar';
+import { Tree } from './tree_view';
+import '../../style/project.css';
+import '../../style/table.css';
+
+function Step(props: { icon: IconName; name: string; keys: string; disabled: boolean; onClick: () => void }) {
+  return (
+    <button
+      type="button"
+      class="icon-button"
+      title={`${props.name} (${props.keys})`}
+      aria-label={props.name}
+      aria-keyshortcuts={props.keys.replace('Ctrl', 'Control')}
+      disabled={props.disabled}
+      onClick={props.onClick}
+    >
+      <Icon name={props.icon} />
+    </button>
+  );
+}
+
+function Toolbar({ onSave }: { onSave: () => void }) {
+  const texts = t.value.project;
+  const wrong = wrongValues.value > 0;
+  return (
+    <header class="project-bar">
+      <h1>{texts.title}</h1>
+      <Step icon="undo" name={texts.undo} keys="Ctrl+Z" disabled={!canUndo.value} onClick={undo} />
+      <Step icon="redo" name={texts.redo} keys="Ctrl+Y" disabled={!canRedo.value} onClick={redo} />
+      <span class="spring" />
+      <Problems />
+      {mayEdit.value && (
+        <>
+          <span class="muted small saved">{isChanged.value ? texts.changed : texts.unchanged}</span>
+          <button type="button" class="button quiet" disabled={!isChanged.value} onClick={revert}>
+            {texts.revert}
+          </button>
+          <button
+            type="button"
+            class="button primary"
+            disabled={!isChanged.value || wrong}
+            title={wrong ? texts.cannotSave : undefined}
+            aria-keyshortcuts="Control+S"
+            onClick={onSave}
+          >
+            {texts.save}
+          </button>
+        </>
+      )}
+    </header>
+  );
+}
+
+/** Undo, redo and save by keyboard. The editor in a cell and dialogs keep their own undo. */
+function useShortcuts(onSave: () => void): void {
+  useEffect(() => {
+    const onKeyDown = (event: KeyboardEvent) => {
+      if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
+      if ((event.target as Element).closest?.('dialog, .cell-editor')) return;
+      const key = event.key.toLowerCase();
+      const run =
+        key === 'y' || (key === 'z' && event.shiftKey)
+          ? redo
+          : key === 'z'
+            ? undo
+            : key === 's'
+              ? onSave
+              : null;
+      if (!run) return;
+      event.preventDefault();
+      run();
+    };
+    addEventListener('keydown', onKeyDown);
+    return () => removeEventListener('keydown', onKeyDown);
+  });
+}
 
 export function ProjectView() {
-  return <h1>{t.value.project.title}</h1>;
+  const texts = t.value.project;
+  const [saving, setSaving] = useState(false);
+  const onSave = () => {
+    if (mayEdit.peek() && isChanged.peek() && wrongValues.peek() === 0) setSaving(true);
+  };
+  useShortcuts(onSave);
+  if (!loaded.value)
+    return <p class="muted">{info.value && !info.value.project ? texts.noFile : texts.loading}</p>;
+  return (
+    <div class="project-view" data-half={half.value}>
+      <Toolbar onSave={onSave} />
+      <Conflict />
+      {!mayEdit.value && <p class="banner info">{texts.readOnly}</p>}
+      <div class="halves">
+        <TabBar
+          name="half"
+          label={texts.views}
+          value={half.value}
+          tabs={[
+            { value: 'edit', title: texts.edit },
+            { value: 'effect', title: texts.effect },
+          ]}
+          onValue={(to) => {
+            half.value = to as typeof half.value;
+          }}
+        />
+      </div>
+      <Split
+        name="project"
+        start={56}
+        left={
+          <div class="panel editing">
+            <Tree />
+            <Details />
+          </div>
+        }
+        right={<RequestsPane />}
+      />
+      {saving && <SaveDialog onClose={() => setSaving(false)} />}
+      {importing.value && (
+        <ImportDialog key={importing.value.text} start={importing.value.text} path={importing.value.path} />
+      )}
+    </div>
+  );
 }

@@ -1,0 +1,145 @@
+// What is selected in the tree: its settings and its variables.
+import { signal } from '@preact/signals';
+import type { ComponentType } from 'preact';
+import { t } from '../../i18n';
+import { at, formatPath, isMapping, listAt, type Path, textAt } from '../../store/document';
+import { draft, evaluation } from '../../store/project';
+import { DeviceForm } from './device_form';
+import { readOnly } from './edit';
+import { InstrumentForm, LineForm, OutputForm, ProjectForm, ServerForm, UnitForm } from './forms';
+import { lit, selected, tab } from './selection';
+import { TabBar } from './tab_bar';
+import { VariableTable } from './table';
+import type { TableObject } from './columns';
+import { VariableForm } from './variable_form';
+
+const formOpen = signal(innerHeight > 800);
+
+/** Why the part cannot be changed. */
+function ReadOnlyNote({ path }: { path: Path }) {
+  const why = readOnly(path);
+  if (why === null || why === true) return null;
+  return <p class="banner info">{t.value.project.readOnlyPart(why)}</p>;
+}
+
+/** The variables of a device whose list is a table file: their names, from the plan. */
+function FromTable({ file, device }: { file: string; device: string }) {
+  const names = new Set(
+    evaluation.value?.lines.flatMap((line) =>
+      line.requests.filter((its) => its.device === device).flatMap((its) => its.variables),
+    ),
+  );
+  return (
+    <div class="from-table">
+      <p>{t.value.project.table.fromTable(file)}</p>
+      <p class="muted">{t.value.project.readOnlyPart(file)}</p>
+      <ul>
+        {[...names].map((name) => (
+          <li key={name}>{name}</li>
+        ))}
+      </ul>
+    </div>
+  );
+}
+
+function SelectedVariable({ path }: { path: Path }) {
+  const texts = t.value.project.table;
+  const [name] = lit.value.variables.size === 1 ? lit.value.variables : [];
+  const index = listAt(draft.value, path).findIndex((its) => its.name === name);
+  const found = name !== undefined && index >= 0;
+  return (
+    <details
+      class="variable-panel"
+      open={formOpen.value}
+      onToggle={(event) => {
+        formOpen.value = event.currentTarget.open;
+      }}
+    >
+      <summary>{found ? texts.of(name) : texts.noneSelected}</summary>
+      {found && <VariableForm key={name} path={[...path, index]} />}
+    </details>
+  );
+}
+
+function Variables({ path, object }: { path: Path; object: TableObject }) {
+  const texts = t.value.project.table;
+  const list = at(draft.value, [...path, 'variables']);
+  if (typeof list === 'string')
+    return <FromTable file={list} device={textAt(at(draft.value, path), ['name']) ?? ''} />;
+  const its = [...path, 'variables'];
+  return (
+    <>
+      <ReadOnlyNote path={its} />
+      <VariableTable
+        key={formatPath(its)}
+        path={its}
+        object={object}
+        label={object === 'variable' ? texts.variables : texts.served}
+      />
+      {object === 'variable' && <SelectedVariable path={its} />}
+    </>
+  );
+}
+
+const FORMS: Record<string, ComponentType<{ path: Path }>> = {
+  lines: LineForm,
+  servers: ServerForm,
+  outputs: OutputForm,
+  instruments: InstrumentForm,
+};
+
+export function Details() {
+  const path = selected.value;
+  const texts = t.value.project;
+  if (path[0] === 'locals')
+    return (
+      <div class="item-details">
+        <VariableTable path={['locals']} object="local" label={texts.table.locals} />
+      </div>
+    );
+  const key = formatPath(path);
+  if (path.length < 4) {
+    const Form = FORMS[String(path[0])] ?? ProjectForm;
+    return (
+      <div class="item-details scrolls" key={key}>
+        <ReadOnlyNote path={path} />
+        <Form path={path} />
+      </div>
+    );
+  }
+  const device = path[0] === 'lines';
+  const node = at(draft.value, path);
+  const list = isMapping(node) ? node.variables : undefined;
+  const count = Array.isArray(list) ? list.length : 0;
+  return (
+    <div class="item-details" key={key}>
+      <TabBar
+        name="details"
+        label={texts.tabs.label}
+        value={tab.value}
+        tabs={[
+          { value: 'settings', title: texts.tabs.settings },
+          { value: 'variables', title: texts.tabs.variables(count) },
+        ]}
+        onValue={(to) => {
+          tab.value = to as typeof tab.value;
+        }}
+      />
+      <div
+        class={`tab-panel ${tab.value}`}
+        role="tabpanel"
+        id="details-panel"
+        aria-labelledby={`details-${tab.value}`}
+      >
+        {tab.value === 'variables' ? (
+          <Variables path={path} object={device ? 'variable' : 'served_variable'} />
+        ) : (
+          <>
+            <ReadOnlyNote path={path} />
+            {device ? <DeviceForm path={path} /> : <UnitForm path={path} />}
+          </>
+        )}
+      </div>
+    </div>
+  );
+}

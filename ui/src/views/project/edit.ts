@@ -1,0 +1,148 @@
+// Changes of the draft that the forms, the tree and the tables make.
+import type { Mapping, Node } from '../../api/types';
+import {
+  at,
+  asNew,
+  formatPath,
+  freeName,
+  isMapping,
+  listAt,
+  type Path,
+  withNode,
+} from '../../store/document';
+import { change, draft, isReadOnlyPart, setNodes } from '../../store/project';
+import { mayEdit } from '../../store/info';
+import { namesIn } from './rows';
+import { select } from './selection';
+
+/** Why a part cannot be changed: the file it comes from, or that the page is read-only; null: it can. */
+export function readOnly(path: Path): string | true | null {
+  return isReadOnlyPart(formatPath(path)) ?? (mayEdit.value ? null : true);
+}
+
+// New keys go before the long lists, so that a file stays readable.
+const LISTS = [
+  'devices',
+  'variables',
+  'units',
+  'banks',
+  'select',
+  'relay',
+  'access',
+  'exchanges',
+  'commands',
+];
+
+export function withKey(mapping: Mapping, key: string, value: Node | undefined): Mapping {
+  if (value === undefined || key in mapping) return withNode(mapping, [key], value) as Mapping;
+  const entries = Object.entries(mapping);
+  const before = entries.findIndex(([name]) => LISTS.includes(name) || name === '$from');
+  entries.splice(before < 0 ? entries.length : before, 0, [key, value]);
+  return Object.fromEntries(entries);
+}
+
+/** Sets keys of one object as one step; quick changes of the same keys are undone together. */
+export function setKeys(path: Path, values: Record<string, Node | undefined>): void {
+  const node = at(draft.peek(), path);
+  const before: Mapping = isMapping(node) ? node : {};
+  let next = before;
+  for (const [key, value] of Object.entries(values))
+    if (next[key] !== value) next = withKey(next, key, value);
+  if (next === before) return;
+  change(
+    withNode(draft.peek(), path, next) as Mapping,
+    `${formatPath(path)}/${Object.keys(values).join(' ')}`,
+  );
+}
+export const setKey = (path: Path, key: string, value: Node | undefined) => setKeys(path, { [key]: value });
+
+export function setList(path: Path, list: Mapping[], label: string): void {
+  setNodes([{ path, value: list }], label);
+}
+
+/** The names of all variables and locals: they are unique in the project. */
+export function takenNames(): Set<string> {
+  const document = draft.peek();
+  const names = namesIn(listAt(document, ['locals']));
+  for (const line of listAt(document, ['lines']))
+    for (const device of listAt(line, ['devices']))
+      for (const name of namesIn(listAt(device, ['variables']))) names.add(name);
+  return names;
+}
+
+function append(path: Path, item: Mapping, label: string): void {
+  const list = listAt(draft.peek(), path);
+  setNodes([{ path, value: [...list, item] }], label);
+  select([...path, list.length]);
+}
+
+export function addLine(name: string): void {
+  const lines = listAt(draft.peek(), ['lines']);
+  append(['lines'], { name: freeName(name, namesIn(lines)), transport: 'simulated', devices: [] }, 'line');
+}
+
+export function addDevice(line: number, name: string): void {
+  const path: Path = ['lines', line, 'devices'];
+  const devices = listAt(draft.peek(), path);
+  const used = new Set(devices.map((its) => Number(its.address)));
+  let address = Math.max(0, ...[...used].filter((its) => its > 0 && its < 247)) + 1;
+  while (used.has(address)) ++address;
+  append(path, { name: freeName(name, namesIn(devices)), address: String(address), variables: [] }, 'device');
+}
+
+export function addServer(name: string): void {
+  const servers = listAt(draft.peek(), ['servers']);
+  const used = new Set(servers.map((its) => Number(its.tcp_port)));
+  let port = 1502;
+  while (used.has(port)) ++port;
+  append(
+    ['servers'],
+    {
+      name: freeName(name, namesIn(servers)),
+      listen: '127.0.0.1',
+      tcp_port: String(port),
+      units: [{ address: '1', banks: [{ area: 'holding_register', items: '0..99' }], variables: [] }],
+    },
+    'server',
+  );
+}
+
+export function addLocal(name: string, type: string): void {
+  const list = listAt(draft.peek(), ['locals']);
+  setNodes([{ path: ['locals'], value: [...list, { name, type }] }], 'local');
+}
+
+export function removeAt(path: Path): void {
+  setNodes([{ path, value: undefined }], `remove ${formatPath(path)}`);
+  const index = path.at(-1) as number;
+  const list = listAt(draft.peek(), path.slice(0, -1));
+  select(list.length > 0 ? [...path.slice(0, -1), Math.min(index, list.length - 1)] : path.slice(0, -2));
+}
+
+/** A copy after the item, with the next free name and address. Names of its variables are made unique too. */
+export function duplicateAt(path: Path): void {
+  const node = at(draft.peek(), path);
+  if (!isMapping(node)) return;
+  const listPath = path.slice(0, -1);
+  const list = listAt(draft.peek(), listPath);
+  const copy = asNew(node) as Mapping;
+  copy.name = freeName(String(copy.name ?? ''), namesIn(list));
+  if (typeof copy.address === 'string') {
+    const used = new Set(list.map((its) => its.address));
+    let address = Number(copy.address);
+    while (used.has(String(address))) ++address;
+    copy.address = String(address);
+  }
+  const taken = takenNames();
+  for (const holder of [copy, ...listAt(copy, ['devices'])])
+    for (const its of listAt(holder, ['variables'])) {
+      its.name = freeName(String(its.name), taken);
+      taken.add(its.name);
+    }
+  const index = (path.at(-1) as number) + 1;
+  setNodes(
+    [{ path: listPath, value: [...list.slice(0, index), copy, ...list.slice(index)] }],
+    `duplicate ${formatPath(path)}`,
+  );
+  select([...listPath, index]);
+}

@@ -1,0 +1,196 @@
+// The forms of lines, servers, units, outputs, instruments, and of the project itself.
+import type { ComponentChildren } from 'preact';
+import { t } from '../../i18n';
+import type { Path } from '../../store/document';
+import { ByteOrderBlock } from './byte_order_block';
+import { More } from './device_form';
+import { KeyField, objectAt } from './field';
+import { keyText } from './rules';
+import { nodeText } from './cells';
+import type { Node } from '../../api/types';
+import { VariableTable } from './table';
+import { serverTransportOf, transportOf } from './tree';
+
+function Fields(props: { path: Path; object: string; names: string[] }) {
+  return (
+    <div class="fields">
+      {props.names.map((name) => (
+        <KeyField key={name} path={props.path} object={props.object} name={name} />
+      ))}
+    </div>
+  );
+}
+
+function Group({ title, children }: { title: string; children: ComponentChildren }) {
+  return (
+    <section class="group">
+      <h3>{title}</h3>
+      {children}
+    </section>
+  );
+}
+
+/** Parts of an object that have no form here, as text. */
+function Nested({ path, names }: { path: Path; names: string[] }) {
+  const object = objectAt(path);
+  const shown = names.filter((name) => object[name] !== undefined);
+  if (shown.length === 0) return null;
+  return (
+    <Group title={t.value.project.groups.nested}>
+      <dl class="nested-parts">
+        {shown.map((name) => (
+          <>
+            <dt class="muted">{keyText(name)}</dt>
+            <dd title={t.value.project.inFile}>{nodeText(object[name] as Node)}</dd>
+          </>
+        ))}
+      </dl>
+      <p class="muted small">{t.value.project.inFile}</p>
+    </Group>
+  );
+}
+
+const SERIAL = ['baud', 'parity', 'stop_bits', 'data_bits'];
+
+export function LineForm({ path }: { path: Path }) {
+  const texts = t.value.project;
+  const transport = transportOf(objectAt(path));
+  const where = transport === 'serial' ? ['port'] : transport === 'tcp' ? ['host', 'tcp_port'] : [];
+  const characters = transport === 'tcp' ? [] : SERIAL;
+  return (
+    <div class="form">
+      <Group title={texts.groups.line}>
+        <Fields path={path} object="line" names={['name', 'transport', ...where, 'framing', ...characters]} />
+      </Group>
+      <Group title={texts.groups.polling}>
+        <Fields path={path} object="line" names={['order', 'request_gap', 'frame_gap']} />
+      </Group>
+      <More name={texts.more}>
+        {[
+          ...(transport === 'serial' ? ['rs485'] : []),
+          'byte_timeout',
+          'relay_interval',
+          'command_interval',
+          'command_burst',
+        ].map((name) => (
+          <KeyField key={name} path={path} object="line" name={name} />
+        ))}
+      </More>
+    </div>
+  );
+}
+
+export function ServerForm({ path }: { path: Path }) {
+  const texts = t.value.project;
+  const tcp = serverTransportOf(objectAt(path)) === 'tcp';
+  const where = tcp ? ['listen', 'tcp_port'] : ['port'];
+  return (
+    <div class="form">
+      <Group title={texts.groups.server}>
+        <Fields
+          path={path}
+          object="server"
+          names={['name', 'transport', ...where, 'framing', ...(tcp ? [] : SERIAL)]}
+        />
+      </Group>
+      <More name={texts.more}>
+        {(tcp
+          ? ['max_connections', 'max_per_peer', 'frame_timeout', 'idle_timeout', 'write_timeout', 'audit']
+          : ['rs485', 'strict', 'turnaround', 'byte_timeout', 'audit']
+        ).map((name) => (
+          <KeyField key={name} path={path} object="server" name={name} />
+        ))}
+      </More>
+      <Nested path={path} names={['access', 'relay']} />
+    </div>
+  );
+}
+
+export function UnitForm({ path }: { path: Path }) {
+  const texts = t.value.project;
+  return (
+    <div class="form">
+      <Fields path={path} object="unit" names={['address', 'server_id', 'durability', 'state']} />
+      <Group title={texts.tabs.banks}>
+        <VariableTable path={[...path, 'banks']} object="bank" label={texts.tabs.banks} />
+      </Group>
+      <ByteOrderBlock path={path} />
+      <More name={texts.more}>
+        {['exception_coils', 'restart', 'listen_only', 'notation'].map((name) => (
+          <KeyField key={name} path={path} object="unit" name={name} />
+        ))}
+      </More>
+      <Nested path={path} names={['mirror', 'limits', 'identification', 'files', 'fifos']} />
+    </div>
+  );
+}
+
+const MQTT = ['version', 'client_id', 'user', 'password_file', 'password_env', 'keep_alive', 'in_flight'];
+const TLS = ['ca_file', 'certificate_file', 'key_file', 'alpn'];
+const SELECTION = [
+  'variables',
+  'devices',
+  'tags',
+  'on_change',
+  'period',
+  'dead_band',
+  'heartbeat',
+  'bad_quality',
+];
+const STORE = ['quota_mb', 'retention', 'buffer_mb', 'directory'];
+
+export function OutputForm({ path }: { path: Path }) {
+  const texts = t.value.project;
+  const mqtt = objectAt(path).transport !== 'history';
+  return (
+    <div class="form">
+      <Group title={texts.groups.output}>
+        <Fields
+          path={path}
+          object="output"
+          names={['name', 'transport', ...(mqtt ? ['brokers', 'topic', 'message', 'retain'] : [])]}
+        />
+      </Group>
+      <Group title={texts.table.variables}>
+        <Fields path={path} object="output" names={SELECTION} />
+      </Group>
+      <More name={texts.more}>
+        {[...(mqtt ? [...MQTT, ...TLS, 'control_topic', 'commands', 'command_expiry'] : []), ...STORE].map(
+          (name) => (
+            <KeyField key={name} path={path} object="output" name={name} />
+          ),
+        )}
+      </More>
+      <Nested path={path} names={['select']} />
+    </div>
+  );
+}
+
+export function InstrumentForm({ path }: { path: Path }) {
+  return (
+    <div class="form">
+      <Nested path={path} names={Object.keys(objectAt(path)).filter((key) => key !== '$from')} />
+    </div>
+  );
+}
+
+export function ProjectForm() {
+  const texts = t.value.project;
+  return (
+    <div class="form">
+      <Group title={texts.groups.project}>
+        <Fields
+          path={[]}
+          object="project"
+          names={['profile', 'derive_timeouts', 'timeout_margin', 'backoff']}
+        />
+      </Group>
+      <Group title={texts.groups.computer}>
+        <Fields path={['host']} object="host" names={['jitter', 'overhead']} />
+      </Group>
+      <Group title={texts.groups.faults}>
+        <Fields path={['faults']} object="faults" names={['burst', 'every']} />
+      </Group>
+    </div>
+  );
+}

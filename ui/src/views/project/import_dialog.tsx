@@ -1,0 +1,164 @@
+// Tables of the IDE, or of a spreadsheet, by pasting them: a preview, then one step in the draft.
+import { useEffect, useState } from 'preact/hooks';
+import { post } from '../../api/client';
+import type { ImportedRows } from '../../api/types';
+import { t } from '../../i18n';
+import { Dialog } from '../../shell/dialog';
+import { errorText, toast } from '../../shell/toasts';
+import { formatPath, listAt, type Path } from '../../store/document';
+import { draft, setNodes } from '../../store/project';
+import { importing, itemOf, merged, targetsFor } from './importing';
+import { keyText } from './rules';
+import { select, tab } from './selection';
+
+const ASK_AFTER_MS = 200;
+const MOST_SHOWN = 8;
+
+function Preview({ found }: { found: ImportedRows }) {
+  const texts = t.value.project.importing;
+  const keys = [...new Set(found.rows.flatMap((its) => Object.keys(its)))];
+  const findings = found.findings.filter((its) => its.severity !== 'note');
+  return (
+    <>
+      <h3>{texts.found(texts.kind[found.kind], found.rows.length)}</h3>
+      <div class="preview">
+        <table>
+          <thead>
+            <tr>
+              {keys.map((key) => (
+                <th key={key} scope="col">
+                  {keyText(key)}
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {found.rows.slice(0, MOST_SHOWN).map((row, i) => (
+              <tr key={i}>
+                {keys.map((key) => (
+                  <td key={key}>{row[key]}</td>
+                ))}
+              </tr>
+            ))}
+          </tbody>
+        </table>
+        {found.rows.length > MOST_SHOWN && (
+          <p class="muted small">{texts.more(found.rows.length - MOST_SHOWN)}</p>
+        )}
+      </div>
+      {findings.map((its) => (
+        <p key={its.code + its.line + its.column} class={`small ${its.severity}`}>
+          {its.message} <span class="muted">{its.advice}</span>
+        </p>
+      ))}
+    </>
+  );
+}
+
+export function ImportDialog({ start, path }: { start: string; path: Path | null }) {
+  const texts = t.value.project.importing;
+  const [text, setText] = useState(start);
+  const [found, setFound] = useState<ImportedRows | null>(null);
+  const [problem, setProblem] = useState('');
+  const [into, setInto] = useState<string | null>(null);
+  const [replace, setReplace] = useState(false);
+  useEffect(() => {
+    if (text.trim() === '') {
+      setFound(null);
+      setProblem('');
+      return undefined;
+    }
+    const stop = new AbortController();
+    const timer = setTimeout(() => {
+      post<ImportedRows>('import', { text }, stop.signal)
+        .then((its) => {
+          setFound(its);
+          setProblem('');
+        })
+        .catch((failure) => {
+          if (stop.signal.aborted) return;
+          setFound(null);
+          setProblem(errorText(failure));
+        });
+    }, ASK_AFTER_MS);
+    return () => {
+      clearTimeout(timer);
+      stop.abort();
+    };
+  }, [text]);
+
+  const targets = found
+    ? targetsFor(draft.value, found.kind, {
+        locals: t.value.project.tree.locals,
+        devices: t.value.keys.devices,
+      })
+    : [];
+  const wanted = into ?? (path && formatPath(path));
+  const target = targets.find((its) => formatPath(its.path) === wanted) ?? targets[0];
+  const close = () => {
+    importing.value = null;
+  };
+  const accept = () => {
+    if (!found || !target) return;
+    const items = found.rows.map((row) => itemOf(row, target.object));
+    const list = merged(listAt(draft.peek(), target.path), items, replace);
+    setNodes([{ path: target.path, value: list }], `import ${formatPath(target.path)}`);
+    select(target.path[0] === 'locals' ? target.path : target.path.slice(0, -1));
+    if (target.path.at(-1) === 'variables') tab.value = 'variables';
+    toast('good', texts.done(items.length));
+    close();
+  };
+  return (
+    <Dialog
+      title={texts.title}
+      accept={texts.accept}
+      acceptDisabled={!target || !found || found.rows.length === 0}
+      onAccept={accept}
+      onClose={close}
+    >
+      <div class="importing">
+        <p class="muted">{texts.hint}</p>
+        <textarea
+          rows={6}
+          class="mono"
+          aria-label={texts.text}
+          value={text}
+          spellcheck={false}
+          onInput={(event) => setText(event.currentTarget.value)}
+        />
+        <div aria-live="polite">
+          {problem && <p class="bad">{problem}</p>}
+          {found && <Preview found={found} />}
+          {found && targets.length === 0 && <p class="bad">{texts.nowhere}</p>}
+        </div>
+        {target && (
+          <div class="choice-row">
+            <label>
+              <span class="muted">{texts.into}</span>
+              <select
+                value={formatPath(target.path)}
+                onChange={(event) => setInto(event.currentTarget.value)}
+              >
+                {targets.map((its) => (
+                  <option key={formatPath(its.path)} value={formatPath(its.path)}>
+                    {its.title}
+                  </option>
+                ))}
+              </select>
+            </label>
+            <label>
+              <span class="muted">{texts.mode}</span>
+              <select
+                value={String(replace)}
+                onChange={(event) => setReplace(event.currentTarget.value === 'true')}
+              >
+                <option value="false">{texts.append}</option>
+                <option value="true">{texts.replace}</option>
+              </select>
+            </label>
+          </div>
+        )}
+      </div>
+    </Dialog>
+  );
+}

@@ -1,0 +1,81 @@
+// A table that is pasted: into which part of the project its rows go.
+import { signal } from '@preact/signals';
+import type { ImportedRows, Mapping, Node } from '../../api/types';
+import { listAt, type Path, textAt } from '../../store/document';
+import { rawOf } from './cells';
+import { COLUMNS, type TableObject } from './columns';
+
+/** The import dialog: the text so far and the table where it was pasted; null: it is closed. */
+export const importing = signal<{ text: string; path: Path | null } | null>(null);
+
+export interface Target {
+  path: Path;
+  title: string;
+  object: TableObject;
+}
+
+/** The tables of a project that take rows of a kind. */
+export function targetsFor(
+  document: Mapping,
+  kind: ImportedRows['kind'],
+  names: { locals: string; devices: string },
+): Target[] {
+  if (kind === 'locals') return [{ path: ['locals'], title: names.locals, object: 'local' }];
+  const lines = listAt(document, ['lines']);
+  const named = (node: Mapping) => textAt(node, ['name']) ?? '';
+  if (kind === 'devices')
+    return lines.map((line, i) => ({
+      path: ['lines', i, 'devices'],
+      title: `${named(line)}: ${names.devices}`,
+      object: 'variable',
+    }));
+  if (kind === 'served')
+    return listAt(document, ['servers']).flatMap((server, i) =>
+      listAt(server, ['units']).map((unit, j) => ({
+        path: ['servers', i, 'units', j, 'variables'],
+        title: `${named(server)}, ${textAt(unit, ['address']) ?? ''}`,
+        object: 'served_variable' as const,
+      })),
+    );
+  return lines.flatMap((line, i) =>
+    listAt(line, ['devices'])
+      .map((device, j) => ({
+        path: ['lines', i, 'devices', j, 'variables'] as Path,
+        title: `${named(line)}: ${named(device)}, ${textAt(device, ['address']) ?? ''}`,
+        object: 'variable' as const,
+        table: device.variables,
+      }))
+      .filter((its) => typeof its.table !== 'string')
+      .map(({ table: _, ...its }) => its),
+  );
+}
+
+/** A row of the answer as an item of the document. */
+export function itemOf(row: Record<string, string>, object: TableObject): Mapping {
+  const kinds = new Map(COLUMNS[object].map((its) => [its.key, its.kind]));
+  const item: Mapping = {};
+  for (const [key, text] of Object.entries(row)) {
+    // The program has understood the row: only lists and words are no texts in a document.
+    const kind = kinds.get(key);
+    const raw: Node | undefined = kind === 'words' || kind === 'list' ? rawOf(kind, text) : text;
+    if (raw !== undefined && raw !== '') item[key] = raw;
+  }
+  return item;
+}
+
+/** The list with the imported items: rows with the same name are overwritten, or all are replaced. */
+export function merged(list: Mapping[], items: Mapping[], replace: boolean): Mapping[] {
+  const old = new Map(list.map((its) => [its.name, its]));
+  if (replace)
+    return items.map((its) => {
+      const from = old.get(its.name)?.$from;
+      return from === undefined ? its : { ...its, $from: from };
+    });
+  const fresh = new Map(items.map((its) => [its.name, its]));
+  const kept = list.map((its) => {
+    const next = fresh.get(its.name);
+    fresh.delete(its.name);
+    return next ? { ...its, ...next } : its;
+  });
+  return [...kept, ...fresh.values()];
+}

@@ -1,0 +1,75 @@
+// The findings of the draft as a list. A choice goes to the field.
+import { computed } from '@preact/signals';
+import { useState } from 'preact/hooks';
+import type { Finding } from '../../api/types';
+import { t } from '../../i18n';
+import { Dialog } from '../../shell/dialog';
+import { evaluating, findings } from '../../store/project';
+import { reveal } from './selection';
+
+// A line that is too slow runs and can be saved; the requests show what would help.
+const isLate = (its: Finding) => its.code.startsWith('guarantee.');
+export const lateValues = computed(
+  () => findings.value.filter((its) => its.severity === 'error' && isLate(its)).length,
+);
+export const wrongValues = computed(
+  () => findings.value.filter((its) => its.severity === 'error' && !isLate(its)).length,
+);
+const warnings = computed(() => findings.value.filter((its) => its.severity === 'warning').length);
+
+const RANK = { error: 0, warning: 1, note: 2 };
+
+function ProblemList({ onClose }: { onClose: () => void }) {
+  const texts = t.value.project;
+  const sorted = findings.value
+    .filter((its) => its.severity !== 'note')
+    .sort((a, b) => RANK[a.severity] - RANK[b.severity]);
+  return (
+    <Dialog title={texts.findings} onClose={onClose}>
+      <p class="muted small">{texts.findingsHint}</p>
+      <ul class="problems">
+        {sorted.map((its, i) => (
+          <li key={i}>
+            <button
+              type="button"
+              onClick={() => {
+                onClose();
+                reveal(its.path);
+              }}
+            >
+              <i class={`dot ${its.severity === 'error' ? 'bad' : 'warn'}`} />
+              <span>
+                {its.message} <span class="muted small">{its.advice}</span>
+              </span>
+              <code class="muted small">{its.line > 0 ? `${its.line}:${its.column}` : ''}</code>
+            </button>
+          </li>
+        ))}
+      </ul>
+    </Dialog>
+  );
+}
+
+export function Problems() {
+  const [open, setOpen] = useState(false);
+  const texts = t.value.project;
+  const errors = wrongValues.value + lateValues.value;
+  const parts = [
+    errors > 0 ? texts.errors(errors) : '',
+    warnings.value > 0 ? texts.warnings(warnings.value) : '',
+  ].filter((its) => its !== '');
+  return (
+    <>
+      <button
+        type="button"
+        class={`button quiet state ${errors > 0 ? 'bad' : ''}`}
+        disabled={parts.length === 0}
+        onClick={() => setOpen(true)}
+      >
+        <i class={`dot ${errors > 0 ? 'bad' : warnings.value > 0 ? 'warn' : 'good'}`} />
+        {parts.join(', ') || (evaluating.value ? texts.checking : texts.allGood)}
+      </button>
+      {open && <ProblemList onClose={() => setOpen(false)} />}
+    </>
+  );
+}

@@ -1,0 +1,113 @@
+// Saving shows the difference of the file first. A file that changed on the disk is never overwritten unasked.
+import { useEffect, useState } from 'preact/hooks';
+import { ApiError, get } from '../../api/client';
+import type { ProjectFile } from '../../api/types';
+import { t } from '../../i18n';
+import { Dialog } from '../../shell/dialog';
+import { errorText, toast, toastError } from '../../shell/toasts';
+import { changedOnDisk, difference, loaded, loadProject, save } from '../../store/project';
+import { lateValues } from './problems';
+
+/** The lines of a unified difference with what each of them is. */
+export function diffLines(diff: string): { kind: 'add' | 'remove' | 'place' | 'same'; text: string }[] {
+  return diff
+    .replace(/\n$/, '')
+    .split('\n')
+    .filter((line) => !/^(---|\+\+\+) /.test(line))
+    .map((line) => {
+      if (line.startsWith('@@')) return { kind: 'place', text: line };
+      if (line.startsWith('+')) return { kind: 'add', text: line };
+      return line.startsWith('-') ? { kind: 'remove', text: line } : { kind: 'same', text: line };
+    });
+}
+
+export function SaveDialog({ onClose }: { onClose: () => void }) {
+  const texts = t.value.project.saving;
+  const [diff, setDiff] = useState<string | null>(null);
+  const [problem, setProblem] = useState('');
+  const [busy, setBusy] = useState(false);
+  useEffect(() => {
+    difference()
+      .then(setDiff)
+      .catch((failure) => {
+        if (failure instanceof ApiError && failure.code === 'changed_on_disk') {
+          changedOnDisk.value = true;
+          onClose();
+        } else setProblem(errorText(failure));
+      });
+  }, []);
+  const accept = async () => {
+    setBusy(true);
+    try {
+      const saved = await save(true);
+      toast('good', saved.applied ? texts.saved(saved.backup) : texts.notApplied(saved.backup));
+      onClose();
+    } catch (failure) {
+      if (changedOnDisk.peek()) onClose();
+      else setProblem(errorText(failure));
+    }
+    setBusy(false);
+  };
+  return (
+    <Dialog
+      title={texts.title}
+      accept={texts.accept}
+      acceptDisabled={busy || diff === null || diff === ''}
+      onAccept={() => void accept()}
+      onClose={onClose}
+    >
+      <div class="saving">
+        <p class="muted">{texts.keeps}</p>
+        {lateValues.value > 0 && <p class="warning">{texts.deadlines}</p>}
+        {problem && (
+          <p class="bad" role="alert">
+            {problem}
+          </p>
+        )}
+        {diff === '' && <p>{texts.nothing}</p>}
+        {diff && (
+          <pre class="diff" role="region" aria-label={texts.changes} tabIndex={0}>
+            {diffLines(diff).map((line, i) => (
+              <span key={i} class={line.kind}>
+                {line.text}
+                {'\n'}
+              </span>
+            ))}
+          </pre>
+        )}
+      </div>
+    </Dialog>
+  );
+}
+
+/** Takes the file's new revision and keeps the draft: the next save shows the difference to it. */
+async function keepMine(): Promise<void> {
+  const file = await get<ProjectFile>('project');
+  loaded.value = file;
+  changedOnDisk.value = false;
+  toast('info', t.peek().project.conflict.kept);
+}
+
+export function Conflict() {
+  const texts = t.value.project.conflict;
+  if (!changedOnDisk.value) return null;
+  return (
+    <div class="banner warning" role="alert">
+      <div>
+        <b>{texts.title}</b>
+        <p>{texts.text}</p>
+      </div>
+      <button type="button" class="button" onClick={() => loadProject().catch(toastError)}>
+        {texts.take}
+      </button>
+      <button
+        type="button"
+        class="button"
+        title={texts.keepHint}
+        onClick={() => keepMine().catch(toastError)}
+      >
+        {texts.keep}
+      </button>
+    </div>
+  );
+}

@@ -1,0 +1,144 @@
+// What a line does in one look: the verdict, how busy it is, and the three ways to form its requests.
+import type { PlannedLine, Strategy } from '../../api/types';
+import { t } from '../../i18n';
+import { toast } from '../../shell/toasts';
+import { listAt } from '../../store/document';
+import { draft, setNodes } from '../../store/project';
+import { readOnly, withKey } from '../project/edit';
+import { profileOf } from '../project/rules';
+import { lineStrategy, strategyOf } from './figures';
+import { lastChange, lineNode, lineNumber } from './plan';
+import { microseconds, percent } from './words';
+
+const TONES = { holds: 'good', response_unknown: 'warn', not_proved: 'warn', cannot_hold: 'bad' } as const;
+const STRATEGIES: Strategy[] = ['single', 'classic', 'optimal'];
+
+export function Verdict({ line }: { line: PlannedLine }) {
+  const texts = t.value.requests;
+  const over = line.verdict === 'cannot_hold' && line.utilization > 1;
+  return (
+    <div class={`verdict ${TONES[line.verdict]}`}>
+      <i class={`dot ${TONES[line.verdict]}`} />
+      <p>
+        <b>{over ? texts.verdict.cannot_hold_over : texts.verdict[line.verdict]}</b>{' '}
+        <span>
+          {texts.summary(line.request_count, line.ungrouped_requests)}
+          {line.cycle_us > 0 && `; ${texts.round(microseconds(line.cycle_us))}`}.
+        </span>
+      </p>
+    </div>
+  );
+}
+
+export function Utilisation({ line }: { line: PlannedLine }) {
+  const texts = t.value.requests;
+  const scale = Math.max(1, line.utilization, line.worst_utilization);
+  const tone = line.utilization > 1 ? 'bad' : line.utilization > 0.8 ? 'warn' : 'good';
+  const width = (share: number) => `${Math.min(100, (share / scale) * 100)}%`;
+  return (
+    <div class="utilisation">
+      <span class="muted">{texts.busy}</span>
+      <div
+        class="meter"
+        role="meter"
+        aria-label={texts.busy}
+        aria-valuemin={0}
+        aria-valuemax={100}
+        aria-valuenow={Math.min(100, Math.round(line.utilization * 100))}
+        aria-valuetext={percent(line.utilization)}
+        title={texts.busyWorst(percent(line.worst_utilization))}
+      >
+        <span class="worst" style={{ width: width(line.worst_utilization) }} />
+        <span class={`now ${tone}`} style={{ width: width(line.utilization) }} />
+        {scale > 1 && <span class="full" style={{ left: width(1) }} />}
+      </div>
+      <b class={tone === 'bad' ? 'bad' : ''}>{percent(line.utilization)}</b>
+    </div>
+  );
+}
+
+/** Sets the strategy of every device of the line, as one step. */
+function applyStrategy(strategy: Strategy): void {
+  const number = lineNumber.peek();
+  const profile = profileOf(draft.peek());
+  const devices = listAt(draft.peek(), ['lines', number, 'devices']);
+  const changes = devices.flatMap((device, i) => {
+    if (strategyOf(device, profile) === strategy) return [];
+    const { group_requests: _, ...rest } = device;
+    return [{ path: ['lines', number, 'devices', i], value: withKey(rest, 'strategy', strategy) }];
+  });
+  if (changes.length === 0) return;
+  setNodes(changes, 'strategy');
+  const texts = t.peek().requests.strategies;
+  toast('good', texts.applied(texts[strategy]));
+}
+
+export function Strategies({ line }: { line: PlannedLine }) {
+  const texts = t.value.requests.strategies;
+  const costs = line.compare?.strategies;
+  if (!costs) return null;
+  const current = lineStrategy(lineNode.value, profileOf(draft.value));
+  const scale = Math.max(1, ...STRATEGIES.map((its) => costs[its]?.utilization ?? 0));
+  const locked = readOnly(['lines', lineNumber.value]) !== null;
+  return (
+    <section class="strategies" aria-label={texts.title}>
+      {STRATEGIES.map((name) => {
+        const cost = costs[name];
+        if (!cost) return null;
+        const bad = cost.utilization > 1;
+        return (
+          <div
+            key={name}
+            class={`strategy ${current === name ? 'current' : ''}`}
+            title={texts[`${name}Hint`]}
+          >
+            <b>{texts[name]}</b>
+            <span>{texts.requests(cost.requests)}</span>
+            <div class="meter" aria-hidden="true">
+              <span
+                class={`now ${bad ? 'bad' : 'plain'}`}
+                style={{ width: `${(cost.utilization / scale) * 100}%` }}
+              />
+            </div>
+            <span class={`figure ${bad ? 'bad' : ''}`}>{percent(cost.utilization)}</span>
+            {current === name ? (
+              <span class="muted small in-use">{texts.current}</span>
+            ) : (
+              <button
+                type="button"
+                class="button small"
+                disabled={locked}
+                aria-label={texts.applyHint(texts[name])}
+                title={texts.applyHint(texts[name])}
+                onClick={() => applyStrategy(name)}
+              >
+                {texts.apply}
+              </button>
+            )}
+          </div>
+        );
+      })}
+    </section>
+  );
+}
+
+/** Before and after of the last edit, for a moment. */
+export function LastChange() {
+  const texts = t.value.requests.change;
+  const changes = lastChange.value;
+  return (
+    <div class="last-change" role="status" aria-label={texts.label}>
+      {changes?.map((its) => {
+        const worse = its.busy[1] > its.busy[0] + 5e-4;
+        const better = its.busy[1] < its.busy[0] - 5e-4;
+        return (
+          <p key={its.line} class={worse ? 'worse' : better ? 'better' : ''}>
+            {changes.length > 1 && <b>{its.line}: </b>}
+            {texts.requests} {its.requests[0]} → <b>{its.requests[1]}</b>, {texts.busy} {percent(its.busy[0])}{' '}
+            → <b>{percent(its.busy[1])}</b>
+          </p>
+        );
+      })}
+    </div>
+  );
+}
