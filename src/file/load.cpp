@@ -17,6 +17,7 @@
 #include "device_template.hpp"
 #include "reporter.hpp"
 #include "source.hpp"
+#include "takt/file/edit.hpp"
 #include "takt/file/read.hpp"
 #include "takt/file/table.hpp"
 #include "takt/model/fields.hpp"
@@ -142,30 +143,53 @@ public:
         return all;
     }
 
-    Loaded load(const std::string& name, const Result<std::string>& text) {
+    // The tables and templates that the text names are not read.
+    Loaded load_alone(const std::string& name, const std::string& text) {
         loaded_.document.files.push_back(name);
-        if (!text) {
-            report(text.error(), {}, name, {});
-        } else if (const auto source = check(0, *text)) {
+        if (text.size() > kMaxFileBytes) {
+            report(fail(Code::too_long, name).error(), {}, name, {});
+        } else if (const auto source = check(0, text)) {
             if (auto root = read_yaml(*source, budget_.nodes, reporter_)) {
-                if (is_template(*root)) {
-                    reporter_.error("file.template.alone", root->location);
-                    loaded_.findings = reporter_.take();
-                    return std::move(loaded_);
-                }
                 loaded_.document.root = *std::move(root);
                 loaded_.readable = true;
-                drop_placeholders(loaded_.document.root);
-                const auto folder = std::filesystem::path(name).parent_path();
-                take_tables(folder);
-                take_templates(folder);
             }
         }
         loaded_.findings = reporter_.take();
         return std::move(loaded_);
     }
 
+    Loaded load(const std::string& name, const Result<std::string>& text) {
+        loaded_.document.files.push_back(name);
+        if (!text) {
+            report(text.error(), {}, name, {});
+        } else if (const auto source = check(0, *text)) {
+            if (auto root = read_yaml(*source, budget_.nodes, reporter_)) {
+                complete(name, *std::move(root));
+            }
+        }
+        loaded_.findings = reporter_.take();
+        return std::move(loaded_);
+    }
+
+    Loaded load_root(const std::string& name, Node root) {
+        loaded_.document.files.push_back(name);
+        complete(name, std::move(root));
+        loaded_.findings = reporter_.take();
+        return std::move(loaded_);
+    }
+
 private:
+    // Adds what the other files of the project contain.
+    void complete(const std::string& name, Node root) {
+        if (is_template(root)) return reporter_.error("file.template.alone", root.location);
+        loaded_.document.root = std::move(root);
+        loaded_.readable = true;
+        drop_placeholders(loaded_.document.root);
+        const auto folder = std::filesystem::path(name).parent_path();
+        take_tables(folder);
+        take_templates(folder);
+    }
+
     void report(const Error& error, const SourceLocation& location, const std::string& name,
                 const std::string& path) {
         const auto code = code_of(error);
@@ -320,8 +344,12 @@ private:
 
 }  // namespace
 
+Reader file_reader() {
+    return [](const std::string& name) { return read_file(name, kMaxFileBytes); };
+}
+
 Loaded load_project(const std::string& path) {
-    const Reader reader = [](const std::string& name) { return read_file(name, kMaxFileBytes); };
+    const auto reader = file_reader();
     return Loader(reader).load(path, reader(path));
 }
 
@@ -332,6 +360,14 @@ Loaded load_table(const std::string& path, const TableOptions& options) {
 Loaded load_table_text(const std::string& name, const std::string& bytes, const TableOptions& options) {
     if (bytes.size() > kMaxFileBytes) return Loader({}).load_table(name, fail(Code::too_long, name), options);
     return Loader({}).load_table(name, bytes, options);
+}
+
+Loaded load_document(const std::string& name, model::Node root, const Reader& reader) {
+    return Loader(reader).load_root(name, std::move(root));
+}
+
+Loaded read_project_text(const std::string& name, const std::string& text) {
+    return Loader({}).load_alone(name, text);
 }
 
 LoadedTables load_tables(const std::vector<std::string>& paths, const TableOptions& options) {

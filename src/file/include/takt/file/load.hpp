@@ -45,4 +45,10 @@ using Reader = std::function<Result<std::string>(const std::string& path)>;
 /// reader no table is found.
 [[nodiscard]] Loaded load_text(const std::string& name, const std::string& text, const Reader& reader = {});
 
+/// The same from the root of a project file that was read already, or never was a text.
+[[nodiscard]] Loaded load_document(const std::string& name, model::Node root, const Reader& reader = {});
+
+/// Reads from the file system.
+[[nodiscard]] Reader file_reader();
+
 }  // namespace takt::file

@@ -1,0 +1,29 @@
+// Documents of project files as JSON: what an editor of a project reads and sends (docs/web.md).
+//
+// Mappings are objects in the order of the file, lists are arrays, each scalar is a string with its raw text,
+// null is null. A mapping in a list has the additional key `$from` (kOriginKey), its index in that list.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "takt/base/result.hpp"
+#include "takt/file/edit.hpp"
+#include "takt/file/json.hpp"
+#include "takt/model/document.hpp"
+
+namespace takt::file {
+
+[[nodiscard]] Json document_json(const model::Node& root);
+
+/// The document of such an object. Booleans and numbers become their texts. kOriginKey stays an entry of its
+/// mapping; without_origins() removes it.
+/// @param original  the root of the file. A node that comes from it has its location, and its quotes while
+/// the
+///                  text is the same; other nodes have the location of what they are in. nullptr: none
+/// @returns malformed (subject: the path), too_long (subject: the path; beyond the limits of files)
+[[nodiscard]] Result<model::Node> document_of(const Json& json, const model::Node* original);
+
+void without_origins(model::Node& node);
+
+}  // namespace takt::file

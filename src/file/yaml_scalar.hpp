@@ -1,0 +1,38 @@
+// Scalars as text of a YAML file.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "takt/model/fields.hpp"
+#include "yaml_layout.hpp"
+
+namespace takt::file {
+
+/// What a scalar is for, as far as quotes are concerned.
+enum class ScalarUse : std::uint8_t {
+    any,     ///< unknown: quoted where the text would not come back
+    number,  ///< a number, a time, a boolean: quotes are an error
+    text,    ///< a text: also quoted where other readers would take it for a number or a boolean
+    digits,  ///< a text of digits: always quoted
+};
+
+/// The use of a field's value.
+/// @param object  of the mapping; nothing: unknown
+/// @param owner   the mapping
+[[nodiscard]] ScalarUse use_of(std::optional<model::Object> object, const model::Node& owner,
+                               std::string_view key);
+
+/// Plain if possible, else in double quotes.
+/// @param flow  inside brackets
+[[nodiscard]] std::string scalar_text(std::string_view text, ScalarUse use, bool flow);
+
+/// The text in the style of the scalar that it replaces, where that style can hold it.
+[[nodiscard]] std::string scalar_text_like(std::string_view text, ScalarUse use, bool flow,
+                                           const Layout& replaced, std::string_view file_text,
+                                           std::string_view line_break);
+
+}  // namespace takt::file
