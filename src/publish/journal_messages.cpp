@@ -3,6 +3,7 @@
 // message is finished.
 #include "takt/publish/journal_messages.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "takt/base/assert.hpp"
@@ -25,8 +26,8 @@ std::optional<SourceMessage> JournalMessages::next(Instant now, const MessageLim
             const auto token = token_of(records_.back().sequence, next_);
             auto& message = composed_[next_++].message;
             if (token <= finished_token_) continue;  // acknowledged before a rewind
-            const bool repeated = token <= highest_token_;
-            if (!repeated) highest_token_ = token;
+            const bool repeated = token <= highest_token_ || records_.back().sequence <= last_of_earlier_run_;
+            highest_token_ = std::max(highest_token_, token);
             return SourceMessage{.token = token, .repeated = repeated, .message = std::move(message)};
         }
         if (!read_record(now, limits)) return std::nullopt;
@@ -40,13 +41,17 @@ bool JournalMessages::read_record(Instant now, const MessageLimits& limits) {
     if (!entry || !*entry) return false;
     const auto& header = (*entry)->header;
     const auto first_token = token_of(header.sequence, 0);
+    if ((*entry)->repeated && header.sequence > highest_record_) last_of_earlier_run_ = header.sequence;
+    highest_record_ = std::max(highest_record_, header.sequence);
     composed_.clear();
     next_ = 0;
     StreamPlace place{.epoch = header.epoch,
                       .first = header.samples_before + 1,
                       .packet_limit = limits.packet,
                       .version = limits.version};
-    if (highest_token_ >= first_token)
+    if (header.sequence <= last_of_earlier_run_)
+        place.repeated = MessageComposer::kMostMessages;
+    else if (highest_token_ >= first_token)
         place.repeated = static_cast<std::size_t>(highest_token_ - first_token) + 1;
 
     bool readable = true;

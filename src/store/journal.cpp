@@ -51,6 +51,9 @@ struct Journal::State {
         : storage(port), options(given), writer(port, given, std::move(recovered)) {}
 
     void save_cursors(Instant now);
+    [[nodiscard]] bool has_unsaved_cursor() const {
+        return std::ranges::any_of(destinations, &JournalDestination::has_unsaved);
+    }
     [[nodiscard]] std::uint64_t acknowledged() const;
     void clean(std::int64_t wall_ns);
     [[nodiscard]] JournalDestination& at(DestinationId id) {
@@ -143,11 +146,14 @@ void Journal::on_tick(Instant now, std::int64_t wall_ns) {
         state.writer.set_acknowledged(state.acknowledged());
         static_cast<void>(state.writer.flush(now));  // the writer keeps the error for the status
     }
+    if (state.cursors_due == kNever && state.has_unsaved_cursor())
+        state.cursors_due = after(now, state.options.cursor_interval);
     state.clean(wall_ns);
     state.clean_due = after(now, kCleanInterval);
 }
 
 Result<void> Journal::close(Instant now) {
+    for (JournalDestination& destination : state_->destinations) destination.withdraw_announcement();
     state_->save_cursors(now);
     return state_->writer.flush(now);
 }

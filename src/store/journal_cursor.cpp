@@ -1,8 +1,11 @@
 // A slot, little endian, without padding:
-//   magic u32 | reserved u32 | counter u64 | sequence u64 | samples u64 | wall time i64 | epoch u64 |
+//   magic u32 | handed out u32 | counter u64 | sequence u64 | samples u64 | wall time i64 | epoch u64 |
 //   delivered u64 | dropped u64 | CRC-32C u32 (all before it)
+// "Handed out" is the number of records behind the sequence number that may have been read; 2^32 - 1: all.
 #include "journal_cursor.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "little_endian.hpp"
@@ -14,6 +17,7 @@ namespace {
 
 constexpr std::uint32_t kMagic = 0x3143'4B54;  // "TKC1"
 constexpr std::size_t kSlotBytes = 68;
+constexpr std::uint32_t kAll = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kCheckedBytes = kSlotBytes - 4;
 
 struct Slot {
@@ -23,8 +27,10 @@ struct Slot {
 
 std::vector<std::uint8_t> encode(const Slot& slot) {
     std::vector<std::uint8_t> out;
+    const std::uint64_t sequence = slot.state.position.sequence;
+    const std::uint64_t ahead = std::max(slot.state.handed_out, sequence) - sequence;
     put_little(out, kMagic);
-    put_little(out, std::uint32_t{0});
+    put_little(out, static_cast<std::uint32_t>(std::min<std::uint64_t>(ahead, kAll)));
     put_little(out, slot.counter);
     put_little(out, slot.state.position.sequence);
     put_little(out, slot.state.position.samples);
@@ -43,7 +49,7 @@ std::optional<Slot> decode(Bytes bytes) {
     if (crc != crc32c(bytes.first(kCheckedBytes))) return std::nullopt;
     LittleEndianReader in(bytes);
     if (in.take<std::uint32_t>() != kMagic) return std::nullopt;
-    static_cast<void>(in.take<std::uint32_t>());
+    const auto ahead = in.take<std::uint32_t>();
     Slot slot;
     slot.counter = in.take<std::uint64_t>();
     slot.state.position.sequence = in.take<std::uint64_t>();
@@ -52,6 +58,7 @@ std::optional<Slot> decode(Bytes bytes) {
     slot.state.position.epoch = in.take<std::uint64_t>();
     slot.state.delivered = in.take<std::uint64_t>();
     slot.state.dropped = in.take<std::uint64_t>();
+    slot.state.handed_out = ahead == kAll ? CursorState::kAllHandedOut : slot.state.position.sequence + ahead;
     return slot;
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -11,9 +12,13 @@
 namespace takt::store {
 
 struct CursorState {
+    static constexpr std::uint64_t kAllHandedOut = std::numeric_limits<std::uint64_t>::max();
+
     StreamPosition position;      ///< end of the last acknowledged entry
     std::uint64_t delivered = 0;  ///< samples, since the destination was created
     std::uint64_t dropped = 0;    ///< samples in acknowledged gaps
+    /// The last sequence number that the destination may have read; kAllHandedOut: any of the stream.
+    std::uint64_t handed_out = 0;
 
     friend bool operator==(const CursorState&, const CursorState&) = default;
 };

@@ -16,15 +16,19 @@ Result<void> JournalDestination::start(const StreamPosition& end) {
         state_.position = oldest != nullptr ? *oldest->start : end;
     } else if (found_ == JournalCursor::Found::nothing) {
         state_.position = end;
+        state_.handed_out = end.sequence;
         // Without a durable cursor the next start would begin with a later record.
         TAKT_CHECK(cursor_.save(state_));
     }
+    highest_read_ =
+        found_ == JournalCursor::Found::state ? std::min(state_.handed_out, end.sequence) : end.sequence;
     rewind();
     return {};
 }
 
 Result<std::optional<JournalEntry>> JournalDestination::read(std::size_t max_in_flight) {
     if (in_flight_.size() >= max_in_flight) return std::nullopt;
+    announce_reads();
     TAKT_TRY(auto entry, reader_.next());
     if (!entry) return entry;
     CursorState after = in_flight_.empty() ? state_ : in_flight_.back();
@@ -62,7 +66,20 @@ Result<void> JournalDestination::reject(std::uint64_t sequence, std::uint64_t sa
     return {};
 }
 
+// One sync for many reads: from now on a start must take any record for read. Without the sync an entry
+// would be read all the same, and its mark could be missing after a crash.
+void JournalDestination::announce_reads() {
+    if (state_.handed_out == CursorState::kAllHandedOut) return;
+    state_.handed_out = CursorState::kAllHandedOut;
+    static_cast<void>(save());
+}
+
+void JournalDestination::withdraw_announcement() {
+    state_.handed_out = std::max(highest_read_, state_.position.sequence);
+}
+
 void JournalDestination::rewind() {
+    withdraw_announcement();
     in_flight_.clear();
     reader_ = JournalReader(*segments_, *storage_, state_.position);
 }

@@ -30,6 +30,8 @@ public:
     /// @returns out_of_range
     Result<void> reject(std::uint64_t sequence, std::uint64_t samples);
     void rewind();
+    /// No entry was handed out that read() did not return; to be called before a save at the end of reading.
+    void withdraw_announcement();
     /// Moves the cursor to a position before it.
     void go_back(const StreamPosition& position);
 
@@ -43,6 +45,8 @@ public:
     [[nodiscard]] DestinationCounters counters(std::uint64_t samples) const;
 
 private:
+    void announce_reads();
+
     const SegmentList* segments_;
     JournalStorage* storage_;
     JournalCursor cursor_;
@@ -50,7 +54,7 @@ private:
     CursorState state_;
     JournalReader reader_;
     std::deque<CursorState> in_flight_;  // the state after the acknowledgement of each entry that was read
-    std::uint64_t highest_read_ = 0;     // sequence number, in this run
+    std::uint64_t highest_read_ = 0;     // sequence number, in this run or perhaps an earlier one
 };
 
 }  // namespace takt::store

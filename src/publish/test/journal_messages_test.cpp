@@ -110,6 +110,20 @@ TEST_F(JournalMessagesTest, ARewindGivesTheRestAgain) {
     EXPECT_EQ(counters().delivered, 4U);
 }
 
+TEST_F(JournalMessagesTest, MessagesThatAnEarlierRunMayHaveSentAreMarked) {
+    append(2);
+    EXPECT_EQ(all().size(), 3U);
+    append(1);
+    messages_.reset();
+    journal_.reset();
+    SetUp();
+    append(1);
+    EXPECT_EQ(all(), (Texts{"0", "1*", "2*", "3*", "0", "4"}));
+    messages_->acknowledge(now_, tokens_[3]);
+    messages_->rewind();
+    EXPECT_EQ(all(), (Texts{"1*", "2*", "3*", "0", "4*"}));
+}
+
 TEST_F(JournalMessagesTest, ARecordWithoutMessagesEndsWithTheOneBefore) {
     append(1);
     append(2, SampleCause::heartbeat);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -50,6 +51,14 @@ protected:
             if (!entry || !*entry) return entries;
             entries.push_back(**entry);
         }
+    }
+    /// Reads all. @returns how many entries are marked as repeated; they are the first ones
+    std::size_t repeated(DestinationId id) {
+        const auto entries = read_all(id);
+        const auto is_new = [](const JournalEntry& entry) { return !entry.repeated; };
+        const auto first = std::ranges::find_if(entries, is_new);
+        EXPECT_TRUE(std::all_of(first, entries.end(), is_new));
+        return static_cast<std::size_t>(first - entries.begin());
     }
     void acknowledge_all(DestinationId id) {
         const auto entries = read_all(id);
@@ -166,6 +175,61 @@ TEST_F(JournalTest, ReadsAgainAfterARewindAndMarksIt) {
     EXPECT_EQ(entries[0].header.sequence, 3U);
     EXPECT_TRUE(entries[0].repeated);
     EXPECT_FALSE(entries[1].repeated);
+}
+
+TEST_F(JournalTest, MarksWhatAKilledRunMayHaveHandedOut) {
+    start();
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(append(10));
+    tick();
+    EXPECT_EQ(repeated(kCloud), 0U);  // hands out the gap of the start and three records
+    ASSERT_TRUE(append(10));
+    tick();
+    start();
+    tick();
+    EXPECT_EQ(repeated(kCloud), 5U);
+    EXPECT_EQ(repeated(kSite), 0U);
+}
+
+TEST_F(JournalTest, MarksOnlyWhatWasHandedOutBeforeAnOrderlyEnd) {
+    options_.max_in_flight = 3;
+    start();
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(append(10));
+    tick();
+    EXPECT_EQ(read_all(kCloud).size(), 3U);
+    ASSERT_TRUE(journal_->close(now_));
+    options_.max_in_flight = 100;
+    start();
+    tick();
+    EXPECT_EQ(repeated(kCloud), 3U);
+}
+
+TEST_F(JournalTest, MarksOnlyWhatWasHandedOutBeforeTheConnectionWasLost) {
+    start();
+    ASSERT_TRUE(append(10));
+    tick();
+    EXPECT_EQ(repeated(kCloud), 0U);
+    journal_->rewind(kCloud);
+    ASSERT_TRUE(append(10));
+    tick();
+    tick(1s);  // the cursor is saved
+    tick(1s);
+    start();
+    tick();
+    EXPECT_EQ(repeated(kCloud), 2U);
+}
+
+TEST_F(JournalTest, MarksWhatIsReadAgainAfterGoingBack) {
+    start();
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(append(10));
+    tick();
+    acknowledge_all(kCloud);
+    ASSERT_TRUE(journal_->close(now_));
+    start();
+    ASSERT_TRUE(journal_->go_back(now_, kCloud, 1));
+    ASSERT_TRUE(journal_->close(now_));
+    start();
+    tick();
+    EXPECT_EQ(repeated(kCloud), 4U);
 }
 
 TEST_F(JournalTest, RejectedSamplesCountAsDropped) {

@@ -81,6 +81,8 @@ private:
     std::size_t next_ = 0;                   // index of the next message in composed_
     std::uint64_t highest_token_ = 0;        // returned in this run
     std::uint64_t finished_token_ = 0;       // acknowledged or rejected
+    std::uint64_t highest_record_ = 0;       // sequence number, read in this run
+    std::uint64_t last_of_earlier_run_ = 0;  // sequence number: up to it an earlier run may have sent all
     std::uint64_t rejected_ = 0;
     std::optional<Error> failure_;
 };

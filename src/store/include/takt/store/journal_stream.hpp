@@ -13,7 +13,9 @@ struct JournalEntry {
     RecordHeader header;     ///< of a gap that was found while reading: sequence is Gap::last_sequence
     Bytes payload;           ///< empty for a gap; valid until the next read of the same reader
     std::optional<Gap> gap;  ///< samples are missing here
-    bool repeated = false;   ///< it was handed out before in this run
+    /// It was handed out before in this run, or perhaps in an earlier one: after a kill while a destination
+    /// was reading, all records of that run count as handed out.
+    bool repeated = false;
 };
 
 /// Durable records in their order. Each sequence number is in one entry: a record, or a gap that covers it.
