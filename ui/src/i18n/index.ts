@@ -54,8 +54,17 @@ export function slavic(code: 'ru' | 'uk', n: number, one: string, few: string, m
   return rule === 'one' ? one : rule === 'few' ? few : many;
 }
 
+// Making a formatter takes far longer than using it.
+const formatters = new Map<string, Intl.NumberFormat>();
+
 export function formatNumber(value: number, digits = 0): string {
-  return value.toLocaleString(language.value, { minimumFractionDigits: 0, maximumFractionDigits: digits });
+  const key = `${language.value} ${digits}`;
+  let its = formatters.get(key);
+  if (!its) {
+    its = new Intl.NumberFormat(language.value, { minimumFractionDigits: 0, maximumFractionDigits: digits });
+    formatters.set(key, its);
+  }
+  return its.format(value);
 }
 /** Milliseconds with the unit that people would choose. */
 export function formatDuration(ms: number): string {

@@ -1,5 +1,5 @@
 // The editor in a cell of a table. Enter and Tab take the text over, Escape leaves the cell as it was.
-import { useEffect, useRef } from 'preact/hooks';
+import { useLayoutEffect, useRef } from 'preact/hooks';
 import { t } from '../../i18n';
 import { plainType, TYPES } from './cells';
 import type { TableColumn } from './columns';
@@ -38,7 +38,8 @@ export function CellEditor(props: {
 }) {
   const element = useRef<HTMLInputElement & HTMLSelectElement>(null);
   const done = useRef(false);
-  useEffect(() => {
+  // The next key already belongs to the editor.
+  useLayoutEffect(() => {
     element.current?.focus();
     const end = props.text.length;
     if (element.current instanceof HTMLInputElement) element.current.setSelectionRange(end, end);

@@ -22,10 +22,10 @@ const column = (
 ): TableColumn => ({ key, kind, width, main: false, ...rest });
 const MAIN = { main: true };
 
-const name = column('name', 'text', 'minmax(150px, 1.4fr)', MAIN);
-const type = column('type', 'type', 'minmax(118px, 0.8fr)', MAIN);
+const name = column('name', 'text', 'minmax(136px, 1.4fr)', MAIN);
+const type = column('type', 'type', 'minmax(126px, 0.8fr)', MAIN);
 const comment = column('comment', 'text', 'minmax(120px, 1fr)', MAIN);
-const register = column('register', 'number', '80px', { main: true, right: true });
+const register = column('register', 'number', '84px', { main: true, right: true });
 const bit = column('bit', 'number', '52px', { main: true, right: true });
 const used = column('used', 'boolean', '82px', { usual: true });
 const retain = column('retain', 'boolean', '92px');
@@ -43,8 +43,8 @@ export const COLUMNS: Record<TableObject, TableColumn[]> = {
   variable: [
     name,
     type,
-    column('read', 'function', '92px', MAIN),
-    column('write', 'function', '92px', MAIN),
+    column('read', 'function', '84px', MAIN),
+    column('write', 'function', '84px', MAIN),
     register,
     bit,
     comment,

@@ -147,6 +147,7 @@ export function Picker(props: PickerProps) {
             <Icon name="search" />
             <input
               type="search"
+              autofocus
               placeholder={texts.search}
               aria-label={texts.search}
               value={search}

@@ -70,7 +70,6 @@ export function SaveDialog({ onClose }: { onClose: () => void }) {
             {diffLines(diff).map((line, i) => (
               <span key={i} class={line.kind}>
                 {line.text}
-                {'\n'}
               </span>
             ))}
           </pre>

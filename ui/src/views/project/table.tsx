@@ -46,7 +46,7 @@ function onKey(state: TableState, event: KeyboardEvent, cell: GridCell): boolean
   }
   if (event.key.length !== 1 || column.kind === 'source') return false;
   // A list is chosen from; a typed character replaces the text of other cells.
-  return act(() => state.edit({ ...cell, text: cellChoices(column) ? null : event.key }));
+  return act(() => (cellChoices(column) ? state.edit({ ...cell, text: null }) : state.type(cell, event.key)));
 }
 
 /** What is wrong with the current cell, or else with its row. */

@@ -37,6 +37,8 @@ export interface TableState {
   select: (cell: GridCell, event?: MouseEvent | KeyboardEvent) => void;
   selectAll: () => void;
   edit: (editing: Editing | null) => void;
+  /** A typed character begins to edit a cell; one that comes before the editor is drawn is added. */
+  type: (cell: GridCell, character: string) => void;
   setCell: (row: number, column: TableColumn, text: string) => void;
   setValue: (row: number, key: string, value: Node | undefined) => void;
   toggle: (row: number, column: TableColumn) => void;
@@ -134,6 +136,11 @@ export function useTable(path: Path, object: TableObject): TableState {
       setCurrent({ row: order.length - 1, column: columns.length - 1 });
     },
     edit,
+    type: (cell, character) =>
+      edit((before) => {
+        const same = before?.row === cell.row && before.column === cell.column;
+        return { ...cell, text: (same ? (before.text ?? '') : '') + character };
+      }),
     setCell: (row, column, text) => {
       const index = order[row];
       if (index !== undefined) setKeys([...path, index], { [column.key]: rawOf(column.kind, text) });

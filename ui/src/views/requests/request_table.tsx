@@ -20,7 +20,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
           {
             key: 'device',
             title: texts.device,
-            width: 'minmax(84px, 0.6fr)',
+            width: 'minmax(100px, 0.6fr)',
             cell: (its: PlannedRequest) => <span class="text">{its.device}</span>,
           },
         ]
@@ -52,7 +52,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
     {
       key: 'period',
       title: texts.period,
-      width: '92px',
+      width: '112px',
       ...right,
       cell: (its) => (
         <span class="text" title={whenWords(its)}>
@@ -63,7 +63,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
     {
       key: 'gaps',
       title: texts.gaps,
-      width: '64px',
+      width: '76px',
       ...right,
       cell: (its) => <span title={its.bridged}>{gapsOf(its, variables) || ''}</span>,
     },

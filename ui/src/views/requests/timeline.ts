@@ -51,14 +51,19 @@ export function courseOf(requests: PlannedRequest[], order: string): Course {
 
 function mostUrgent(tasks: Task[], now: number, rounds: boolean, cursor: number): number {
   let best = -1;
-  let rank = [3, 0];
+  let bestClass = 2;
+  let bestTime = 0;
   for (let i = 0; i < tasks.length; ++i) {
     const its = tasks[(cursor + i) % tasks.length]!;
     if (its.release > now + 1e-9) continue;
     if (rounds) return (cursor + i) % tasks.length;
     const overdue = now - its.release > its.deadline;
-    const own = overdue ? [0, its.release + its.deadline] : [1, its.deadline];
-    if (own[0]! < rank[0]! || (own[0] === rank[0] && own[1]! < rank[1]!)) [best, rank] = [i, own];
+    const own = overdue ? 0 : 1;
+    const time = overdue ? its.release + its.deadline : its.deadline;
+    if (own > bestClass || (own === bestClass && time >= bestTime)) continue;
+    best = i;
+    bestClass = own;
+    bestTime = time;
   }
   return best;
 }
