@@ -39,6 +39,8 @@ test('the words of the IDE become those of the file', () => {
   assert.equal(rawOf('number', '0,01'), '0.01');
   assert.deepEqual(rawOf('words', '0=off, 1=on'), { 0: 'off', 1: 'on' });
   assert.deepEqual(rawOf('list', 'energy, daily'), ['energy', 'daily']);
+  assert.deepEqual(rawOf('list', '0..99'), ['0..99']);
+  assert.equal(rawOf('list', 'true'), 'true');
   assert.ok(isPlaceholder('< не выбрана >') && isPlaceholder('«не выбрана»') && !isPlaceholder('Pump'));
 });
 

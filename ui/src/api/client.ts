@@ -72,6 +72,6 @@ async function call<T>(method: string, url: string, body?: unknown, signal?: Abo
 
 export const get = <T>(path: string, query = {}, signal?: AbortSignal) =>
   call<T>('GET', apiUrl(path, query), undefined, signal);
-export const post = <T>(path: string, body: unknown, signal?: AbortSignal) =>
-  call<T>('POST', apiUrl(path), body, signal);
+export const post = <T>(path: string, body: unknown, signal?: AbortSignal, query = {}) =>
+  call<T>('POST', apiUrl(path, query), body, signal);
 export const put = <T>(path: string, body: unknown) => call<T>('PUT', apiUrl(path), body);

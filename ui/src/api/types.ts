@@ -214,14 +214,16 @@ export interface Mapping {
 export interface ProjectFile {
   file: string;
   revision: string;
-  document: Mapping;
+  /** null: the file has faults that an editor cannot keep. */
+  document: Mapping | null;
   findings: Finding[];
   read_only_parts: { path: string; file: string }[];
 }
 export interface Saved {
   revision: string;
-  backup: string;
+  backup: string | null;
   applied: boolean;
+  apply_error?: string;
   findings: Finding[];
 }
 

@@ -9,6 +9,11 @@ const MOST_STEPS = 200;
 /** Keystrokes in one field within this time are one undo step. */
 const SAME_STEP_MS = 800;
 const EVALUATE_AFTER_MS = 40;
+/** The search for measures takes longer: it begins when the edits pause. */
+const MEASURES_AFTER_MS = 350;
+/** A later evaluation of this page ends an earlier one; other pages have their own. */
+const CLIENT = Math.random().toString(36).slice(2);
+const EMPTY: Mapping = {};
 
 interface Step {
   document: Mapping;
@@ -20,6 +25,8 @@ export const loaded = signal<ProjectFile | null>(null);
 export const draft = signal<Mapping>({});
 export const evaluation = signal<Evaluation | null>(null);
 export const evaluating = signal(false);
+/** The evaluation is complete except for measures. */
+export const seekingMeasures = signal(false);
 export const evaluationError = signal<string | null>(null);
 /** The file was changed by another program, or another browser, since it was loaded. */
 export const changedOnDisk = signal(false);
@@ -30,7 +37,11 @@ let lastEdit = { label: '', time: 0 };
 
 export const canUndo = computed(() => done.value.length > 0);
 export const canRedo = computed(() => undone.value.length > 0);
-export const isChanged = computed(() => loaded.value !== null && draft.value !== loaded.value.document);
+/** The file cannot be edited here: its faults come first. */
+export const isUnreadable = computed(() => loaded.value !== null && loaded.value.document === null);
+export const isChanged = computed(
+  () => loaded.value !== null && !isUnreadable.value && draft.value !== loaded.value.document,
+);
 export const findings = computed<Finding[]>(() => evaluation.value?.findings ?? loaded.value?.findings ?? []);
 export const findingsByPath = computed(() => {
   const map = new Map<string, Finding[]>();
@@ -53,28 +64,35 @@ export function isReadOnlyPart(path: string): string | null {
 let timer = 0;
 let running: AbortController | null = null;
 
-async function evaluateNow(): Promise<void> {
+/** @param measures  whether to search what would make the deadlines hold */
+async function evaluateNow(measures: boolean): Promise<void> {
   running?.abort();
   const mine = new AbortController();
   running = mine;
-  evaluating.value = true;
+  evaluating.value = !measures;
   try {
-    const answer = await post<Evaluation>('project/evaluate', { document: draft.peek() }, mine.signal);
+    const query = { client: CLIENT, measures: measures ? 1 : undefined };
+    const answer = await post<Evaluation>('project/evaluate', { document: draft.peek() }, mine.signal, query);
     if (running !== mine) return;
     batch(() => {
       evaluation.value = answer;
       evaluationError.value = null;
+      seekingMeasures.value = !measures && answer.lines.length > 0;
     });
+    if (seekingMeasures.peek()) timer = window.setTimeout(() => void evaluateNow(true), MEASURES_AFTER_MS);
   } catch (failure) {
     if (running !== mine || (failure instanceof DOMException && failure.name === 'AbortError')) return;
-    evaluationError.value = failure instanceof Error ? failure.message : String(failure);
+    seekingMeasures.value = false;
+    // Another evaluation of this page took its place, and answers.
+    if (!(failure instanceof ApiError && failure.code === 'superseded'))
+      evaluationError.value = failure instanceof Error ? failure.message : String(failure);
   }
   if (running === mine) evaluating.value = false;
 }
 
 function evaluateSoon(): void {
   window.clearTimeout(timer);
-  timer = window.setTimeout(() => void evaluateNow(), EVALUATE_AFTER_MS);
+  if (!isUnreadable.peek()) timer = window.setTimeout(() => void evaluateNow(false), EVALUATE_AFTER_MS);
 }
 language.subscribe(() => {
   if (loaded.peek()) evaluateSoon();
@@ -83,7 +101,7 @@ language.subscribe(() => {
 function take(file: ProjectFile): void {
   batch(() => {
     loaded.value = file;
-    draft.value = file.document;
+    draft.value = file.document ?? EMPTY;
     done.value = [];
     undone.value = [];
     changedOnDisk.value = false;
@@ -152,7 +170,7 @@ export const undo = () => move(done, undone);
 export const redo = () => move(undone, done);
 export function revert(): void {
   const file = loaded.peek();
-  if (file) change(file.document, 'revert');
+  if (file?.document) change(file.document, 'revert');
 }
 
 /** What saving would change, as a unified difference. */

@@ -40,6 +40,12 @@ export interface GridProps<Row> {
 
 const SPARE_ROWS = 12;
 
+const USUAL_ROW = 28; // pixels: the widths of columns are for this size
+
+/** Widths for a larger font. */
+function scaled(width: string, factor: number): string {
+  return factor === 1 ? width : width.replace(/([\d.]+)px/g, (_, px) => `${Math.round(px * factor)}px`);
+}
 /** The least width of a column: all rows of a table get the same widths. */
 function leastWidth(width: string): number {
   return Number.parseFloat(width.replace(/^minmax\(/, '')) || 0;
@@ -51,7 +57,8 @@ export function Grid<Row>(props: GridProps<Row>) {
   const [range, setRange] = useState({ first: 0, last: 60 });
   const [own, setOwn] = useState<GridCell | null>(null);
   const current = props.current === undefined ? own : props.current;
-  const rowHeight = useRef(28);
+  const rowHeight = useRef(USUAL_ROW);
+  const [factor, setFactor] = useState(1);
 
   const look = () => {
     const element = box.current;
@@ -62,7 +69,8 @@ export function Grid<Row>(props: GridProps<Row>) {
   };
   useLayoutEffect(() => {
     rowHeight.current =
-      Number.parseFloat(getComputedStyle(document.documentElement).getPropertyValue('--row')) || 28;
+      Number.parseFloat(getComputedStyle(document.documentElement).getPropertyValue('--row')) || USUAL_ROW;
+    setFactor(rowHeight.current / USUAL_ROW);
     look();
     const observer = new ResizeObserver(look);
     observer.observe(box.current!);
@@ -117,9 +125,10 @@ export function Grid<Row>(props: GridProps<Row>) {
     }
   };
 
+  const widths = props.columns.map((its) => scaled(its.width, factor));
   const template = {
-    gridTemplateColumns: props.columns.map((its) => its.width).join(' '),
-    minWidth: `${props.columns.reduce((sum, its) => sum + leastWidth(its.width), 0)}px`,
+    gridTemplateColumns: widths.join(' '),
+    minWidth: `${widths.reduce((sum, its) => sum + leastWidth(its), 0)}px`,
   };
   const first = Math.min(range.first, props.rows.length);
   const last = Math.min(range.last, props.rows.length);

@@ -2,7 +2,7 @@ export const project = {
   title: 'Project',
   undo: 'Undo',
   redo: 'Redo',
-  revert: 'Discard changes',
+  revert: 'Discard',
   save: 'Save…',
   import: 'Paste a table…',
   more: 'More',
@@ -16,6 +16,7 @@ export const project = {
   views: 'Parts of the project view',
   loading: 'Loading the project…',
   noFile: 'This run has no project file that could be shown.',
+  unreadable: 'This file cannot be edited here. Correct these faults in the file first.',
   readOnly: 'The project is read-only here. Start Takt with --allow-write to change it on this page.',
   readOnlyPart: (file: string) =>
     `These values come from ${file} and are read-only here. Change them in that file.`,

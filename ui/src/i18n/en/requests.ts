@@ -44,6 +44,7 @@ export const requests = {
   measures: {
     title: 'What would make the deadlines hold',
     titleFaults: (n: number) => `Measures for deadlines that hold also while a device fails: ${n}`,
+    searching: 'Searching for measures that would make the deadlines hold…',
     apply: 'Apply',
     changes: (n: number) => (n === 1 ? '1 change' : `${n} changes`),
     after: (before: string, after: string) => `line busy ${before} → ${after}`,

@@ -8,7 +8,7 @@ export const project: Translated<typeof source> = {
   title: 'Проект',
   undo: 'Отменить',
   redo: 'Повторить',
-  revert: 'Отменить все изменения',
+  revert: 'Сбросить',
   save: 'Сохранить…',
   import: 'Вставить таблицу…',
   more: 'Дополнительно',
@@ -22,6 +22,7 @@ export const project: Translated<typeof source> = {
   views: 'Части проекта',
   loading: 'Загрузка проекта…',
   noFile: 'У этого запуска нет файла проекта, который можно показать.',
+  unreadable: 'Этот файл нельзя изменить на странице. Сначала исправьте в самом файле эти ошибки.',
   readOnly:
     'Проект здесь только для чтения. Чтобы изменять его на этой странице, запустите Takt с ключом --allow-write.',
   readOnlyPart: (file) =>

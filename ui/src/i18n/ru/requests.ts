@@ -50,6 +50,7 @@ export const requests: Translated<typeof source> = {
   measures: {
     title: 'Что поможет выдержать сроки',
     titleFaults: (n) => `Меры, чтобы сроки выдерживались и при отказе устройства: ${n}`,
+    searching: 'Ищем меры, с которыми сроки выдерживаются…',
     apply: 'Применить',
     changes: (n) => of(n, 'изменение', 'изменения', 'изменений'),
     after: (before, after) => `загрузка линии ${before} → ${after}`,

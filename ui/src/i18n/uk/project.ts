@@ -8,7 +8,7 @@ export const project: Translated<typeof source> = {
   title: 'Проєкт',
   undo: 'Скасувати',
   redo: 'Повторити',
-  revert: 'Скасувати всі зміни',
+  revert: 'Скинути',
   save: 'Зберегти…',
   import: 'Вставити таблицю…',
   more: 'Додатково',
@@ -22,6 +22,7 @@ export const project: Translated<typeof source> = {
   views: 'Частини проєкту',
   loading: 'Завантаження проєкту…',
   noFile: 'У цього запуску немає файлу проєкту, який можна показати.',
+  unreadable: 'Цей файл не можна змінити на сторінці. Спершу виправте в самому файлі ці помилки.',
   readOnly:
     'Проєкт тут лише для читання. Щоб змінювати його на цій сторінці, запустіть Takt з ключем --allow-write.',
   readOnlyPart: (file) =>

@@ -50,6 +50,7 @@ export const requests: Translated<typeof source> = {
   measures: {
     title: 'Що допоможе витримати строки',
     titleFaults: (n) => `Заходи, щоб строки витримувалися й під час відмови пристрою: ${n}`,
+    searching: 'Шукаємо заходи, з якими строки витримуються…',
     apply: 'Застосувати',
     changes: (n) => of(n, 'зміна', 'зміни', 'змін'),
     after: (before, after) => `завантаження лінії ${before} → ${after}`,

@@ -131,7 +131,8 @@ function listFrom(text: string): Node {
     .split(',')
     .map((its) => its.trim())
     .filter((its) => its !== '');
-  return items.length === 1 ? items[0]! : items;
+  // `retain: true` of a bank holds for all of its items.
+  return items.length === 1 && /^(true|false)$/.test(items[0]!) ? items[0]! : items;
 }
 
 function wordsFrom(text: string): Node {

@@ -119,7 +119,7 @@ export function firstRow(object: TableObject, name: string): Mapping {
     case 'local':
       return { name, type: 'bool' };
     case 'bank':
-      return { area: 'holding_register', items: '0..99' };
+      return { area: 'holding_register', items: ['0..99'] };
     case 'served_variable':
       return { name, type: 'int16', area: 'holding_register', register: '0' };
     default:

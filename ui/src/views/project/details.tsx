@@ -47,6 +47,7 @@ function SelectedVariable({ path }: { path: Path }) {
   const [name] = lit.value.variables.size === 1 ? lit.value.variables : [];
   const index = listAt(draft.value, path).findIndex((its) => its.name === name);
   const found = name !== undefined && index >= 0;
+  if (!found) return <p class="variable-panel none muted small">{texts.noneSelected}</p>;
   return (
     <details
       class="variable-panel"
@@ -55,8 +56,8 @@ function SelectedVariable({ path }: { path: Path }) {
         formOpen.value = event.currentTarget.open;
       }}
     >
-      <summary>{found ? texts.of(name) : texts.noneSelected}</summary>
-      {found && <VariableForm key={name} path={[...path, index]} />}
+      <summary>{texts.of(name)}</summary>
+      <VariableForm key={name} path={[...path, index]} />
     </details>
   );
 }

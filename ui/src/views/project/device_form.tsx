@@ -10,6 +10,7 @@ import { readOnly, setKey, setKeys } from './edit';
 import { bound, isWrong, KeyField, objectAt, Row } from './field';
 import { keyText, profileOf, rulesAt, wordText } from './rules';
 import { framingOf, transportOf } from './tree';
+import { protocolText } from './words';
 
 const MORE = [
   'strategy',
@@ -28,13 +29,6 @@ const MORE = [
   'notation',
   'device_template',
 ];
-
-/** Names of protocols: framings, on their transport. */
-export function protocolText(transport: string, framing: string): string {
-  const texts = t.value.project.protocol;
-  if (framing === 'rtu' && transport === 'tcp') return texts.rtuOverTcp;
-  return (texts as unknown as Record<string, string>)[framing] ?? framing;
-}
 
 /** The protocol is a setting of the line: the field says so. */
 function Protocol({ path }: { path: Path }) {

@@ -101,7 +101,7 @@ export function addServer(name: string): void {
       name: freeName(name, namesIn(servers)),
       listen: '127.0.0.1',
       tcp_port: String(port),
-      units: [{ address: '1', banks: [{ area: 'holding_register', items: '0..99' }], variables: [] }],
+      units: [{ address: '1', banks: [{ area: 'holding_register', items: ['0..99'] }], variables: [] }],
     },
     'server',
   );

@@ -10,7 +10,8 @@ import { type CellKind, durationText, isYes, nodeText, plainType, rawOf } from '
 import { readOnly, setKey } from './edit';
 import { LocalPick } from './local_pick';
 import { keyText, rangeText, rulesAt, wordText } from './rules';
-import { wordType } from './words';
+import { serverTransportOf, transportOf } from './tree';
+import { protocolText, wordType } from './words';
 
 const NO_FINDINGS: Finding[] = [];
 
@@ -126,13 +127,28 @@ const USUAL: Record<string, string> = {
   write: 'none',
 };
 
-function wordName(rule: FieldRule, word: string): string {
+function wordName(rule: FieldRule, word: string, path: Path, name: string): string {
+  if (name === 'framing') return protocolText(transportAt(path), word);
   if (rule.kind === 'boolean') return t.value.shell[word === 'true' ? 'yes' : 'no'];
   if (rule.kind === 'function') return word === 'none' ? t.value.project.functions.none : word;
   return rule.words?.includes('uint16') ? wordType(word) : wordText(word);
 }
 
-function Choice({ its, rule, name, label }: { its: Bound; rule: FieldRule; name: string; label: string }) {
+const transportAt = (path: Path) =>
+  path[0] === 'servers' ? serverTransportOf(objectAt(path)) : transportOf(objectAt(path));
+
+/** What counts while the key is not in the file. */
+function fallbackText(path: Path, name: string, rule: FieldRule): string {
+  if (name === 'transport' && path[0] !== 'outputs') return wordText(transportAt(path));
+  if (name === 'framing') {
+    const transport = transportAt(path);
+    return protocolText(transport, transport === 'tcp' ? 'tcp' : 'rtu');
+  }
+  return defaultText(rule);
+}
+
+function Choice(props: { its: Bound; rule: FieldRule; path: Path; name: string; label: string }) {
+  const { its, rule, name, label } = props;
   const boolean = rule.kind === 'boolean';
   const allowed = rule.allowed ? rule.allowed.split(/,\s*/) : (rule.words ?? []);
   const words = boolean
@@ -153,12 +169,14 @@ function Choice({ its, rule, name, label }: { its: Bound; rule: FieldRule; name:
       }}
     >
       {usual === undefined && (!rule.required || text === '') && (
-        <option value="">{t.value.project.notSet(defaultText(rule))}</option>
+        <option value="">{t.value.project.notSet(fallbackText(props.path, name, rule))}</option>
       )}
-      {text !== '' && !words.includes(text) && <option value={text}>{wordName(rule, text)}</option>}
+      {text !== '' && !words.includes(text) && (
+        <option value={text}>{wordName(rule, text, props.path, name)}</option>
+      )}
       {words.map((word) => (
         <option key={word} value={word}>
-          {wordName(rule, word)}
+          {wordName(rule, word, props.path, name)}
         </option>
       ))}
     </select>
@@ -166,7 +184,14 @@ function Choice({ its, rule, name, label }: { its: Bound; rule: FieldRule; name:
 }
 
 /** The control for a key, by the kind of its rule. */
-function Control(props: { its: Bound; name: string; rule?: FieldRule; label: string; hint?: string }) {
+function Control(props: {
+  its: Bound;
+  path: Path;
+  name: string;
+  rule?: FieldRule;
+  label: string;
+  hint?: string;
+}) {
   const { its, rule, label, hint } = props;
   if (isNested(its.node, rule))
     return (
@@ -175,7 +200,7 @@ function Control(props: { its: Bound; name: string; rule?: FieldRule; label: str
       </span>
     );
   if (rule?.kind === 'boolean' || rule?.kind === 'word' || (rule?.kind === 'function' && rule.words))
-    return <Choice its={its} rule={rule} name={props.name} label={label} />;
+    return <Choice its={its} rule={rule} path={props.path} name={props.name} label={label} />;
   if (rule?.kind === 'local_bool' || rule?.kind === 'local_integer')
     return <LocalPick its={its} wants={rule.kind === 'local_bool' ? 'bool' : 'int'} label={label} />;
   const kind = CELL_KINDS[rule?.kind ?? ''] ?? 'text';
@@ -224,6 +249,7 @@ export function KeyField(props: {
       wide={props.wide ?? false}
     >
       <Control
+        path={props.path}
         name={props.name}
         its={state}
         label={label}

@@ -24,7 +24,7 @@ function Fields(props: { path: Path; object: string; names: string[] }) {
 function Group({ title, children }: { title: string; children: ComponentChildren }) {
   return (
     <section class="group">
-      <h3>{title}</h3>
+      <h2>{title}</h2>
       {children}
     </section>
   );

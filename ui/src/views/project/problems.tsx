@@ -19,6 +19,25 @@ const warnings = computed(() => findings.value.filter((its) => its.severity === 
 
 const RANK = { error: 0, warning: 1, note: 2 };
 
+const MOST_TEXTS = 8;
+
+/** Errors as texts, with their lines of the file. */
+export function FindingTexts(props: { findings: Finding[] }) {
+  return (
+    <ul class="finding-texts">
+      {props.findings
+        .filter((its) => its.severity === 'error')
+        .slice(0, MOST_TEXTS)
+        .map((its, i) => (
+          <li key={i}>
+            <code class="muted">{`${its.line}:${its.column}`}</code> {its.message}{' '}
+            <span class="muted small">{its.advice}</span>
+          </li>
+        ))}
+    </ul>
+  );
+}
+
 function ProblemList({ onClose }: { onClose: () => void }) {
   const texts = t.value.project;
   const sorted = findings.value

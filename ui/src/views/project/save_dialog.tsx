@@ -1,12 +1,12 @@
 // Saving shows the difference of the file first. A file that changed on the disk is never overwritten unasked.
 import { useEffect, useState } from 'preact/hooks';
 import { ApiError, get } from '../../api/client';
-import type { ProjectFile } from '../../api/types';
+import type { Finding, ProjectFile } from '../../api/types';
 import { t } from '../../i18n';
 import { Dialog } from '../../shell/dialog';
 import { errorText, toast, toastError } from '../../shell/toasts';
 import { changedOnDisk, difference, loaded, loadProject, save } from '../../store/project';
-import { lateValues } from './problems';
+import { FindingTexts, lateValues } from './problems';
 
 /** The lines of a unified difference with what each of them is. */
 export function diffLines(diff: string): { kind: 'add' | 'remove' | 'place' | 'same'; text: string }[] {
@@ -25,6 +25,7 @@ export function SaveDialog({ onClose }: { onClose: () => void }) {
   const texts = t.value.project.saving;
   const [diff, setDiff] = useState<string | null>(null);
   const [problem, setProblem] = useState('');
+  const [findings, setFindings] = useState<Finding[]>([]);
   const [busy, setBusy] = useState(false);
   useEffect(() => {
     difference()
@@ -40,11 +41,15 @@ export function SaveDialog({ onClose }: { onClose: () => void }) {
     setBusy(true);
     try {
       const saved = await save(true);
-      toast('good', saved.applied ? texts.saved(saved.backup) : texts.notApplied(saved.backup));
+      const backup = saved.backup?.replace(/^.*\//, '') ?? '';
+      if (saved.apply_error) toast('bad', `${texts.notApplied(backup)} ${saved.apply_error}`);
+      else toast('good', saved.applied ? texts.saved(backup) : texts.notApplied(backup));
       onClose();
     } catch (failure) {
       if (changedOnDisk.peek()) onClose();
       else setProblem(errorText(failure));
+      if (failure instanceof ApiError)
+        setFindings((failure.body as { findings?: Finding[] } | null)?.findings ?? []);
     }
     setBusy(false);
   };
@@ -64,6 +69,7 @@ export function SaveDialog({ onClose }: { onClose: () => void }) {
             {problem}
           </p>
         )}
+        {findings.length > 0 && <FindingTexts findings={findings} />}
         {diff === '' && <p>{texts.nothing}</p>}
         {diff && (
           <pre class="diff" role="region" aria-label={texts.changes} tabIndex={0}>

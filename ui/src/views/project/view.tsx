@@ -2,14 +2,14 @@
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { info, mayEdit } from '../../store/info';
-import { canRedo, canUndo, isChanged, loaded, redo, revert, undo } from '../../store/project';
+import { canRedo, canUndo, isChanged, isUnreadable, loaded, redo, revert, undo } from '../../store/project';
 import { Icon, type IconName } from '../../widgets/icon';
 import { Split } from '../../widgets/split';
 import { RequestsPane } from '../requests/pane';
 import { Details } from './details';
 import { ImportDialog } from './import_dialog';
 import { importing } from './importing';
-import { Problems, wrongValues } from './problems';
+import { FindingTexts, Problems, wrongValues } from './problems';
 import { Conflict, SaveDialog } from './save_dialog';
 import { half } from './selection';
 import { TabBar } from './tab_bar';
@@ -89,6 +89,16 @@ function useShortcuts(onSave: () => void): void {
   });
 }
 
+/** A file that an editor would damage: its faults instead of the forms. */
+function Unreadable() {
+  return (
+    <div class="project-view">
+      <p class="banner bad">{t.value.project.unreadable}</p>
+      <FindingTexts findings={loaded.value?.findings ?? []} />
+    </div>
+  );
+}
+
 export function ProjectView() {
   const texts = t.value.project;
   const [saving, setSaving] = useState(false);
@@ -98,6 +108,7 @@ export function ProjectView() {
   useShortcuts(onSave);
   if (!loaded.value)
     return <p class="muted">{info.value && !info.value.project ? texts.noFile : texts.loading}</p>;
+  if (isUnreadable.value) return <Unreadable />;
   return (
     <div class="project-view" data-half={half.value}>
       <Toolbar onSave={onSave} />

@@ -1,7 +1,14 @@
-// Words of types in the current language.
+// Words of types and protocols in the current language.
 import { t } from '../../i18n';
 import { plainType } from './cells';
 
 export function wordType(type: string): string {
   return (t.value.project.types as Record<string, string>)[plainType(type)] ?? type;
+}
+
+/** Names of protocols: framings, on their transport. */
+export function protocolText(transport: string, framing: string): string {
+  const texts = t.value.project.protocol;
+  if (framing === 'rtu' && transport === 'tcp') return texts.rtuOverTcp;
+  return (texts as unknown as Record<string, string>)[framing] ?? framing;
 }

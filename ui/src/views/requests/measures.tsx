@@ -2,7 +2,7 @@
 import type { Measure, PlannedLine } from '../../api/types';
 import { t } from '../../i18n';
 import { parsePath } from '../../store/document';
-import { setNodes } from '../../store/project';
+import { seekingMeasures, setNodes } from '../../store/project';
 import { readOnly } from '../project/edit';
 import { keyText, wordText } from '../project/rules';
 import { durationText } from '../project/cells';
@@ -45,7 +45,10 @@ function Changes({ measure }: { measure: Measure }) {
 
 export function Measures({ line }: { line: PlannedLine }) {
   const texts = t.value.requests.measures;
-  if (line.measures.length === 0) return null;
+  if (line.measures.length === 0)
+    return line.verdict !== 'holds' && seekingMeasures.value ? (
+      <p class="measures muted">{texts.searching}</p>
+    ) : null;
   const calm = line.verdict === 'holds';
   const time = (us: number | null) => (us === null ? texts.unbounded : microseconds(us));
   return (

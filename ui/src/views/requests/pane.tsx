@@ -9,7 +9,7 @@ import { TabBar } from '../project/tab_bar';
 import { Ages } from './ages';
 import { agesOf } from './figures';
 import { Measures } from './measures';
-import { lineNumber, outdated, shownLine } from './plan';
+import { lastChange, lineNumber, outdated, shownLine } from './plan';
 import { RequestTable } from './request_table';
 import { LastChange, Strategies, Utilisation, Verdict } from './summary';
 import { Timeline } from './timeline_view';
@@ -47,7 +47,6 @@ function Content() {
       <div class="summary">
         <Verdict line={line} />
         <Utilisation line={line} />
-        <LastChange />
         <Strategies line={line} />
         <Measures line={line} />
         <Timeline line={line} />
@@ -82,7 +81,8 @@ export function RequestsPane() {
     <section class={`panel requests ${outdated.value ? 'outdated' : ''}`} aria-busy={evaluating.value}>
       <header>
         <h2>{texts.title}</h2>
-        {its && !evaluationError.value && (
+        <LastChange />
+        {its && !evaluationError.value && !lastChange.value && (
           <span class="muted small">{texts.took(formatDuration(its.took_ms))}</span>
         )}
       </header>

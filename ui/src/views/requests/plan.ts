@@ -27,6 +27,11 @@ let changedAt = 0;
 let timer = 0;
 
 function note(before: PlannedLine[], after: PlannedLine[]): void {
+  // The same plan once more, with measures.
+  const now = plan.peek();
+  const same = (its: PlannedLine, i: number) =>
+    its.request_count === now[i]?.request_count && its.utilization === now[i].utilization;
+  if (after.length === now.length && after.every(same)) return;
   const changes: LineChange[] = [];
   for (const [i, line] of after.entries()) {
     const old = before.find((its) => its.name === line.name) ?? before[i];
