@@ -47,12 +47,14 @@ test('a finding belongs to an item of the tree', () => {
 
 test('the worst severity is known for each path above a finding', () => {
   const worst = severities([
-    { path: 'lines[0].devices[0].variables[1].register', severity: 'error' },
-    { path: 'lines[0].devices[1].name', severity: 'warning' },
-    { path: 'lines[1]', severity: 'note' },
+    { path: 'lines[0].devices[0].variables[1].register', severity: 'error', code: 'field' },
+    { path: 'lines[0].devices[1].name', severity: 'warning', code: 'field' },
+    { path: 'lines[1]', severity: 'note', code: 'field' },
+    { path: 'servers[0]', severity: 'error', code: 'guarantee.late' },
   ]);
   assert.equal(worst.get('lines[0].devices[0]'), 'error');
   assert.equal(worst.get('lines[0].devices[1]'), 'warning');
   assert.equal(worst.get('lines[0]'), 'error');
   assert.equal(worst.get('lines[1]'), undefined);
+  assert.equal(worst.get('servers[0]'), 'warning');
 });

@@ -26,6 +26,7 @@ export const project = {
   allGood: 'No findings',
   errors: (n: number) => (n === 1 ? '1 error' : `${n} errors`),
   warnings: (n: number) => (n === 1 ? '1 warning' : `${n} warnings`),
+  late: (n: number) => `deadlines at risk: ${n}`,
   findings: 'Findings',
   findingsHint: 'Choose a finding to go to its field.',
   cannotSave: 'Correct the wrong values first. Each one has an icon with an exclamation mark.',

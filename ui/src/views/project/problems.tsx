@@ -6,9 +6,8 @@ import { t } from '../../i18n';
 import { Dialog } from '../../shell/dialog';
 import { evaluating, findings } from '../../store/project';
 import { reveal } from './selection';
+import { isLate, markOf } from './tree';
 
-// A line that is too slow runs and can be saved; the requests show what would help.
-const isLate = (its: Finding) => its.code.startsWith('guarantee.');
 export const lateValues = computed(
   () => findings.value.filter((its) => its.severity === 'error' && isLate(its)).length,
 );
@@ -17,7 +16,7 @@ export const wrongValues = computed(
 );
 const warnings = computed(() => findings.value.filter((its) => its.severity === 'warning').length);
 
-const RANK = { error: 0, warning: 1, note: 2 };
+const rank = (its: Finding) => (its.severity === 'error' ? (isLate(its) ? 1 : 0) : 2);
 
 const MOST_TEXTS = 8;
 
@@ -40,9 +39,7 @@ export function FindingTexts(props: { findings: Finding[] }) {
 
 function ProblemList({ onClose }: { onClose: () => void }) {
   const texts = t.value.project;
-  const sorted = findings.value
-    .filter((its) => its.severity !== 'note')
-    .sort((a, b) => RANK[a.severity] - RANK[b.severity]);
+  const sorted = findings.value.filter((its) => its.severity !== 'note').sort((a, b) => rank(a) - rank(b));
   return (
     <Dialog title={texts.findings} onClose={onClose}>
       <p class="muted small">{texts.findingsHint}</p>
@@ -56,7 +53,7 @@ function ProblemList({ onClose }: { onClose: () => void }) {
                 reveal(its.path);
               }}
             >
-              <i class={`dot ${its.severity === 'error' ? 'bad' : 'warn'}`} />
+              <i class={`dot ${markOf(its) === 'error' ? 'bad' : 'warn'}`} />
               <span>
                 {its.message} <span class="muted small">{its.advice}</span>
               </span>
@@ -69,12 +66,16 @@ function ProblemList({ onClose }: { onClose: () => void }) {
   );
 }
 
+const capital = (text: string) => text.charAt(0).toUpperCase() + text.slice(1);
+
 export function Problems() {
   const [open, setOpen] = useState(false);
   const texts = t.value.project;
-  const errors = wrongValues.value + lateValues.value;
+  const errors = wrongValues.value;
+  const late = lateValues.value;
   const parts = [
     errors > 0 ? texts.errors(errors) : '',
+    late > 0 ? texts.late(late) : '',
     warnings.value > 0 ? texts.warnings(warnings.value) : '',
   ].filter((its) => its !== '');
   return (
@@ -85,8 +86,8 @@ export function Problems() {
         disabled={parts.length === 0}
         onClick={() => setOpen(true)}
       >
-        <i class={`dot ${errors > 0 ? 'bad' : warnings.value > 0 ? 'warn' : 'good'}`} />
-        {parts.join(', ') || (evaluating.value ? texts.checking : texts.allGood)}
+        <i class={`dot ${errors > 0 ? 'bad' : late + warnings.value > 0 ? 'warn' : 'good'}`} />
+        {capital(parts.join(', ')) || (evaluating.value ? texts.checking : texts.allGood)}
       </button>
       {open && <ProblemList onClose={() => setOpen(false)} />}
     </>

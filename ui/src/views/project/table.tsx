@@ -16,6 +16,7 @@ import { lit, wanted } from './selection';
 import { CellView } from './table_cell';
 import { type TableState, useTable } from './table_state';
 import { TableTools } from './table_tools';
+import { markOf } from './tree';
 import { hasHeadings, parseTable } from './tsv';
 
 const inEditor = (event: Event) =>
@@ -195,7 +196,7 @@ export function VariableTable({ path, object, label }: { path: Path; object: Tab
       />
       <div class="message" aria-live="polite">
         {findings.map((its) => (
-          <p key={its.code + its.path} class={its.severity}>
+          <p key={its.code + its.path} class={markOf(its) ?? ''}>
             <b aria-hidden="true">!</b> {its.message} <span class="muted">{its.advice}</span>
           </p>
         ))}

@@ -7,6 +7,7 @@ import { functionText } from './cell_editor';
 import type { TableColumn } from './columns';
 import { keyText, wordText } from './rules';
 import type { TableState } from './table_state';
+import { markOf } from './tree';
 import { wordType } from './words';
 
 function shownText(state: TableState, column: TableColumn, index: number): { text: string; usual?: boolean } {
@@ -37,9 +38,9 @@ export function CellView(props: { state: TableState; column: TableColumn; row: n
   const own = findingsByPath.value.get(`${path}.${column.key}`) ?? [];
   // What is wrong with the whole row is marked at its first column.
   const all = state.columns[0] === column ? [...own, ...(findingsByPath.value.get(path) ?? [])] : own;
-  const worst = all.find((one) => one.severity === 'error') ?? all.find((one) => one.severity === 'warning');
+  const worst = all.find((one) => markOf(one) === 'error') ?? all.find((one) => markOf(one) === 'warning');
   const mark = worst && (
-    <span class={`cell-mark ${worst.severity}`} title={worst.message} role="img" aria-label={worst.message}>
+    <span class={`cell-mark ${markOf(worst)}`} title={worst.message} role="img" aria-label={worst.message}>
       !
     </span>
   );

@@ -159,7 +159,9 @@ export function useTable(path: Path, object: TableObject): TableState {
     add: () => {
       setFilter('');
       setSort(null);
-      store([...list, fresh(list.at(-1), takenNames())], 'add');
+      const row = fresh(list.at(-1), takenNames());
+      store([...list, row], 'add');
+      if (object === 'variable') lightVariable(String(row.name));
       const cell = { row: list.length, column: 0 };
       setAnchor(cell);
       setCurrent(cell);

@@ -100,12 +100,25 @@ export function itemPath(path: string): Path {
 }
 
 export type Severity = 'error' | 'warning';
+interface Judged {
+  path: string;
+  severity: string;
+  code: string;
+}
+/** A deadline that does not hold is no wrong value: the project runs, and can be saved. */
+export const isLate = (its: { code: string }) => its.code.startsWith('guarantee.');
+/** How a finding is marked; null: not at all. */
+export function markOf(its: Judged): Severity | null {
+  if (its.severity === 'error') return isLate(its) ? 'warning' : 'error';
+  return its.severity === 'warning' ? 'warning' : null;
+}
 /** For each path and all paths above it the worst severity of its findings. Notes do not count. */
-export function severities(findings: { path: string; severity: string }[]): Map<string, Severity> {
+export function severities(findings: Judged[]): Map<string, Severity> {
   const worst = new Map<string, Severity>();
-  for (const { path, severity } of findings) {
-    if (severity !== 'error' && severity !== 'warning') continue;
-    const steps = parsePath(path);
+  for (const its of findings) {
+    const severity = markOf(its);
+    if (severity === null) continue;
+    const steps = parsePath(its.path);
     for (let length = steps.length; length >= 0; --length) {
       const key = formatPath(steps.slice(0, length));
       if (worst.get(key) === 'error') break;

@@ -5,6 +5,7 @@ import type { PlannedLine } from '../../api/types';
 import { at, isMapping, listAt } from '../../store/document';
 import { draft, evaluation, loaded } from '../../store/project';
 import { selected } from '../project/selection';
+import { isLate } from '../project/tree';
 
 const SHOWN_MS = 9000;
 /** Evaluations that follow each other this quickly are one change. */
@@ -55,7 +56,7 @@ effect(() => {
   const its = evaluation.value;
   if (!its) return;
   batch(() => {
-    const wrong = its.findings.some((one) => one.severity === 'error' && !one.code.startsWith('guarantee.'));
+    const wrong = its.findings.some((one) => one.severity === 'error' && !isLate(one));
     outdated.value = wrong && its.lines.length === 0;
     if (outdated.value) return;
     const file = loaded.peek();
