@@ -141,6 +141,11 @@ export const keys = {
   parameters: 'Parameters',
   exchanges: 'Exchanges',
   start: 'Start commands',
+  timeout: 'Time-out, ms',
+  start_retry: 'Repeat of the start, ms',
+  reset: 'Reset',
+  silent_after: 'Silent after, ms',
+  mqtt_retain: 'Retained messages',
 };
 
 export const words = {

@@ -143,6 +143,11 @@ export const keys: Translated<typeof keySource> = {
   parameters: 'Параметры',
   exchanges: 'Обмены',
   start: 'Команды запуска',
+  timeout: 'Таймаут, мс',
+  start_retry: 'Повтор запуска, мс',
+  reset: 'Сброс',
+  silent_after: 'Молчит после, мс',
+  mqtt_retain: 'Сохраняемые сообщения',
 };
 
 export const words: Translated<typeof wordSource> = {

@@ -143,6 +143,11 @@ export const keys: Translated<typeof keySource> = {
   parameters: 'Параметри',
   exchanges: 'Обміни',
   start: 'Команди запуску',
+  timeout: 'Таймаут, мс',
+  start_retry: 'Повтор запуску, мс',
+  reset: 'Скидання',
+  silent_after: 'Мовчить після, мс',
+  mqtt_retain: 'Збережувані повідомлення',
 };
 
 export const words: Translated<typeof wordSource> = {

@@ -27,8 +27,8 @@ const type = column('type', 'type', 'minmax(126px, 0.8fr)', MAIN);
 const comment = column('comment', 'text', 'minmax(120px, 1fr)', MAIN);
 const register = column('register', 'number', '84px', { main: true, right: true });
 const bit = column('bit', 'number', '52px', { main: true, right: true });
-const used = column('used', 'boolean', '82px', { usual: true });
-const retain = column('retain', 'boolean', '92px');
+const used = column('used', 'boolean', '112px', { usual: true });
+const retain = column('retain', 'boolean', '128px');
 const min_interval = column('min_interval', 'duration', '120px', { right: true });
 const burst = column('burst', 'number', '70px', { right: true });
 const value = column('default', 'text', '110px', { right: true });
@@ -48,7 +48,7 @@ export const COLUMNS: Record<TableObject, TableColumn[]> = {
     register,
     bit,
     comment,
-    column('write_on_change', 'boolean', '108px', MAIN),
+    column('write_on_change', 'boolean', '100px', MAIN),
     column('period', 'duration', '90px', { main: true, right: true }),
     column('unit', 'text', '72px', MAIN),
     column('coil', 'number', '70px', { right: true }),

@@ -3,11 +3,12 @@ import { signal } from '@preact/signals';
 import type { ComponentType } from 'preact';
 import { t } from '../../i18n';
 import { at, formatPath, isMapping, listAt, type Path, textAt } from '../../store/document';
-import { draft, evaluation } from '../../store/project';
+import { draft } from '../../store/project';
+import { plan } from '../requests/plan';
 import { DeviceForm } from './device_form';
 import { readOnly } from './edit';
 import { InstrumentForm, LineForm, OutputForm, ProjectForm, ServerForm, UnitForm } from './forms';
-import { lit, selected, tab } from './selection';
+import { lightVariable, lit, selected, tab } from './selection';
 import { TabBar } from './tab_bar';
 import { VariableTable } from './table';
 import type { TableObject } from './columns';
@@ -22,20 +23,27 @@ function ReadOnlyNote({ path }: { path: Path }) {
   return <p class="banner info">{t.value.project.readOnlyPart(why)}</p>;
 }
 
-/** The variables of a device whose list is a table file: their names, from the plan. */
+/** The variables of a device whose list is a table file, by name: those of the plan. */
+function namesInPlan(device: string): string[] {
+  const requests = plan.value.flatMap((line) => line.requests).filter((its) => its.device === device);
+  return [...new Set(requests.flatMap((its) => its.variables))];
+}
+
 function FromTable({ file, device }: { file: string; device: string }) {
-  const names = new Set(
-    evaluation.value?.lines.flatMap((line) =>
-      line.requests.filter((its) => its.device === device).flatMap((its) => its.variables),
-    ),
-  );
   return (
     <div class="from-table">
       <p>{t.value.project.table.fromTable(file)}</p>
       <p class="muted">{t.value.project.readOnlyPart(file)}</p>
       <ul>
-        {[...names].map((name) => (
-          <li key={name}>{name}</li>
+        {namesInPlan(device).map((name) => (
+          // biome-ignore lint/a11y/useKeyWithClickEvents: the table of requests has the same for the keyboard
+          <li
+            key={name}
+            class={lit.value.variables.has(name) ? 'lit' : ''}
+            onClick={() => lightVariable(name)}
+          >
+            {name}
+          </li>
         ))}
       </ul>
     </div>
@@ -111,7 +119,8 @@ export function Details() {
   const device = path[0] === 'lines';
   const node = at(draft.value, path);
   const list = isMapping(node) ? node.variables : undefined;
-  const count = Array.isArray(list) ? list.length : 0;
+  const name = textAt(node, ['name']) ?? '';
+  const count = Array.isArray(list) ? list.length : typeof list === 'string' ? namesInPlan(name).length : 0;
   return (
     <div class="item-details" key={key}>
       <TabBar

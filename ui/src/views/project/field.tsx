@@ -154,7 +154,9 @@ function Choice(props: { its: Bound; rule: FieldRule; path: Path; name: string; 
   const words = boolean
     ? ['true', 'false']
     : (rule.words ?? allowed).filter((one) => allowed.includes(one) && plainType(one) === one);
-  const usual = USUAL[name] ?? (boolean ? (rule.default ?? 'false') : undefined);
+  // The default of `on_change` depends on the period of the output.
+  const fixed = boolean && name !== 'on_change';
+  const usual = USUAL[name] ?? (fixed ? (rule.default ?? 'false') : undefined);
   const text = (boolean && its.text ? String(isYes(its.text)) : plainType(its.text)) || (usual ?? '');
   return (
     <select

@@ -5,7 +5,7 @@ import type { Path } from '../../store/document';
 import { ByteOrderBlock } from './byte_order_block';
 import { More } from './device_form';
 import { KeyField, objectAt } from './field';
-import { keyText } from './rules';
+import { keyText, wordText } from './rules';
 import { nodeText } from './cells';
 import type { Node } from '../../api/types';
 import { VariableTable } from './table';
@@ -41,7 +41,7 @@ function Nested({ path, names }: { path: Path; names: string[] }) {
         {shown.map((name) => (
           <>
             <dt class="muted">{keyText(name)}</dt>
-            <dd title={t.value.project.inFile}>{nodeText(object[name] as Node)}</dd>
+            <dd title={t.value.project.inFile}>{wordText(nodeText(object[name] as Node))}</dd>
           </>
         ))}
       </dl>
@@ -148,10 +148,15 @@ export function OutputForm({ path }: { path: Path }) {
         <Fields
           path={path}
           object="output"
-          names={['name', 'transport', ...(mqtt ? ['brokers', 'topic', 'message', 'retain'] : [])]}
+          names={['name', 'transport', ...(mqtt ? ['brokers', 'topic', 'message'] : [])]}
         />
+        {mqtt && (
+          <div class="fields">
+            <KeyField path={path} object="output" name="retain" label={t.value.keys.mqtt_retain} />
+          </div>
+        )}
       </Group>
-      <Group title={texts.table.variables}>
+      <Group title={t.value.keys.select}>
         <Fields path={path} object="output" names={SELECTION} />
       </Group>
       <More name={texts.more}>

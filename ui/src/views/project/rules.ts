@@ -2,7 +2,7 @@
 import { signal } from '@preact/signals';
 import { get } from '../../api/client';
 import type { FieldRule, FieldTable, Mapping } from '../../api/types';
-import { formatNumber, t } from '../../i18n';
+import { formatDuration, formatNumber, t } from '../../i18n';
 import { at, isMapping, type Path, textAt } from '../../store/document';
 import { draft } from '../../store/project';
 import { milliseconds } from './cells';
@@ -64,7 +64,11 @@ export function rangeText(rule: FieldRule | undefined): string {
   // "1..65535ms": the unit of the second bound counts for both.
   const [least, most] = bounds;
   if (least === null || least === undefined || most === null || most === undefined) return rule.allowed;
-  return `${boundText(least)}…${boundText(most)}`;
+  const words = boundText(most);
+  // Both ends with their units, if one of them has one: "1 s…24 h".
+  return words === String(most) || least === 0
+    ? `${boundText(least)}…${words}`
+    : `${formatDuration(least)}…${words}`;
 }
 
 /** A word of the file for people. */

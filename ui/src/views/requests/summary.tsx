@@ -33,7 +33,8 @@ export function Verdict({ line }: { line: PlannedLine }) {
 export function Utilisation({ line }: { line: PlannedLine }) {
   const texts = t.value.requests;
   const scale = Math.max(1, line.utilization, line.worst_utilization);
-  const tone = line.utilization > 1 ? 'bad' : line.utilization > 0.8 ? 'warn' : 'good';
+  const tone =
+    line.utilization > 1 ? 'bad' : line.verdict !== 'holds' && line.utilization > 0.8 ? 'warn' : 'good';
   const width = (share: number) => `${Math.min(100, (share / scale) * 100)}%`;
   return (
     <div class="utilisation">

@@ -14,6 +14,7 @@ const AXIS = 18;
 const MOST_LANES = 10;
 const COLOURS = 6;
 const LEAST_TICK = 64; // pixels
+const LABEL = 44;
 
 /** The width of an element, also after it changed. */
 function useWidth<T extends Element>() {
@@ -119,6 +120,8 @@ export function Timeline({ line }: { line: PlannedLine }) {
     </button>
   );
   const height = lanes * LANE + AXIS;
+  const marks = ticks(window, width / LEAST_TICK);
+  const distance = marks.length > 1 ? x(marks[1]!) - x(marks[0]!) : width;
   return (
     <section class="timeline" aria-label={texts.label}>
       <div class="names small" style={{ gridTemplateRows: `repeat(${lanes}, ${LANE}px)` }}>
@@ -143,16 +146,18 @@ export function Timeline({ line }: { line: PlannedLine }) {
           run();
         }}
       >
-        {ticks(window, width / LEAST_TICK).map((at) => (
+        {marks.map((at) => (
           <g key={at}>
             <line class="tick" x1={x(at)} x2={x(at)} y1={0} y2={lanes * LANE} />
-            <text
-              x={Math.min(width - 2, x(at) + 3)}
-              y={height - 5}
-              text-anchor={x(at) > width - 40 ? 'end' : 'start'}
-            >
-              {formatNumber(at, 3)}
-            </text>
+            {(x(at) < width - LABEL || distance > 2 * LABEL) && (
+              <text
+                x={Math.min(width - 2, x(at) + 3)}
+                y={height - 5}
+                text-anchor={x(at) > width - LABEL ? 'end' : 'start'}
+              >
+                {formatNumber(at, 3)}
+              </text>
+            )}
           </g>
         ))}
         <Blocks
