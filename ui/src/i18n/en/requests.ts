@@ -39,7 +39,6 @@ export const requests = {
     label: 'What the last edit changed',
     requests: 'requests',
     busy: 'line busy',
-    same: 'The requests are the same as before.',
   },
   measures: {
     title: 'What would make the deadlines hold',
@@ -53,14 +52,12 @@ export const requests = {
     unbounded: 'without bound',
     readOnly: 'It changes parts that are read-only here.',
     removed: 'removed',
-    none: 'No measure was found.',
   },
   tabs: {
     label: 'Requests and ages',
     requests: (n: number) => `Requests (${n})`,
     ages: 'Ages',
     agesLate: (n: number) => `Ages (${n} late)`,
-    timeline: 'Timeline',
   },
   columns: {
     device: 'Device',
@@ -79,7 +76,6 @@ export const requests = {
     share: 'Of its deadline',
   },
   details: {
-    title: (words: string) => `Request ${words}`,
     choose: 'Choose a request or a variable: the other one lights up.',
     gaps: (n: number) => `${n} items in gaps are read too.`,
     show: (name: string) => `Show ${name} in the table`,
@@ -105,7 +101,6 @@ export const requests = {
     label: 'Longest age of each variable',
     unbounded: 'no bound',
     noDeadline: 'no deadline',
-    late: 'too late',
     none: 'No variable is read by period.',
     legend:
       'The bar is full where a value is as old as its deadline allows. Red: the deadline does not hold.',
@@ -119,6 +114,5 @@ export const requests = {
     block: (words: string, from: string, length: string) => `${words}: at ${from}, ${length}`,
     late: 'late',
     none: 'No request is polled by period.',
-    planned: 'Planned course without failures',
   },
 };

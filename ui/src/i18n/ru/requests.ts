@@ -45,7 +45,6 @@ export const requests: Translated<typeof source> = {
     label: 'Что изменила последняя правка',
     requests: 'запросов',
     busy: 'загрузка линии',
-    same: 'Запросы не изменились.',
   },
   measures: {
     title: 'Что поможет выдержать сроки',
@@ -58,14 +57,12 @@ export const requests: Translated<typeof source> = {
     unbounded: 'без предела',
     readOnly: 'Мера меняет части, которые здесь только для чтения.',
     removed: 'убрать',
-    none: 'Подходящих мер не найдено.',
   },
   tabs: {
     label: 'Запросы и возраст',
     requests: (n) => `Запросы (${n})`,
     ages: 'Возраст значений',
     agesLate: (n) => `Возраст значений (опаздывает: ${n})`,
-    timeline: 'Ход опроса',
   },
   columns: {
     device: 'Устройство',
@@ -84,7 +81,6 @@ export const requests: Translated<typeof source> = {
     share: 'Доля срока',
   },
   details: {
-    title: (words) => `Запрос ${words}`,
     choose: 'Выберите запрос или переменную: второе подсветится.',
     gaps: (n) => `Прочитано лишних элементов в разрывах: ${n}.`,
     show: (name) => `Показать ${name} в таблице`,
@@ -110,7 +106,6 @@ export const requests: Translated<typeof source> = {
     label: 'Наибольший возраст каждой переменной',
     unbounded: 'без предела',
     noDeadline: 'без срока',
-    late: 'опаздывает',
     none: 'По периоду не читается ни одна переменная.',
     legend: 'Полоса заполнена, когда значение так старо, как допускает срок. Красная: срок не выдерживается.',
   },
@@ -123,6 +118,5 @@ export const requests: Translated<typeof source> = {
     block: (words, from, length) => `${words}: через ${from}, длится ${length}`,
     late: 'с опозданием',
     none: 'По периоду не опрашивается ни один запрос.',
-    planned: 'Ход по плану, без сбоев',
   },
 };

@@ -45,7 +45,6 @@ export const requests: Translated<typeof source> = {
     label: 'Що змінила остання правка',
     requests: 'запитів',
     busy: 'завантаження лінії',
-    same: 'Запити не змінилися.',
   },
   measures: {
     title: 'Що допоможе витримати строки',
@@ -58,14 +57,12 @@ export const requests: Translated<typeof source> = {
     unbounded: 'без межі',
     readOnly: 'Захід змінює частини, які тут лише для читання.',
     removed: 'прибрати',
-    none: 'Відповідних заходів не знайдено.',
   },
   tabs: {
     label: 'Запити та вік',
     requests: (n) => `Запити (${n})`,
     ages: 'Вік значень',
     agesLate: (n) => `Вік значень (запізнюється: ${n})`,
-    timeline: 'Хід опитування',
   },
   columns: {
     device: 'Пристрій',
@@ -84,7 +81,6 @@ export const requests: Translated<typeof source> = {
     share: 'Частка строку',
   },
   details: {
-    title: (words) => `Запит ${words}`,
     choose: 'Виберіть запит або змінну: друге підсвітиться.',
     gaps: (n) => `Прочитано зайвих елементів у розривах: ${n}.`,
     show: (name) => `Показати ${name} у таблиці`,
@@ -110,7 +106,6 @@ export const requests: Translated<typeof source> = {
     label: 'Найбільший вік кожної змінної',
     unbounded: 'без межі',
     noDeadline: 'без строку',
-    late: 'запізнюється',
     none: 'За періодом не читається жодна змінна.',
     legend: 'Смуга заповнена, коли значення таке старе, як дозволяє строк. Червона: строк не витримується.',
   },
@@ -123,6 +118,5 @@ export const requests: Translated<typeof source> = {
     block: (words, from, length) => `${words}: через ${from}, триває ${length}`,
     late: 'із запізненням',
     none: 'За періодом не опитується жоден запит.',
-    planned: 'Хід за планом, без збоїв',
   },
 };

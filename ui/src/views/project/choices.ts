@@ -14,6 +14,7 @@ export interface Choice {
 /** A tab of the picker. Network variables have one for each line. */
 export interface ChoiceTab {
   kind: ChoiceKind;
+  slot: number;
   line: string;
   choices: Choice[];
 }
@@ -73,9 +74,15 @@ export function choicesOf(document: Mapping): ChoiceTab[] {
   const service = (prefix: string, group: string, words: [string, string][]) =>
     words.map(([word, type]) => ({ name: `system.${prefix}${word}`, type, comment: '', group }));
   return [
-    { kind: 'standard', line: '', choices: listAt(document, ['locals']).map((its) => choice(its, '')) },
+    {
+      kind: 'standard',
+      slot: 0,
+      line: '',
+      choices: listAt(document, ['locals']).map((its) => choice(its, '')),
+    },
     {
       kind: 'service',
+      slot: 0,
       line: '',
       choices: [
         ...service('', '', PROGRAM),
@@ -86,8 +93,9 @@ export function choicesOf(document: Mapping): ChoiceTab[] {
         ...deviceNames(lines).flatMap((name) => service(`device.${name}.`, name, DEVICE)),
       ],
     },
-    ...lines.map((line) => ({
+    ...lines.map((line, i) => ({
       kind: 'network' as const,
+      slot: i + 1,
       line: textAt(line, ['name']) ?? '',
       choices: listAt(line, ['devices']).flatMap((device) => {
         const group = [textAt(device, ['name']), textAt(device, ['address'])].filter(Boolean).join(', ');

@@ -32,7 +32,7 @@ export interface PickerProps {
 
 function tabTitle(its: ChoiceTab, count: number): string {
   const texts = t.value.project.picker;
-  return its.kind === 'network' ? texts.network(its.line, count) : texts[its.kind](count);
+  return its.kind === 'network' ? texts.network(its.slot, its.line, count) : texts[its.kind](count);
 }
 
 function List(props: {

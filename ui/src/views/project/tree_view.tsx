@@ -184,7 +184,14 @@ export function Tree() {
         ))}
       </div>
       <div class="tools bottom">
-        <button type="button" class="button quiet" disabled={locked} onClick={() => addLine(texts.newLine)}>
+        <button
+          type="button"
+          class="button quiet"
+          title={texts.addLine}
+          aria-label={texts.addLine}
+          disabled={locked}
+          onClick={() => addLine(texts.newLine)}
+        >
           <Icon name="add" />
           {t.value.project.groups.line}
         </button>

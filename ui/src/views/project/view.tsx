@@ -14,6 +14,7 @@ import { Conflict, SaveDialog } from './save_dialog';
 import { half } from './selection';
 import { TabBar } from './tab_bar';
 import { Tree } from './tree_view';
+import '../../style/forms.css';
 import '../../style/project.css';
 import '../../style/table.css';
 

@@ -14,6 +14,7 @@ import { RequestTable } from './request_table';
 import { LastChange, Strategies, Utilisation, Verdict } from './summary';
 import { Timeline } from './timeline_view';
 import '../../style/requests.css';
+import '../../style/timeline.css';
 
 const tab = signal<'requests' | 'ages'>('requests');
 
