@@ -136,7 +136,7 @@ export function Timeline({ line }: { line: PlannedLine }) {
       <svg
         ref={svg}
         height={height}
-        tabIndex={0}
+        tabindex={0} // SVG has no tabIndex
         role="img"
         aria-label={`${texts.label}: ${formatDuration(course.length)}. ${texts.hint}`}
         onKeyDown={(event) => {
