@@ -49,8 +49,10 @@ export function setKeys(path: Path, values: Record<string, Node | undefined>): v
   for (const [key, value] of Object.entries(values))
     if (next[key] !== value) next = withKey(next, key, value);
   if (next === before) return;
+  // A group of the project without keys, such as `host: {}`, is left out.
+  const isEmpty = path.length === 1 && Object.keys(next).length === 0;
   change(
-    withNode(draft.peek(), path, next) as Mapping,
+    withNode(draft.peek(), path, isEmpty ? undefined : next) as Mapping,
     `${formatPath(path)}/${Object.keys(values).join(' ')}`,
   );
 }

@@ -3,7 +3,7 @@ import { computed, signal } from '@preact/signals';
 import { useRef } from 'preact/hooks';
 import { t } from '../../i18n';
 import { toast } from '../../shell/toasts';
-import { formatPath } from '../../store/document';
+import { formatPath, type Path } from '../../store/document';
 import { draft, findings } from '../../store/project';
 import { Icon } from '../../widgets/icon';
 import { addDevice, addLine, addServer, duplicateAt, readOnly, removeAt } from './edit';
@@ -84,17 +84,22 @@ function Item(props: { its: TreeItem; current: boolean; open: boolean }) {
   );
 }
 
+const isRemovable = (path: Path) =>
+  path.length >= 2 && (path[0] === 'lines' || path[0] === 'servers' || path[0] === 'outputs');
+
+function removeSelected(): void {
+  const path = selected.peek();
+  const its = treeOf(draft.peek(), () => true).find((one) => formatPath(one.path) === formatPath(path));
+  removeAt(path);
+  toast('info', t.peek().project.tree.removed(its ? titleOf(its) : ''));
+}
+
 function Tools() {
   const texts = t.value.project;
   const path = selected.value;
   const line = path[0] === 'lines' ? (path[1] as number) : null;
-  const item = path.length >= 2 && (path[0] === 'lines' || path[0] === 'servers' || path[0] === 'outputs');
+  const item = isRemovable(path);
   const locked = readOnly(path) !== null;
-  const remove = () => {
-    const its = treeOf(draft.peek(), () => true).find((one) => formatPath(one.path) === formatPath(path));
-    removeAt(path);
-    toast('info', texts.tree.removed(its ? titleOf(its) : ''));
-  };
   return (
     <div class="tools">
       <button
@@ -125,7 +130,7 @@ function Tools() {
         title={texts.remove}
         aria-label={texts.remove}
         disabled={locked || !item}
-        onClick={remove}
+        onClick={removeSelected}
       >
         <Icon name="delete" />
       </button>
@@ -153,6 +158,9 @@ export function Tree() {
       ArrowUp: () => go(items[now - 1]),
       Home: () => go(items[0]),
       End: () => go(items.at(-1)),
+      Delete: () => {
+        if (isRemovable(selected.peek()) && readOnly(selected.peek()) === null) removeSelected();
+      },
       ArrowRight: () => {
         if (its?.children && !open) toggle(its.id);
         else if (open) go(items[now + 1]);
