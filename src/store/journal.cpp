@@ -109,6 +109,7 @@ Result<Journal> Journal::open(JournalStorage& storage, const JournalOptions& opt
     Journal journal(std::make_unique<State>(storage, options, std::move(recovered)));
     State& state = *journal.state_;
     StreamPosition last = state.writer.segments().durable;
+    if (last.sequence == 0) last.wall_ns = wall_ns;  // no sample is older
     for (const std::string_view name : destinations) {
         auto& added = state.destinations.emplace_back(state.writer.segments(), storage, std::string(name));
         TAKT_CHECK(added.load());

@@ -326,6 +326,7 @@ TEST_F(JournalTest, DropsTheOldestSegmentAboveTheQuota) {
     EXPECT_EQ(entries[0].gap->cause, GapCause::quota);
     EXPECT_EQ(entries[0].gap->first_sequence, 1U);
     EXPECT_EQ(entries[0].gap->last_sequence + 1, entries[1].header.sequence);
+    EXPECT_EQ(entries[0].gap->first_wall_ns, kSecond);  // the first start
     std::uint64_t samples = 0;
     for (const JournalEntry& entry : entries) samples += entry.header.samples;
     EXPECT_EQ(samples, 200U);
