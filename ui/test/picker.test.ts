@@ -1,0 +1,80 @@
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import { choicesOf, fitsType, searched } from '../src/views/project/choices';
+import { itemOf, merged, targetsFor } from '../src/views/project/importing';
+
+const document = {
+  lines: [
+    {
+      name: 'north',
+      devices: [
+        { name: 'Pump', address: '1', variables: [{ name: 'Speed', type: 'int', comment: 'turns' }] },
+        { name: 'Fan', address: '2', variables: 'fan.csv' },
+      ],
+    },
+    { name: 'south', devices: [{ name: 'Pump', address: '1' }] },
+  ],
+  locals: [{ name: 'go', type: 'bool' }],
+  servers: [{ name: 'gate', units: [{ address: '1' }] }],
+};
+
+test('the picker has standard, service and network variables', () => {
+  const [standard, service, ...network] = choicesOf(document);
+  assert.deepEqual(
+    standard!.choices.map((its) => its.name),
+    ['go'],
+  );
+  const names = service!.choices.map((its) => its.name);
+  assert.ok(names.includes('system.pulse_1s') && names.includes('system.line.south.up'));
+  // The name of two devices: with their lines.
+  assert.ok(names.includes('system.device.north/Pump.answering'));
+  assert.ok(names.includes('system.device.Fan.state'));
+  assert.deepEqual(
+    network.map((its) => [its.slot, its.line, its.choices.length]),
+    [
+      [1, 'north', 1],
+      [2, 'south', 0],
+    ],
+  );
+  assert.deepEqual(network[0]!.choices[0], {
+    name: 'Speed',
+    type: 'int16',
+    comment: 'turns',
+    group: 'Pump, 1',
+  });
+});
+
+test('the picker searches names, comments and devices, and knows the types', () => {
+  const { choices } = choicesOf(document)[2]!;
+  assert.equal(searched(choices, 'TURN').length, 1);
+  assert.equal(searched(choices, 'fan').length, 0);
+  assert.ok(fitsType('bool', 'bool') && fitsType('uint32', 'int') && !fitsType('float', 'int'));
+});
+
+test('an imported table goes where its kind fits', () => {
+  const names = { locals: 'Standard', devices: 'Devices' };
+  const paths = (kind: Parameters<typeof targetsFor>[1]) =>
+    targetsFor(document, kind, names).map((its) => its.path.join('/'));
+  assert.deepEqual(paths('locals'), ['locals']);
+  assert.deepEqual(paths('served'), ['servers/0/units/0/variables']);
+  // The table of a file is read-only.
+  assert.deepEqual(paths('variables'), ['lines/0/devices/0/variables', 'lines/1/devices/0/variables']);
+  assert.deepEqual(paths('devices'), ['lines/0/devices', 'lines/1/devices']);
+});
+
+test('imported rows overwrite those with the same name, or replace all', () => {
+  const list = [
+    { name: 'A', register: '1', comment: 'kept', $from: 0 },
+    { name: 'B', register: '2', $from: 1 },
+  ];
+  const items = [itemOf({ name: 'B', register: '7', tags: 'x, y' }, 'variable'), { name: 'C' }];
+  assert.deepEqual(merged(list, items, false), [
+    list[0],
+    { name: 'B', register: '7', tags: ['x', 'y'], $from: 1 },
+    { name: 'C' },
+  ]);
+  assert.deepEqual(merged(list, items, true), [
+    { name: 'B', register: '7', tags: ['x', 'y'], $from: 1 },
+    { name: 'C' },
+  ]);
+});
