@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "takt/os/open.hpp"
@@ -60,6 +62,19 @@ Result<void> write_at(int file, const std::string& path, std::uint64_t offset, B
     return {};
 }
 
+/// A file without a name: its bytes are lost when it is closed.
+bool is_removed(int file) {
+    struct stat status{};
+    return ::fstat(file, &status) == 0 && status.st_nlink == 0;
+}
+
+Result<os::Descriptor> lock(const std::string& directory) {
+    os::Descriptor folder(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (!folder) return fail(Code::cannot_open, directory, errno);
+    if (::flock(folder.get(), LOCK_EX | LOCK_NB) != 0) return fail(Code::busy, directory, errno);
+    return folder;
+}
+
 /// Frees the reserved space behind the end. A failure costs space only.
 void trim(int file) {
     struct stat status{};
@@ -70,9 +85,7 @@ void trim(int file) {
 
 Result<std::unique_ptr<PosixJournalStorage>> PosixJournalStorage::open(const std::string& directory,
                                                                        std::uint64_t segment_bytes) {
-    os::Descriptor folder(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    if (!folder) return fail(Code::cannot_open, directory, errno);
-    if (::flock(folder.get(), LOCK_EX | LOCK_NB) != 0) return fail(Code::busy, directory, errno);
+    TAKT_TRY(auto folder, lock(directory));
     return std::unique_ptr<PosixJournalStorage>(
         new PosixJournalStorage(directory, std::move(folder), segment_bytes));
 }
@@ -89,6 +102,18 @@ std::string PosixJournalStorage::path_of(std::uint64_t segment) const {
 
 std::string PosixJournalStorage::path_of(std::string_view destination) const {
     return directory_ + "/" + std::string(kCursorPrefix) + std::string(destination);
+}
+
+// What was in the removed folder is gone. The journal goes on in another one of its name, so that its numbers
+// are not used again.
+Result<void> PosixJournalStorage::replace_removed_folder() {
+    if (!is_removed(folder_.get())) return {};
+    std::error_code error;
+    std::filesystem::create_directories(directory_, error);
+    if (error) return fail(Code::cannot_open, directory_, error.value());
+    TAKT_TRY(folder_, lock(directory_));
+    cursors_.clear();
+    return {};
 }
 
 Result<void> PosixJournalStorage::sync_folder() {
@@ -119,8 +144,11 @@ Result<std::size_t> PosixJournalStorage::read(std::uint64_t segment, std::uint64
                                               std::span<std::uint8_t> into) {
     if (!read_ || read_->number != segment) {
         read_.reset();
-        TAKT_TRY(auto file, os::open_for_reading(path_of(segment)));
-        read_ = OpenSegment{segment, std::move(file)};
+        auto file = os::open_for_reading(path_of(segment));
+        const bool missing = !file && file.error().numbers[0] == ENOENT;
+        if (missing && ::access(directory_.c_str(), F_OK) == 0) return std::size_t{0};
+        if (!file) return std::unexpected(file.error());
+        read_ = OpenSegment{segment, *std::move(file)};
     }
     return read_at(read_->file.get(), path_of(segment), offset, into);
 }
@@ -128,6 +156,7 @@ Result<std::size_t> PosixJournalStorage::read(std::uint64_t segment, std::uint64
 Result<void> PosixJournalStorage::create(std::uint64_t segment) {
     if (written_) trim(written_->file.get());
     written_.reset();
+    TAKT_CHECK(replace_removed_folder());
     folder_changed_ = true;
     TAKT_TRY(auto created, os::create_file(path_of(segment)));
     created.reset();
@@ -165,6 +194,7 @@ Result<void> PosixJournalStorage::sync(std::uint64_t segment) {
     TAKT_CHECK(sync_folder());
     TAKT_TRY(const int file, writable(segment));
     if (::fdatasync(file) != 0) return failed(path_of(segment));
+    if (is_removed(file)) return fail(Code::io_failed, path_of(segment), ENOENT);
     return {};
 }
 
@@ -202,6 +232,10 @@ Result<void> PosixJournalStorage::write_cursor(std::string_view destination, uns
 Result<void> PosixJournalStorage::sync_cursor(std::string_view destination) {
     TAKT_TRY(const int file, cursor(destination, false));
     if (::fdatasync(file) != 0) return failed(path_of(destination));
+    if (is_removed(file)) {
+        cursors_.erase(cursors_.find(destination));
+        return fail(Code::io_failed, path_of(destination), ENOENT);
+    }
     return sync_folder();
 }
 

@@ -44,7 +44,7 @@ TEST_F(PosixJournal, AppendsAndReads) {
     EXPECT_EQ(into[0], 3);
     ASSERT_TRUE(storage->remove(8));
     ASSERT_TRUE(storage->remove(8));
-    EXPECT_EQ(storage->read(8, 0, into).error().numbers[0], ENOENT);
+    EXPECT_EQ(storage->read(8, 0, into).value(), 0U);
 }
 
 TEST_F(PosixJournal, FreesTheSpaceBehindALeftSegment) {
@@ -86,6 +86,74 @@ TEST_F(PosixJournal, IsUsedByOneProgramAtATime) {
     const auto storage = open();
     EXPECT_EQ(PosixJournalStorage::open(directory_, kSegment).error().code, Code::busy);
     EXPECT_EQ(PosixJournalStorage::open(directory_ / "none", kSegment).error().code, Code::cannot_open);
+}
+
+TEST_F(PosixJournal, ReportsFilesThatWereRemoved) {
+    const auto storage = open();
+    const std::vector<std::uint8_t> bytes{1, 2, 3};
+    ASSERT_TRUE(storage->create(1));
+    ASSERT_TRUE(storage->append(1, bytes));
+    ASSERT_TRUE(storage->write_cursor("cloud", 0, bytes));
+    ASSERT_TRUE(storage->sync(1));
+    ASSERT_TRUE(storage->sync_cursor("cloud"));
+    std::filesystem::remove(directory_ / "segment-00000000000000000001");
+    std::filesystem::remove(directory_ / "cursor-cloud");
+    ASSERT_TRUE(storage->append(1, bytes));
+    EXPECT_EQ(storage->sync(1).error().numbers[0], ENOENT);
+    EXPECT_EQ(storage->sync_cursor("cloud").error().numbers[0], ENOENT);
+    ASSERT_TRUE(storage->write_cursor("cloud", 1, bytes));
+    EXPECT_TRUE(storage->sync_cursor("cloud"));
+}
+
+TEST_F(PosixJournal, ContinuesWithoutItsFolder) {
+    constexpr DestinationId kCloud{0};
+    JournalOptions options;
+    options.segment_bytes = kSegment;
+    options.quota_bytes = 1 << 20;
+    const std::array<std::string_view, 1> names{"cloud"};
+    const std::vector<std::uint8_t> payload(20'000, 7);
+    Instant now{};
+    std::uint64_t last = 0;
+    {
+        const auto storage = open();
+        auto journal = Journal::open(*storage, options, names, now, 0);
+        ASSERT_TRUE(journal);
+        const auto append = [&](int records) {
+            for (int i = 0; i < records; ++i) {
+                ASSERT_TRUE(journal->append(now, {1, i, i, payload}));
+                now += 200ms;
+                journal->on_tick(now, 0);
+            }
+        };
+        append(10);
+        std::filesystem::remove_all(directory_);
+        ASSERT_TRUE(journal->append(now, {1, 0, 0, payload}));
+        now += 200ms;
+        journal->on_tick(now, 0);
+        EXPECT_TRUE(journal->status().failure) << "the samples since the removal are not on the disk";
+        append(3);
+        EXPECT_FALSE(journal->status().failure);
+        std::uint64_t samples = 0;
+        std::uint64_t missing = 0;
+        while (const auto entry = journal->read(kCloud).value()) {
+            last = entry->header.sequence;
+            const bool damaged = entry->gap && entry->gap->cause == GapCause::damaged;
+            EXPECT_EQ(damaged, entry->gap && entry->gap->samples > 0);
+            (entry->gap ? missing : samples) += entry->header.samples;
+            ASSERT_TRUE(journal->acknowledge(now, kCloud, last));
+        }
+        EXPECT_EQ(missing, 10U);
+        EXPECT_EQ(samples, 4U);
+        EXPECT_TRUE(journal->close(now));
+        const auto counters = journal->counters(kCloud);
+        EXPECT_EQ(counters.dropped, 10U);
+        EXPECT_EQ(counters.appended, counters.delivered + counters.waiting + counters.dropped);
+    }
+    const auto storage = open();
+    auto journal = Journal::open(*storage, options, names, now, 0);
+    ASSERT_TRUE(journal);
+    EXPECT_EQ(journal->acknowledged(kCloud), last) << "no number is used again";
+    EXPECT_EQ(journal->status().epoch, 2U);
 }
 
 TEST_F(PosixJournal, ContinuesAfterAKill) {

@@ -31,7 +31,8 @@ public:
 
     /// @returns all segment files, in any order
     [[nodiscard]] virtual Result<std::vector<SegmentFile>> list_segments() = 0;
-    /// @returns the number of bytes read: fewer than `into` only at the end of the file
+    /// @returns the number of bytes read: fewer than `into` only at the end of the file. 0 of a segment that
+    ///          does not exist
     [[nodiscard]] virtual Result<std::size_t> read(std::uint64_t segment, std::uint64_t offset,
                                                    std::span<std::uint8_t> into) = 0;
     /// Creates an empty segment; after success its name survives a power cut. After an error it may exist.
@@ -39,7 +40,8 @@ public:
     /// After an error any part of `bytes` may be in the file.
     [[nodiscard]] virtual Result<void> append(std::uint64_t segment, Bytes bytes) = 0;
     /// After an error the state of all bytes since the last successful sync is unknown, also when a read
-    /// returns them: the system may have dropped the pages.
+    /// returns them: the system may have dropped the pages. A segment that was removed by another program is
+    /// an error.
     [[nodiscard]] virtual Result<void> sync(std::uint64_t segment) = 0;
     /// A removed segment may exist again after a power cut. Removing a segment that does not exist succeeds.
     [[nodiscard]] virtual Result<void> remove(std::uint64_t segment) = 0;

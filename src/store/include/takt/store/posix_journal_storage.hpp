@@ -14,7 +14,8 @@
 namespace takt::store {
 
 /// Segments are `segment-NUMBER` (20 digits), cursors `cursor-NAME`. Other files are left alone. The
-/// directory is locked against other programs for as long as this object exists.
+/// directory is locked against other programs for as long as this object exists. If it is removed meanwhile,
+/// the next sync fails, and the next segment is created in a new directory.
 class PosixJournalStorage final : public JournalStorage {
 public:
     /// @param directory      exists and is writable
@@ -47,6 +48,7 @@ private:
     [[nodiscard]] std::string path_of(std::string_view destination) const;
     [[nodiscard]] Result<int> writable(std::uint64_t segment);
     [[nodiscard]] Result<int> cursor(std::string_view destination, bool create);
+    [[nodiscard]] Result<void> replace_removed_folder();
     [[nodiscard]] Result<void> sync_folder();
 
     std::string directory_;
