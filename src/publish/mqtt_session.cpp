@@ -77,9 +77,16 @@ void MqttSession::State::close(Instant now, std::optional<MqttFailure> failure) 
     enter(now, Phase::closing);
 }
 
-void MqttSession::State::note(Instant now, MqttFailure failure) {
+void MqttSession::State::note(Instant now, Concern concern, MqttFailure failure) {
+    failures[static_cast<std::size_t>(concern)] = failure;
     last_failure = std::move(failure);
     last_failure_at = now;
+}
+
+std::optional<MqttFailure> MqttSession::State::failure() const {
+    const auto found =
+        std::ranges::find_if(failures, [](const auto& failure) { return failure.has_value(); });
+    return found == failures.end() ? std::nullopt : *found;
 }
 
 void MqttSession::State::on(Instant now, const MqttConnected& event) {
@@ -102,12 +109,14 @@ void MqttSession::State::on(Instant now, MqttSubscribed&& event) {
     if (phase != Phase::subscribing || event.token != subscribe_token) return;
     const auto refused = std::ranges::find_if(event.reasons, is_failure);
     subscribed = refused == event.reasons.end();
-    if (!subscribed) note(now, {failure_kind(*refused), *refused, "SUBACK"});
+    if (!subscribed) note(now, Concern::subscription, {failure_kind(*refused), *refused, "SUBACK"});
     go_online(now);
 }
 
 void MqttSession::State::go_online(Instant now) {
     deadline = kNever;
+    succeeded(Concern::connection);
+    if (subscribed) succeeded(Concern::subscription);
     enter(now, Phase::online);
     if (options.birth) live.push_front({.message = *options.birth, .this_connection_only = true});
     listened = true;
@@ -132,7 +141,7 @@ void MqttSession::State::on(Instant now, const MqttAcknowledged& event) {
         case SourceWindow::Settled::rejected: ++counters.rejected; break;
         case SourceWindow::Settled::refused:
             ++counters.refused;
-            note(now, {failure_kind(event.reason), event.reason, "PUBACK"});
+            note(now, Concern::message, {failure_kind(event.reason), event.reason, "PUBACK"});
             slow_down(now);
             break;
     }
@@ -148,8 +157,10 @@ bool MqttSession::State::on_live_settled(Instant now, const MqttAcknowledged& ev
         case LiveQueue::Settled::dropped: ++counters.live_dropped; break;
         case LiveQueue::Settled::refused: slow_down(now); break;
     }
-    if (settled != LiveQueue::Settled::accepted)
-        note(now, {failure_kind(event.reason), event.reason, "PUBACK"});
+    if (settled == LiveQueue::Settled::accepted)
+        succeeded(Concern::live);
+    else
+        note(now, Concern::live, {failure_kind(event.reason), event.reason, "PUBACK"});
     if (phase == Phase::draining) on_drained(now);
     return true;
 }
@@ -165,6 +176,7 @@ void MqttSession::State::slow_down(Instant now) {
 // Answers to messages that were sent before the refused one is sent again prove nothing.
 void MqttSession::State::speed_up() {
     if (window.blocked()) return;
+    succeeded(Concern::message);
     allowed = std::min(allowed + 1, options.window);
     pause = options.first_pause;
 }
@@ -191,7 +203,7 @@ void MqttSession::State::on(Instant now, const MqttClosed& event) {
         choice.on_left();
         return connect(now);
     }
-    note(now, failure);
+    note(now, Concern::connection, failure);
     if (!was_open) return wait(now, choice.on_failed(failure));
     ++counters.lost_connections;
     taken_over = failure.kind == MqttFailureKind::session_taken_over;
@@ -379,14 +391,17 @@ bool MqttSession::publish(Instant now, LiveMessage&& live) {
 
 MqttStatus MqttSession::status() const {
     const State& state = *state_;
-    MqttStatus status{.state = state.shown(),
-                      .since = state.since,
-                      .broker = state.choice.index(),
-                      .version = state.version,
-                      .subscribed = state.subscribed && state.phase != State::Phase::subscribing,
-                      .last_failure = state.last_failure,
-                      .last_failure_at = state.last_failure_at,
-                      .counters = state.counters};
+    MqttStatus status{
+        .state = state.shown(),
+        .since = state.since,
+        .broker = state.choice.index(),
+        .version = state.version,
+        .subscribed = state.subscribed && state.phase != State::Phase::subscribing,
+        .refusing = state.failures[static_cast<std::size_t>(State::Concern::message)].has_value(),
+        .failure = state.failure(),
+        .last_failure = state.last_failure,
+        .last_failure_at = state.last_failure_at,
+        .counters = state.counters};
     if (state.phase == State::Phase::waiting) status.next_attempt = state.deadline;
     status.live_waiting = state.live.size();
     if (!state.version) return status;

@@ -1,6 +1,7 @@
 // The state of an MqttSession.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -28,6 +29,10 @@ struct MqttSession::State {
         closing,      // for MqttClosed
     };
 
+    /// What a failure concerns. Each has its last failure, until something of its kind succeeds.
+    enum class Concern : std::uint8_t { connection, message, subscription, live };
+    static constexpr std::size_t kConcerns = 4;
+
     State(MqttSessionOptions the_options, MessageSource& the_source, MqttListener& the_listener);
 
     void connect(Instant now);
@@ -53,7 +58,9 @@ struct MqttSession::State {
     [[nodiscard]] Instant answer_deadline() const;
     [[nodiscard]] Instant return_deadline() const;
 
-    void note(Instant now, MqttFailure failure);
+    void note(Instant now, Concern concern, MqttFailure failure);
+    void succeeded(Concern concern) { failures[static_cast<std::size_t>(concern)].reset(); }
+    [[nodiscard]] std::optional<MqttFailure> failure() const;
     void go_online(Instant now);
     bool on_live_settled(Instant now, const MqttAcknowledged& event);
     void slow_down(Instant now);
@@ -95,6 +102,7 @@ struct MqttSession::State {
     MqttToken last_token = 0;
     std::deque<MqttAction> actions;
     std::optional<MqttFailure> last_failure;
+    std::array<std::optional<MqttFailure>, kConcerns> failures;  // by Concern
     Instant last_failure_at{};
     MqttCounters counters;
 };

@@ -13,7 +13,7 @@ OutputState state_of(const MqttStatus& status) {
     switch (status.state) {
         case MqttState::off: return OutputState::ended;
         case MqttState::connecting: return OutputState::connecting;
-        case MqttState::connected:
+        case MqttState::connected: return status.refusing ? OutputState::waiting : OutputState::delivering;
         case MqttState::leaving: return OutputState::delivering;
         case MqttState::backing_off: return OutputState::waiting;
         case MqttState::stopped: return OutputState::stopped;
@@ -29,7 +29,8 @@ std::string url_of(const MqttBroker& broker) {
 
 std::string text_of(const MqttFailure& failure) {
     std::string text(name(failure.kind));
-    if (failure.reason != MqttReason::success) text += ", " + std::string(name(failure.reason));
+    if (failure.reason != MqttReason::success && name(failure.reason) != text)
+        text += ", " + std::string(name(failure.reason));
     if (!failure.text.empty()) text += ": " + failure.text;
     return text;
 }
@@ -151,7 +152,7 @@ void MqttWork::report(Instant, OutputStatus& status) const {
     const auto mqtt = session_->status();
     status.state = state_of(mqtt);
     status.destination = url_of(options_.session.brokers[mqtt.broker]);
-    if (mqtt.last_failure && mqtt.state != MqttState::connected) status.failure = text_of(*mqtt.last_failure);
+    if (mqtt.failure) status.failure = text_of(*mqtt.failure);
     status.mqtt = mqtt;
     if (!options_.commands) return;
     const auto counters = options_.commands->desk.counters();

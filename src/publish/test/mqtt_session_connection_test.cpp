@@ -323,6 +323,9 @@ TEST_F(MqttSessionConnection, ARefusedSubscriptionIsReportedAndMessagesAreSent) 
     EXPECT_FALSE(status().subscribed);
     EXPECT_EQ(status().last_failure->kind, MqttFailureKind::not_authorized);
     EXPECT_EQ(published(), "1");
+    acknowledge({"1"});
+    EXPECT_EQ(status().failure->text, "SUBACK") << "commands are refused until the next connection";
+    EXPECT_FALSE(status().refusing);
     event(MqttReceived{connection, {.topic = "cmd/a"}});
     EXPECT_FALSE(inbound.at(0).subscribed);
 }

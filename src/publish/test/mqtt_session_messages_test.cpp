@@ -112,12 +112,16 @@ TEST_F(MqttSessionMessages, ARefusedMessageIsSentAgainAfterAPauseAndSlowly) {
     acknowledge({"2"}, MqttReason::quota_exceeded);
     acknowledge({"3", "4"});
     EXPECT_EQ(source.cursor, 1U);
+    EXPECT_TRUE(status().refusing) << "other messages prove nothing";
+    EXPECT_EQ(status().failure->kind, MqttFailureKind::quota);
     EXPECT_EQ(published(), "");
     advance(999ms);
     EXPECT_EQ(published(), "");
     advance(1ms);
     EXPECT_EQ(published(), "2") << "one message at first";
     acknowledge({"2"});
+    EXPECT_FALSE(status().refusing);
+    EXPECT_FALSE(status().failure);
     EXPECT_EQ(published(), "3 4");
     acknowledge({"3"});
     EXPECT_EQ(published(), "5 6") << "the window has its size again";

@@ -43,17 +43,20 @@ struct MqttCounters {
 
 struct MqttStatus {
     MqttState state = MqttState::off;
-    Instant since{};                          ///< of the state
-    Instant next_attempt = kNever;            ///< backing_off and stopped only
-    std::size_t broker = 0;                   ///< index: of the connection, else of the next or last attempt
-    std::optional<MqttVersion> version;       ///< of the connection
-    bool subscribed = false;                  ///< the broker accepted all subscriptions of this connection
-    bool qos_0_only = false;                  ///< the broker takes QoS 0 only: delivery is not proved
-    bool retain_unavailable = false;          ///< the broker keeps no retained messages
-    std::chrono::seconds keep_alive{0};       ///< of the connection, possibly the broker's
-    std::size_t window = 0;                   ///< messages that may be in flight now
-    std::size_t in_flight = 0;                ///< messages that the broker has not acknowledged
-    std::size_t live_waiting = 0;             ///< live messages in the queue, those in flight included
+    Instant since{};                     ///< of the state
+    Instant next_attempt = kNever;       ///< backing_off and stopped only
+    std::size_t broker = 0;              ///< index: of the connection, else of the next or last attempt
+    std::optional<MqttVersion> version;  ///< of the connection
+    bool subscribed = false;             ///< the broker accepted all subscriptions of this connection
+    bool qos_0_only = false;             ///< the broker takes QoS 0 only: delivery is not proved
+    bool retain_unavailable = false;     ///< the broker keeps no retained messages
+    std::chrono::seconds keep_alive{0};  ///< of the connection, possibly the broker's
+    std::size_t window = 0;              ///< messages that may be in flight now
+    std::size_t in_flight = 0;           ///< messages that the broker has not acknowledged
+    std::size_t live_waiting = 0;        ///< live messages in the queue, those in flight included
+    bool refusing = false;  ///< the broker refuses a message of the source; it is sent again after pauses
+    /// That is not over, of the connection, else of a message, the subscriptions, or a live message.
+    std::optional<MqttFailure> failure;
     std::optional<MqttFailure> last_failure;  ///< of a connection, subscription or message
     Instant last_failure_at{};
     MqttCounters counters;
