@@ -7,6 +7,7 @@
 #include <openssl/x509v3.h>
 
 #include <array>
+#include <cstring>
 #include <vector>
 
 namespace takt::publish {
@@ -57,6 +58,7 @@ MosquittoTls::MosquittoTls(const MqttTls& files, const std::string& host)
     SSL_CTX_set_verify(context_.get(), SSL_VERIFY_PEER, on_certificate);
     SSL_CTX_set_info_callback(context_.get(), on_state);
     check_host();
+    ERR_clear_error();
     if (!load(files)) context_.reset();
     ERR_clear_error();
 }
@@ -98,7 +100,10 @@ bool MosquittoTls::load(const MqttTls& files) {
 }
 
 void MosquittoTls::fail_with_files(const std::string& subject) {
-    const char* reason = ERR_reason_error_string(ERR_peek_last_error());
+    // Of an error of the system, the last entry of the queue names a library only.
+    const auto first = ERR_peek_error();
+    const char* reason = ERR_SYSTEM_ERROR(first) ? std::strerror(ERR_GET_REASON(first))
+                                                 : ERR_reason_error_string(ERR_peek_last_error());
     failure_ =
         MqttFailure{MqttFailureKind::tls_files, {}, subject + ": " + (reason ? reason : "cannot be used")};
 }
