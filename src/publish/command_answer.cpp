@@ -26,6 +26,19 @@ CommandAnswer begun(const CommandRequest& request, std::int64_t wall_ns) {
     return answer;
 }
 
+/// The value as the request has it.
+Json given_value(const CommandRequest& request) {
+    if (!request.value) return {};
+    if (request.form != CommandRequest::ValueForm::other) return Json(*request.value);
+    return Json::parse(*request.value).value_or(Json(*request.value));
+}
+
+/// A variable that is written by its trigger or by `write` only has got the value, its device has not.
+bool is_unwritten(const host::Outcome& outcome, const host::Configuration& configuration) {
+    return outcome.kind == Kind::set && !outcome.error && outcome.result == value::CommandResult::done &&
+           configuration.variable_of(outcome.slot) != nullptr;
+}
+
 CommandEnd end_of(const host::Outcome& outcome) {
     if (outcome.error) return CommandEnd::refused;
     switch (outcome.result) {
@@ -77,7 +90,7 @@ CommandAnswer answer_of(const CommandRequest& request, const CommandRefused& ref
     answer.end = refused.why == CommandRefusal::expired ? CommandEnd::expired : CommandEnd::refused;
     answer.reason = name(refused.why);
     answer.detail = refused.detail;
-    if (request.value) answer.value = Json(*request.value);
+    answer.value = given_value(request);
     return answer;
 }
 
@@ -86,6 +99,7 @@ CommandAnswer answer_of(const CommandRequest& request, const host::Outcome& outc
     auto answer = begun(request, wall_ns);
     answer.end = end_of(outcome);
     answer.reason = reason_of(outcome);
+    if (answer.reason.empty() && is_unwritten(outcome, configuration)) answer.reason = "not_written";
     if (outcome.error) answer.detail = outcome.error->subject.view();
     const auto& info = configuration.info(outcome.slot);
     answer.value = json_of(info, outcome.value);

@@ -25,15 +25,18 @@ constexpr std::int64_t kWall = 1'795'487'400'000'000'000;  // 2026-11-24T02:30:0
 
 const std::string kPlant = host::test::project_with(
     host::test::line_of(
-        "main", host::test::boiler() + host::test::device_of("Pump", 2, host::test::variable_of("Speed", 0),
-                                                             ", poll_enable: run")),
+        "main",
+        host::test::boiler() + host::test::device_of("Pump", 2,
+                                                     host::test::variable_of("Speed", 0) +
+                                                         host::test::variable_of("Wish", 1, ", write: 0x06"),
+                                                     ", poll_enable: run")),
     "  - {name: run, type: bool}\n  - {name: go, type: bool}\n  - {name: note, type: string}\n"
     "  - {name: limit, type: int}\n  - {name: hidden, type: bool}\n");
 
 struct Desk {
     Desk() {
         CommandRights rights{.configuration = host::test::configuration_of(kPlant)};
-        for (const auto* name : {"Setpoint", "run", "go", "note", "limit"})
+        for (const auto* name : {"Setpoint", "Wish", "run", "go", "note", "limit"})
             rights.commandable.insert(*rights.configuration->find(name));
         rights.readable.insert(*rights.configuration->find("Level"));
         configuration = rights.configuration;
@@ -145,6 +148,33 @@ TEST(CommandDesk, RefusesByReason) {
         EXPECT_NE(answer.find(detail), std::string::npos) << rest << answer;
         EXPECT_EQ(desk.audit.size(), 1U);
         EXPECT_EQ(desk.desk.counters().refused, 1U);
+    }
+}
+
+TEST(CommandDesk, AnAnswerHasTheValueOfTheRequest) {
+    const struct {
+        std::string given;
+        std::string answered;
+    } cases[] = {{"1.5", "1.5"}, {"true", "true"}, {R"("5")", R"("5")"}, {"70000", "70000"}};
+    for (const auto& [given, answered] : cases) {
+        Desk desk;
+        ASSERT_TRUE(desk.give(request("a", R"("command":"set","variable":"Setpoint","value":)" + given)));
+        EXPECT_NE(desk.refusal().find(R"("value":)" + answered + ","), std::string::npos) << given;
+    }
+}
+
+TEST(CommandDesk, ASetVariableWithoutWriteOnChangeIsNotWritten) {
+    const struct {
+        std::string subject;
+        bool written;
+    } cases[] = {{"Wish", false}, {"limit", true}, {"Setpoint", true}};
+    for (const auto& [subject, written] : cases) {
+        Desk desk;
+        ASSERT_TRUE(desk.give(request("a", R"("command":"set","value":5,"variable":")" + subject + '"')));
+        desk.done(*desk.next());
+        const auto answer = desk.answer()->payload;
+        EXPECT_EQ(answer.find(R"("outcome":"done","reason":"not_written")") == std::string::npos, written)
+            << answer;
     }
 }
 
