@@ -24,17 +24,18 @@ std::string_view special_number(const value::Value& value) {
     return *number > 0 ? "infinity" : "-infinity";
 }
 
+void set_reason(Json& object, std::string_view key, value::Reason reason) {
+    object.set(key, value::name(reason));
+    if (value::is_exception(reason)) object.set("exception", value::status_code(reason) & 0xFFU);
+}
+
 void set_value(Json& object, const PlacedSample& placed) {
     const auto& sample = *placed.sample;
     object.set("value", host::to_json(placed.series->type, placed.series->scaled, sample.value));
     if (const auto special = special_number(sample.value); !special.empty()) object.set("special", special);
     if (!placed.series->unit.empty()) object.set("unit", placed.series->unit);
     object.set("quality", value::name(sample.quality));
-    if (sample.reason != value::Reason::ok) {
-        object.set("reason", value::name(sample.reason));
-        if (value::is_exception(sample.reason))
-            object.set("exception", value::status_code(sample.reason) & 0xFFU);
-    }
+    if (sample.reason != value::Reason::ok) set_reason(object, "reason", sample.reason);
     object.set("time", time_text(sample.wall_ns));
     if (sample.previous_wall_ns) object.set("after", time_text(*sample.previous_wall_ns));
     object.set("cause", name(sample.cause));
@@ -70,6 +71,7 @@ Json device_of(const model::Line& line, const model::Device& device, const poll:
     object.set("name", device.name);
     object.set("line", line.name);
     object.set("state", poll::name(state.state));
+    if (state.failure != value::Reason::ok) set_reason(object, "cause", state.failure);
     object.set("counters", counters_of(state.counters));
     return object;
 }
