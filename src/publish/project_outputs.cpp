@@ -206,8 +206,15 @@ store::JournalOptions journal_options(const model::Output& output) {
     return options;
 }
 
+/// Another one where there is another password, or the reason why there is none.
+std::uint64_t password_mark(const model::MqttSettings& settings, const std::string& project_file) {
+    const auto password = password_of(settings, project_file);
+    return password ? fnv1a(*password) : fnv1a(password.error(), 1);
+}
+
 /// All that the thread and the work of an output depend on: equal texts, equal work.
-std::string settings_text(const model::Output& output, const host::Configuration& configuration) {
+std::string settings_text(const model::Output& output, const host::Configuration& configuration,
+                          const std::string& project_file) {
     std::string text;
     const auto add = [&](const auto& part) {
         if constexpr (std::is_arithmetic_v<std::decay_t<decltype(part)>>)
@@ -221,6 +228,7 @@ std::string settings_text(const model::Output& output, const host::Configuration
          {mqtt.client_id, mqtt.user, mqtt.password_file, mqtt.password_env, mqtt.ca_file,
           mqtt.certificate_file, mqtt.key_file, mqtt.alpn, mqtt.control_topic, output.journal.directory})
         add(part);
+    add(password_mark(mqtt, project_file));
     add(static_cast<int>(output.transport));
     add(static_cast<int>(mqtt.version));
     add(mqtt.keep_alive.count());
@@ -267,7 +275,7 @@ std::vector<OutputSetup> project_outputs(const ProjectOutputsOptions& options,
     std::vector<OutputSetup> setups;
     for (const auto& output : configuration->project().outputs) {
         OutputSetup setup;
-        setup.settings = settings_text(output, *configuration);
+        setup.settings = settings_text(output, *configuration, options.project_file);
         setup.thread = {.name = output.name,
                         .directory = journal_folder(options.project_file, output),
                         .journal = journal_options(output),
