@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cstring>
 #include <fstream>
 #include <utility>
 
@@ -22,6 +23,13 @@ namespace {
 std::int64_t wall_ns(Instant t) {
     const auto since = line::wall_clock(t).time_since_epoch();
     return std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
+}
+
+std::string text_of(const Error& error) {
+    std::string text(name(error.code));
+    text += " " + std::string(error.subject.view());
+    if (error.numbers[0] > 0) text += std::string(": ") + std::strerror(static_cast<int>(error.numbers[0]));
+    return text;
 }
 
 Result<std::uint64_t> identity_in(const std::string& folder) {
@@ -74,6 +82,8 @@ Result<void> HistoryWork::append(const store::JournalEntry& entry) {
     history_->begin_record({identity_, entry.header.sequence});
     if (entry.gap) {
         const auto& gap = *entry.gap;
+        // The first start of a journal is no gap: nothing was recorded before.
+        if (gap.first_wall_ns == gap.last_wall_ns && gap.samples == 0) return {};
         history_->append(store::HistoryGap{gap.first_wall_ns, gap.last_wall_ns, gap.cause, gap.samples});
         return {};
     }
@@ -139,8 +149,7 @@ void HistoryWork::stop(Instant now) {
 void HistoryWork::report(Instant, OutputStatus& status) const {
     status.state = failure_ ? OutputState::waiting : OutputState::delivering;
     status.destination = path_;
-    if (failure_)
-        status.failure = std::string(name(failure_->code)) + " " + std::string(failure_->subject.view());
+    if (failure_) status.failure = text_of(*failure_);
 }
 
 }  // namespace takt::publish
