@@ -26,7 +26,9 @@ def check_gap(item, ledger):
     if gap["cause"] in DERIVED:
         befores = {text_of(record.wall_ns) for record in ledger.ending_at(item.first - 1)}
         afters = {(text_of(record.wall_ns), record.epoch) for record in ledger.beginning_at(next_number)}
-        require(gap["first"] in befores, "a derived gap does not begin at the record before", item, befores)
+        # Before the first record there is the first start, which may have written none.
+        from_start = item.first == 1 and text_of(ledger.starts[0][0]) <= gap["first"] <= min(befores)
+        require(gap["first"] in befores or from_start, "a derived gap does not begin at the record before", item, befores)
         require((gap["last"], item.epoch) in afters, "a derived gap does not end at the record after", item, afters)
         if gap["cause"] == "damaged":
             require((item.first, item.count) in ledger.holes, "a gap where nothing is damaged", item)
