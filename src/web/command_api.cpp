@@ -1,0 +1,219 @@
+#include "command_api.hpp"
+
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "command_preview.hpp"
+#include "live_values.hpp"
+#include "state_api.hpp"
+#include "takt/report/command_report.hpp"
+#include "takt/report/event_report.hpp"
+#include "takt/report/value_json.hpp"
+#include "takt/value/text.hpp"
+#include "takt/wire/words.hpp"
+
+namespace takt::web {
+namespace {
+
+using host::Command;
+using value::CommandResult;
+
+constexpr Duration kExpires = std::chrono::seconds(5);
+constexpr Duration kOutcomeLimit = std::chrono::seconds(8);
+constexpr Duration kSlice = std::chrono::milliseconds(100);
+constexpr std::size_t kMostBody = 64 << 10;
+
+/// The body of a command.
+struct Asked {
+    std::string kind;
+    std::string variable;
+    std::string value;
+};
+
+std::string text_of(const file::Json* value) {
+    if (!value || value->is_null()) return {};
+    if (const auto* const text = std::get_if<std::string>(&value->value())) return *text;
+    return value->dump();
+}
+
+std::optional<Asked> asked_of(const ApiRequest& request) {
+    const auto body = file::Json::parse(request.body, kMostBody);
+    if (!body) return std::nullopt;
+    const auto* const kind = body->find("kind");
+    const auto* const variable = body->find("variable");
+    if (!variable || !std::holds_alternative<std::string>(variable->value())) return std::nullopt;
+    return Asked{.kind = kind ? text_of(kind) : "write",
+                 .variable = text_of(variable),
+                 .value = text_of(body->find("value"))};
+}
+
+ApiResponse malformed(const ApiRequest& request) {
+    return ApiResponse::error(400, "body", request.texts("web.error.body"));
+}
+
+ApiResponse unknown_variable(const ApiRequest& request, const std::string& name) {
+    return ApiResponse::error(404, "variable", request.texts("web.error.variable", {{"name", name}}));
+}
+
+ApiResponse wrong_value(const ApiRequest& request, const Error& error) {
+    return ApiResponse::error(422, name(error.code), request.texts.describe(error));
+}
+
+std::string_view outcome_word(const host::Outcome& outcome) {
+    if (outcome.error) return "refused";
+    switch (outcome.result) {
+        case CommandResult::done: break;
+        case CommandResult::refused:
+        case CommandResult::queue_full: return "refused";
+        case CommandResult::unknown: return "unknown";
+        case CommandResult::expired: return "expired";
+    }
+    switch (outcome.progress) {
+        case host::Outcome::Progress::settled: return "done";
+        case host::Outcome::Progress::waiting: return "waiting";
+        case host::Outcome::Progress::superseded: break;
+    }
+    return "refused";
+}
+
+std::string outcome_text(const report::Texts& texts, const host::Configuration& configuration,
+                         const host::Outcome& outcome) {
+    if (outcome.error) return texts.describe(*outcome.error);
+    if (outcome.result != CommandResult::done)
+        return report::event_text(texts, configuration, {.body = host::WriteFinished{outcome}});
+    return texts("web.command." + std::string(outcome_word(outcome)),
+                 {{"name", configuration.info(outcome.slot).name},
+                  {"value", configuration.value_text(outcome.slot, outcome.value)}});
+}
+
+std::string reason_of(const host::Outcome& outcome) {
+    if (outcome.error) return std::string(name(outcome.error->code));
+    if (outcome.result == CommandResult::queue_full) return "queue_full";
+    if (outcome.progress == host::Outcome::Progress::superseded) return "superseded";
+    return report::reason_word(outcome.reason);
+}
+
+file::Json outcome_object(const report::Texts& texts, const host::Configuration& configuration,
+                          const host::Outcome& outcome) {
+    auto object = file::Json::object();
+    object.set("outcome", outcome_word(outcome));
+    object.set("reason", reason_of(outcome));
+    object.set("text", outcome_text(texts, configuration, outcome));
+    const auto& info = configuration.info(outcome.slot);
+    const auto set_value = [&](const char* key, const value::Value& value) {
+        if (!value::is_empty(value)) object.set(key, report::to_json(info.type, info.scaled, value));
+    };
+    set_value("written", outcome.written);
+    set_value("read_back", outcome.read_back);
+    if (outcome.rounded) object.set("rounded", true);
+    return object;
+}
+
+/// Commands of one request.
+class Sender {
+public:
+    Sender(std::unique_ptr<host::Session> session, const std::atomic<bool>& stopping)
+        : session_(std::move(session)), stopping_(stopping) {}
+
+    [[nodiscard]] const host::Configuration& configuration() const { return *session_->configuration(); }
+
+    /// Blocks until the outcome is there. @returns timed_out; the errors of submit()
+    Result<host::Outcome> send(Command command) {
+        static_cast<void>(session_->configuration());
+        command.expires = line::now() + kExpires;
+        TAKT_CHECK(session_->submit(command));
+        const Instant limit = line::now() + kOutcomeLimit;
+        while (line::now() < limit && !stopping_) {
+            session_->wait(kSlice);
+            if (auto outcome = session_->next_outcome()) return *std::move(outcome);
+        }
+        return fail(Code::timed_out, "command", kOutcomeLimit / std::chrono::milliseconds(1));
+    }
+
+private:
+    std::unique_ptr<host::Session> session_;
+    const std::atomic<bool>& stopping_;
+};
+
+/// A trigger fires when it goes from false to true; it is put back, so that it can fire again.
+Result<host::Outcome> fire(Sender& sender, value::SlotId slot) {
+    const auto set = [&](bool on) {
+        return sender.send({.kind = Command::Kind::set, .slot = slot, .value = on});
+    };
+    TAKT_TRY(const auto before, sender.send({.kind = Command::Kind::get, .slot = slot, .value = {}}));
+    if (value::same(before.value, true)) TAKT_CHECK(set(false));
+    TAKT_TRY(auto fired, set(true));
+    if (!fired.error) TAKT_CHECK(set(false));
+    return fired;
+}
+
+ApiResponse command_response(const HostAccess& host, const std::atomic<bool>& stopping,
+                             const ApiRequest& request) {
+    const auto asked = asked_of(request);
+    if (!asked) return malformed(request);
+    const bool trigger = asked->kind == "trigger";
+    if (!trigger && asked->kind != "set" && asked->kind != "write") return malformed(request);
+    auto session = host.open_session({.events = false});
+    if (!session) return host_error(request, session.error());
+    Sender sender(*std::move(session), stopping);
+    const auto slot = sender.configuration().find(asked->variable);
+    if (!slot) return unknown_variable(request, asked->variable);
+    const auto info = sender.configuration().info(*slot);
+    if (trigger && (!info.local || info.type != DataType::boolean)) return malformed(request);
+    Result<host::Outcome> outcome = fail(Code::unsupported);
+    if (trigger) {
+        outcome = fire(sender, *slot);
+    } else {
+        auto value = value::parse(info.type, info.scaled, asked->value);
+        if (!value) return wrong_value(request, value.error());
+        const bool write = asked->kind == "write" && !info.local;
+        outcome = sender.send({.kind = write ? Command::Kind::write : Command::Kind::set,
+                               .slot = *slot,
+                               .value = *std::move(value)});
+    }
+    if (!outcome) return host_error(request, outcome.error());
+    return ApiResponse::json(outcome_object(request.texts, sender.configuration(), *outcome));
+}
+
+ApiResponse preview_response(const HostAccess& host, const ApiRequest& request) {
+    const auto asked = asked_of(request);
+    if (!asked) return malformed(request);
+    const auto snapshot = take_snapshot(host, {.values = true, .statistics = true, .plan = true});
+    if (!snapshot) return host_error(request, snapshot.error());
+    const auto& configuration = *snapshot->configuration;
+    const auto slot = configuration.find(asked->variable);
+    if (!slot) return unknown_variable(request, asked->variable);
+    const auto& info = configuration.info(*slot);
+    const auto value = value::parse(info.type, info.scaled, asked->value);
+    if (!value) return wrong_value(request, value.error());
+    const auto shown = preview(*snapshot, *slot, *value);
+    if (!shown) return wrong_value(request, shown.error());
+    auto frames = file::Json::array();
+    for (const auto& frame : shown->frames) {
+        auto object = file::Json::object();
+        object.set("raw", wire::hex(frame.raw));
+        object.set("words", frame.words);
+        object.set("bus_time_us", std::chrono::ceil<std::chrono::microseconds>(frame.bus_time).count());
+        frames.push_back(std::move(object));
+    }
+    auto object = file::Json::object();
+    object.set("frames", std::move(frames));
+    object.set("value_written", report::to_json(info.type, info.scaled, shown->written));
+    object.set("rounded", shown->rounded);
+    return ApiResponse::json(object);
+}
+
+}  // namespace
+
+std::vector<ApiRoute> command_routes(const HostAccess& host, const std::atomic<bool>& stopping) {
+    using enum Method;
+    return {
+        {post, "/commands", true,
+         [&](const ApiRequest& request) { return command_response(host, stopping, request); }},
+        {post, "/commands/preview", false,
+         [&](const ApiRequest& request) { return preview_response(host, request); }},
+    };
+}
+
+}  // namespace takt::web

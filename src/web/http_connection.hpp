@@ -1,0 +1,116 @@
+// One connection of a browser: bytes to requests, answers and events to bytes.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "request_framing.hpp"
+#include "takt/base/engine.hpp"
+#include "takt/line/tcp_server.hpp"
+#include "takt/web/stream.hpp"
+
+namespace takt::web {
+
+/// A complete request.
+struct HttpRequest {
+    std::string head;  ///< RequestHead::text
+    std::string body;
+    std::string peer;  ///< address without the port
+};
+
+struct HttpReply {
+    std::string bytes;  ///< status line, fields and body
+    bool close = false;
+    std::unique_ptr<StreamSource> stream = {};  ///< sent behind `bytes`, to the end of the connection
+};
+
+/// A reply of the connection itself, which no handler has seen: `HTTP/1.1 STATUS …` with an empty body. Ends
+/// the connection.
+[[nodiscard]] std::string bare_reply(int status);
+
+/// An HTTP/1.1 connection as an engine (takt/base/engine.hpp): no sockets, no threads, no clock.
+///
+/// Requests are executed one after another. While one is executed or its answer is not sent, nothing is read.
+/// A request that is not complete in time is answered with 408. A rejected request ends the connection, after
+/// the input that is on its way has been dropped for a short time: closing at once could destroy the answer.
+class HttpConnection final : public line::Session, private Engine {
+public:
+    struct Limits {
+        FramingLimits framing;
+        Duration idle = std::chrono::seconds(20);     ///< without a request
+        Duration request = std::chrono::seconds(10);  ///< from the first byte of a request to its end
+        Duration body = std::chrono::seconds(60);     ///< likewise of a request with a body over 64 KiB
+        Duration linger = std::chrono::seconds(1);
+    };
+    /// Starts a request; answer() is called later, on the thread of the connection.
+    /// @returns 0, or the status of a request that cannot be executed now
+    using Execute = std::function<int(HttpConnection&, HttpRequest)>;
+    /// Counts the bytes that the connections hold. @returns whether `change` more are admitted
+    using Reserve = std::function<bool(std::ptrdiff_t change)>;
+
+    /// @param peer  "10.0.0.5:49152"
+    HttpConnection(const Limits& limits, std::string_view peer, Instant t, Execute execute, Reserve reserve,
+                   std::function<void()> on_destroyed);
+    ~HttpConnection() override;
+    HttpConnection(const HttpConnection&) = delete;
+    HttpConnection& operator=(const HttpConnection&) = delete;
+
+    void answer(Instant t, HttpReply reply);
+    [[nodiscard]] bool streams() const { return stream_ != nullptr; }
+    /// Fetches bytes and wake-up again. Not from inside of a call of the engine.
+    void poke() const;
+
+    // line::Session
+    [[nodiscard]] Engine& engine() override { return *this; }
+    [[nodiscard]] std::size_t wants_bytes() const override;
+    [[nodiscard]] bool finished() const override;
+    [[nodiscard]] bool drained() const override;
+    [[nodiscard]] Instant last_received() const override;
+    void attach(std::function<void()> poke) override { poke_ = std::move(poke); }
+
+private:
+    enum class State {
+        receiving,
+        executing,
+        sending,
+        lingering,  ///< the last answer is sent
+        finished,
+    };
+
+    void on_link(Instant t, bool up) override;
+    void on_bytes(Instant t, Bytes bytes) override;
+    void on_tick(Instant t) override;
+    [[nodiscard]] Bytes transmit(Instant t) override;
+    [[nodiscard]] Instant next_wakeup() const override { return deadline_; }
+
+    void receive(Instant t);
+    void reject(int status);
+    void begin_request(Instant t);
+    void sent(Instant t);
+    [[nodiscard]] Bytes next_chunk();
+    void hold(std::size_t bytes);
+
+    Limits limits_;
+    std::string peer_;
+    Execute execute_;
+    Reserve reserve_;
+    std::function<void()> on_destroyed_;
+    std::function<void()> poke_;
+    State state_ = State::receiving;
+    Instant deadline_;
+    Instant last_received_;
+    std::string input_;
+    std::size_t scanned_ = 0;          // of input_, without an end of a head
+    std::optional<RequestHead> head_;  // of the request whose body is being received
+    std::string output_;
+    std::size_t taken_ = 0;  // of output_, by the driver
+    bool close_ = false;     // behind output_
+    std::unique_ptr<StreamSource> stream_;
+    std::size_t held_ = 0;  // bytes counted by reserve_
+};
+
+}  // namespace takt::web

@@ -1,0 +1,45 @@
+// The page and the API of a running project: everything behind one address.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "takt/web/host_access.hpp"
+#include "takt/web/web_server.hpp"
+
+namespace takt::web {
+
+struct WebFaceOptions {
+    WebServerOptions server;
+    HostAccess host;
+    std::string project;  ///< its name for people
+    std::string version;  ///< of the program
+    bool demo = false;
+    bool editable = false;              ///< the project can be saved: PUT /project works
+    bool history = false;               ///< the project has a history
+    std::vector<ApiRoute> routes = {};  ///< further ones
+};
+
+/// A face of a host like every other: it has sessions, and nothing that it does holds up the I/O thread.
+class WebFace {
+public:
+    /// @returns as WebServer::start()
+    [[nodiscard]] static Result<std::unique_ptr<WebFace>> start(WebFaceOptions options);
+    /// stop()
+    ~WebFace();
+    WebFace(const WebFace&) = delete;
+    WebFace& operator=(const WebFace&) = delete;
+
+    /// Ends all streams, and waits for requests that are being executed. Before the host stops.
+    void stop();
+
+    [[nodiscard]] std::string url() const;
+
+private:
+    struct Impl;
+    explicit WebFace(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace takt::web

@@ -1,0 +1,84 @@
+#include "requests_json.hpp"
+
+#include <optional>
+
+#include "takt/report/formatting.hpp"
+
+namespace takt::web {
+namespace {
+
+file::Json function_json(const std::optional<wire::Function>& function) {
+    return function ? file::Json(static_cast<int>(*function)) : file::Json();
+}
+
+file::Json microseconds_or_null(Duration time, bool known) {
+    return known ? file::Json(report::whole_microseconds(time)) : file::Json();
+}
+
+file::Json names_of(const model::Device& device, const plan::Request& request) {
+    auto names = file::Json::array();
+    for (const auto variable : request.variables) names.push_back(device.variables[variable].name);
+    return names;
+}
+
+void set_counters(file::Json& object, const poll::RequestStatistics& statistics) {
+    const auto& counters = statistics.counters;
+    object.set("period_ms",
+               statistics.period ? file::Json(report::milliseconds(*statistics.period)) : file::Json());
+    object.set("real_period_ms", statistics.real_period.count() > 0
+                                     ? file::Json(report::milliseconds(statistics.recent_period))
+                                     : file::Json());
+    object.set("sent", counters.sent);
+    object.set("answered", counters.answered);
+    object.set("timeouts", counters.timeouts);
+    object.set("faults", counters.checksums + counters.unexpected + counters.ambiguous);
+    object.set("exceptions", counters.exceptions);
+    const bool measured = counters.time.count() > 0;
+    object.set("mean_us", microseconds_or_null(counters.time.mean(), measured));
+    object.set("p50_us", file::Json());
+    object.set("p99_us", file::Json());
+    object.set("longest_us", microseconds_or_null(counters.time.max(), measured));
+    object.set("histogram", file::Json::array());
+}
+
+file::Json request_json(const model::Line& line, const plan::Request& request,
+                        const poll::RequestStatistics& statistics) {
+    const auto& device = line.devices[request.device];
+    auto object = file::Json::object();
+    object.set("device", device.name);
+    object.set("unit", device.address.value);
+    object.set("function", function_json(request.read));
+    object.set("write_function", function_json(request.write));
+    object.set("start", request.start);
+    object.set("quantity", request.quantity);
+    object.set("variables", names_of(device, request));
+    set_counters(object, statistics);
+    object.set("planned_us", report::whole_microseconds(request.bus_time));
+    return object;
+}
+
+}  // namespace
+
+file::Json requests_json(const host::Snapshot& snapshot) {
+    auto lines = file::Json::array();
+    const auto& project = snapshot.configuration->project();
+    for (std::size_t i = 0; i < snapshot.lines.size(); ++i) {
+        const auto& line = snapshot.lines[i];
+        auto object = file::Json::object();
+        object.set("name", project.lines[i].name);
+        object.set("utilization", line.statistics.recent_utilization);
+        object.set("cycle_us", report::whole_microseconds(line.statistics.planned_cycle));
+        object.set("measured_cycle_us", microseconds_or_null(line.statistics.measured_cycle,
+                                                             line.statistics.measured_cycle > Duration{}));
+        auto requests = file::Json::array();
+        for (std::size_t r = 0; line.plan && r < line.plan->requests.size() && r < line.requests.size(); ++r)
+            requests.push_back(request_json(project.lines[i], line.plan->requests[r], line.requests[r]));
+        object.set("requests", std::move(requests));
+        lines.push_back(std::move(object));
+    }
+    auto object = file::Json::object();
+    object.set("lines", std::move(lines));
+    return object;
+}
+
+}  // namespace takt::web

@@ -1,0 +1,81 @@
+#include "state_api.hpp"
+
+#include "live_hub.hpp"
+#include "requests_json.hpp"
+#include "takt/report/state_report.hpp"
+#include "takt/report/value_json.hpp"
+#include "wall_time.hpp"
+#include "why.hpp"
+
+namespace takt::web {
+namespace {
+
+ApiResponse info_response(const HostAccess& host, const ProgramInfo& info) {
+    auto object = file::Json::object();
+    object.set("project", info.project);
+    object.set("version", info.version);
+    object.set("started", utc_text(host.started));
+    object.set("now", utc_text(line::now()));
+    object.set("demo", info.demo);
+    object.set("allow_write", info.allow_write);
+    object.set("editable", info.editable);
+    object.set("history", info.history);
+    object.set("generation", host.configuration()->generation());
+    return ApiResponse::json(object);
+}
+
+ApiResponse status_response(const HostAccess& host, const ApiRequest& request) {
+    const auto snapshot = take_snapshot(host, {.values = true, .statistics = true});
+    if (!snapshot) return host_error(request, snapshot.error());
+    return ApiResponse::json(status_object(request.texts, *snapshot, host));
+}
+
+ApiResponse values_response(const HostAccess& host, const ApiRequest& request) {
+    const auto snapshot = take_snapshot(host, {.values = true, .statistics = true});
+    if (!snapshot) return host_error(request, snapshot.error());
+    return ApiResponse::json(
+        report::values_json(*snapshot, utc_text(snapshot->t), request.parameter("pattern")));
+}
+
+ApiResponse requests_response(const HostAccess& host, const ApiRequest& request) {
+    const auto snapshot = take_snapshot(host, {.values = false, .statistics = true, .plan = true});
+    if (!snapshot) return host_error(request, snapshot.error());
+    return ApiResponse::json(requests_json(*snapshot));
+}
+
+ApiResponse why_response(const HostAccess& host, const ApiRequest& request) {
+    const auto snapshot = take_snapshot(host, {.values = true, .statistics = true, .plan = true});
+    if (!snapshot) return host_error(request, snapshot.error());
+    const auto slot = snapshot->configuration->find(request.parameter("variable"));
+    if (!slot) {
+        return ApiResponse::error(
+            404, "variable",
+            request.texts("web.error.variable", {{"name", std::string(request.parameter("variable"))}}));
+    }
+    return ApiResponse::json(why_json(request.texts, *snapshot, *slot));
+}
+
+}  // namespace
+
+Result<host::Snapshot> take_snapshot(const HostAccess& host, const host::SnapshotParts& parts) {
+    TAKT_TRY(const auto session, host.open_session({.events = false}));
+    return session->snapshot(parts, std::chrono::seconds(3));
+}
+
+ApiResponse host_error(const ApiRequest& request, const Error& error) {
+    return ApiResponse::error(503, name(error.code), request.texts.describe(error));
+}
+
+std::vector<ApiRoute> state_routes(const HostAccess& host, const ProgramInfo& info) {
+    using enum Method;
+    return {
+        {get, "/info", false, [&](const ApiRequest&) { return info_response(host, info); }},
+        {get, "/status", false, [&](const ApiRequest& request) { return status_response(host, request); }},
+        {get, "/values", false, [&](const ApiRequest& request) { return values_response(host, request); }},
+        {get, "/requests", false,
+         [&](const ApiRequest& request) { return requests_response(host, request); }},
+        {get, "/why", false, [&](const ApiRequest& request) { return why_response(host, request); }},
+    };
+}
+
+}  // namespace takt::web

@@ -1,0 +1,160 @@
+#include "traffic_hub.hpp"
+
+#include <deque>
+#include <map>
+#include <utility>
+
+#include "pcapng.hpp"
+#include "takt/line/loop.hpp"
+
+namespace takt::web {
+namespace {
+
+constexpr auto kTick = std::chrono::milliseconds(100);
+constexpr Duration kKeepAlive = std::chrono::seconds(10);
+constexpr int kMostRecords = 1'000'000;  // in a tick
+
+std::string missed_event(std::uint64_t count) {
+    auto object = file::Json::object();
+    object.set("count", count);
+    return event_text("missed", object.dump());
+}
+
+}  // namespace
+
+class TrafficHub::Stream final : public StreamSource {
+public:
+    /// @param shared  locked
+    explicit Stream(std::shared_ptr<Shared> shared)
+        : shared_(std::move(shared)), cursor_(shared_->frames.end()) {}
+    ~Stream() override {
+        const std::lock_guard lock(shared_->mutex);
+        --shared_->streams;
+    }
+
+    bool take(std::string& out) override {
+        const std::lock_guard lock(shared_->mutex);
+        if (shared_->ended) return false;
+        if (shared_->frames.read(cursor_, text::Language::english, out)) return true;
+        const auto& begin = shared_->frames.begin();
+        out += missed_event(begin.items - cursor_.items);
+        cursor_ = begin;
+        return true;
+    }
+
+private:
+    std::shared_ptr<Shared> shared_;
+    EventFrames::Cursor cursor_;
+};
+
+TrafficHub::TrafficHub(HostAccess host, std::function<void()> poke)
+    : host_(std::move(host)), poke_(std::move(poke)), thread_([this] { work(); }) {}
+
+TrafficHub::~TrafficHub() {
+    end();
+}
+
+void TrafficHub::end() {
+    {
+        const std::lock_guard lock(shared_->mutex);
+        shared_->ended = true;
+    }
+    shared_->changed.notify_all();
+    if (thread_.joinable()) thread_.join();
+}
+
+std::unique_ptr<StreamSource> TrafficHub::open() {
+    std::unique_ptr<StreamSource> stream;
+    {
+        const std::lock_guard lock(shared_->mutex);
+        if (shared_->ended || shared_->streams >= kMostStreams) return nullptr;
+        ++shared_->streams;
+        stream = std::make_unique<Stream>(shared_);
+    }
+    shared_->changed.notify_all();
+    return stream;
+}
+
+void TrafficHub::work() {
+    while (wait_for_stream()) {
+        if (!reader_) connect();
+        if (reader_) tick();
+        std::unique_lock lock(shared_->mutex);
+        if (shared_->changed.wait_for(lock, kTick, [this] { return shared_->ended; })) return;
+    }
+}
+
+bool TrafficHub::wait_for_stream() {
+    std::unique_lock lock(shared_->mutex);
+    if (shared_->streams == 0 && !shared_->ended) {
+        shared_->frames.clear();
+        lock.unlock();
+        reader_.reset();
+        lock.lock();
+    }
+    shared_->changed.wait(lock, [this] { return shared_->ended || shared_->streams > 0; });
+    return !shared_->ended;
+}
+
+void TrafficHub::connect() {
+    auto session = host_.open_session({.events = false, .traffic = true});
+    if (!session) return;
+    reader_.emplace(*std::move(session));
+    missed_ = 0;
+}
+
+void TrafficHub::tick() {
+    const WallTime clock;
+    file::Json::Array frames;
+    std::uint64_t left_out = 0;
+    for (int count = 0; count < kMostRecords; ++count) {
+        const auto frame = reader_->next();
+        if (!frame) break;
+        if (frames.size() < kMostFrames)
+            frames.push_back(frame->json(clock));
+        else
+            ++left_out;
+    }
+    left_out += reader_->missed() - std::exchange(missed_, reader_->missed());
+    const auto items = frames.size();
+    if (items > 0) push(event_text("frames", file::Json(std::move(frames)).dump()), items);
+    if (left_out > 0) push(missed_event(left_out), 0);
+    if (line::now() - last_frame_ >= kKeepAlive) push(": keep-alive\n\n", 0);
+    poke_();
+}
+
+void TrafficHub::push(std::string text, std::size_t items) {
+    last_frame_ = line::now();
+    const std::lock_guard lock(shared_->mutex);
+    shared_->frames.push(std::move(text), items);
+}
+
+Result<std::string> TrafficHub::capture() const {
+    TAKT_TRY(auto session, host_.open_session({.events = false, .traffic = true, .from_beginning = true}));
+    TrafficReader reader(std::move(session));
+    std::deque<TrafficFrame> last;
+    for (int count = 0; count < kMostRecords; ++count) {
+        auto frame = reader.next();
+        if (!frame) break;
+        if (frame->record.pdu.empty()) continue;  // dropped bytes
+        last.push_back(*std::move(frame));
+        if (last.size() > kMostCaptured) last.pop_front();
+    }
+    const WallTime clock;
+    PcapngWriter writer;
+    std::map<std::pair<host::TrafficSource::Kind, std::size_t>, std::size_t> numbers;
+    for (const auto& frame : last) {
+        const auto& record = frame.record;
+        const auto number = numbers.try_emplace({record.source.kind, record.source.index}, numbers.size());
+        const auto comment = frame.line + (frame.device.empty() ? "" : " / " + frame.device);
+        writer.add({.wall_ns = clock.ns(record.t),
+                    .line = number.first->second,
+                    .request = frame.request,
+                    .unit = record.unit.value,
+                    .pdu = record.pdu,
+                    .comment = comment});
+    }
+    return writer.bytes();
+}
+
+}  // namespace takt::web

@@ -1,0 +1,69 @@
+// The frames on the lines for all browsers.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "event_frames.hpp"
+#include "takt/web/host_access.hpp"
+#include "takt/web/stream.hpp"
+#include "traffic_reader.hpp"
+
+namespace takt::web {
+
+/// GET /traffic, GET /traffic/capture. One thread with one tap for all streams; without streams the tap is
+/// closed. Frames that a slow browser, or this thread, could not take are counted in the event `missed`.
+class TrafficHub {
+public:
+    static constexpr std::size_t kMostStreams = 16;
+    static constexpr std::size_t kMostFrames = 1000;  ///< in one event, of a tenth of a second
+    static constexpr std::size_t kMostCaptured = 10'000;
+
+    /// @param poke  called on the hub's thread when streams have something to take
+    TrafficHub(HostAccess host, std::function<void()> poke);
+    /// Ends the thread and all streams. A second call does nothing.
+    void end();
+    /// end(). The streams may outlive the hub.
+    ~TrafficHub();
+    TrafficHub(const TrafficHub&) = delete;
+    TrafficHub& operator=(const TrafficHub&) = delete;
+
+    /// Any thread. @returns nullptr: kMostStreams are open
+    [[nodiscard]] std::unique_ptr<StreamSource> open();
+
+    /// The last frames that a tap saw, as pcapng. Any thread. @returns the errors of open_session
+    [[nodiscard]] Result<std::string> capture() const;
+
+private:
+    class Stream;
+
+    struct Shared {
+        std::mutex mutex;
+        std::condition_variable changed;
+        EventFrames frames{256, std::size_t{8} << 20};
+        std::size_t streams = 0;
+        bool ended = false;
+    };
+
+    void work();
+    bool wait_for_stream();
+    void connect();
+    void tick();
+    void push(std::string text, std::size_t items);
+
+    HostAccess host_;
+    std::function<void()> poke_;
+    std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
+    std::optional<TrafficReader> reader_;  // of the thread, as all below
+    std::uint64_t missed_ = 0;
+    Instant last_frame_;
+    std::thread thread_;
+};
+
+}  // namespace takt::web

@@ -1,0 +1,111 @@
+#include "takt/web/web_face.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <iterator>
+#include <utility>
+
+#include "command_api.hpp"
+#include "live_hub.hpp"
+#include "openapi.hpp"
+#include "state_api.hpp"
+#include "traffic_hub.hpp"
+
+namespace takt::web {
+namespace {
+
+ApiResponse capture_response(const TrafficHub& traffic, const ApiRequest& request) {
+    auto bytes = traffic.capture();
+    if (!bytes) return host_error(request, bytes.error());
+    return {.content_type = "application/x-pcapng", .body = *std::move(bytes), .file_name = "takt.pcapng"};
+}
+
+ApiResponse openapi_response() {
+    return {.body = std::string(openapi_text())};
+}
+
+}  // namespace
+
+struct WebFace::Impl {
+    explicit Impl(WebFaceOptions options)
+        : host(std::move(options.host)),
+          info{.project = std::move(options.project),
+               .version = std::move(options.version),
+               .demo = options.demo,
+               .allow_write = options.server.allow_write,
+               .editable = options.editable,
+               .history = options.history},
+          further(std::move(options.routes)),
+          serving(std::move(options.server)) {}
+
+    HostAccess host;
+    ProgramInfo info;
+    std::vector<ApiRoute> further;
+    WebServerOptions serving;
+    std::atomic<bool> stopping = false;
+    std::atomic<WebServer*> target = nullptr;  // of the hubs
+    std::unique_ptr<LiveHub> live;
+    std::unique_ptr<TrafficHub> traffic;
+    std::unique_ptr<WebServer> server;
+
+    Result<void> begin() {
+        const auto poke = [this] {
+            if (auto* const running = target.load()) running->poke();
+        };
+        live = std::make_unique<LiveHub>(host, poke);
+        traffic = std::make_unique<TrafficHub>(host, poke);
+        TAKT_TRY(server, WebServer::start(serving, routes(), streams()));
+        target = server.get();
+        return {};
+    }
+
+    std::vector<ApiRoute> routes() {
+        auto all = state_routes(host, info);
+        const auto append = [&all](std::vector<ApiRoute> more) {
+            std::ranges::move(more, std::back_inserter(all));
+        };
+        append(command_routes(host, stopping));
+        append(std::move(further));
+        all.push_back({Method::get, "/traffic/capture", false,
+                       [this](const ApiRequest& request) { return capture_response(*traffic, request); }});
+        all.push_back(
+            {Method::get, "/openapi.json", false, [](const ApiRequest&) { return openapi_response(); }});
+        return all;
+    }
+
+    std::vector<StreamRoute> streams() {
+        return {
+            {"/stream", [this](const ApiRequest& request) { return live->open(request.texts.language()); }},
+            {"/traffic", [this](const ApiRequest&) { return traffic->open(); }}};
+    }
+
+    // The hubs poke the server, and the server's threads use the hubs: their threads end before anything is
+    // destroyed.
+    void stop() {
+        stopping = true;
+        if (live) live->end();
+        if (traffic) traffic->end();
+        if (server) server->stop();
+    }
+};
+
+WebFace::WebFace(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+WebFace::~WebFace() {
+    impl_->stop();
+}
+
+Result<std::unique_ptr<WebFace>> WebFace::start(WebFaceOptions options) {
+    std::unique_ptr<WebFace> face(new WebFace(std::make_unique<Impl>(std::move(options))));
+    TAKT_CHECK(face->impl_->begin());
+    return face;
+}
+
+void WebFace::stop() {
+    impl_->stop();
+}
+
+std::string WebFace::url() const {
+    return impl_->server->url();
+}
+
+}  // namespace takt::web

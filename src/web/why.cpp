@@ -1,0 +1,252 @@
+#include "why.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "takt/report/formatting.hpp"
+
+namespace takt::web {
+namespace {
+
+using Kind = WhyHop::Kind;
+using State = WhyHop::State;
+
+constexpr double kBusy = 0.95;  // of the line: requests wait for each other
+
+std::string_view word(Kind kind) {
+    switch (kind) {
+        case Kind::enable: return "enable";
+        case Kind::period: return "period";
+        case Kind::trigger: return "trigger";
+        case Kind::queue: return "queue";
+        case Kind::line: return "line";
+        case Kind::device: return "device";
+        case Kind::back_off: return "back_off";
+    }
+    return "";
+}
+
+std::string_view word(State state) {
+    switch (state) {
+        case State::ok: return "ok";
+        case State::wait: return "wait";
+        case State::trouble: return "trouble";
+    }
+    return "";
+}
+
+/// The hops of a variable of a device.
+class Way {
+public:
+    Way(const host::Snapshot& snapshot, value::SlotId slot, const value::VariableIndex& index)
+        : snapshot_(snapshot),
+          slot_(snapshot.values.at(slot.value)),
+          index_(index),
+          project_(snapshot.configuration->project()),
+          line_(project_.lines[index.line]),
+          device_(line_.devices[index.device]),
+          variable_(device_.variables[index.variable]),
+          state_(snapshot.lines.at(index.line)) {}
+
+    std::vector<WhyHop> hops() {
+        if (!variable_.read) return {{Kind::period, State::wait, "web.why.not_read"}};
+        if (!variable_.used) return {{Kind::period, State::wait, "web.why.not_used"}};
+        enable();
+        period();
+        queue();
+        link();
+        device();
+        back_off();
+        return std::move(hops_);
+    }
+
+private:
+    void enable() {
+        if (!device_.poll_enable) return;
+        const auto slot = snapshot_.configuration->slots().local(*device_.poll_enable);
+        const bool on = value::same(snapshot_.values.at(slot.value).value, true);
+        hops_.push_back({Kind::enable,
+                         on ? State::ok : State::wait,
+                         on ? "web.why.enabled" : "web.why.switched_off",
+                         {{"device", device_.name}, {"local", project_.locals[*device_.poll_enable].name}}});
+    }
+
+    [[nodiscard]] bool is_polled() const {
+        if (!state_.plan) return true;
+        return std::ranges::any_of(state_.plan->requests, [this](const plan::Request& request) {
+            return request.device == index_.device && request.read && request.period &&
+                   std::ranges::find(request.variables, index_.variable) != request.variables.end();
+        });
+    }
+
+    [[nodiscard]] const poll::VariableStatistics* statistics() const {
+        std::size_t at = index_.variable;
+        for (std::size_t device = 0; device < index_.device; ++device)
+            at += line_.devices[device].variables.size();
+        return at < state_.variables.size() ? &state_.variables[at] : nullptr;
+    }
+
+    void period() {
+        if (variable_.read_trigger)
+            hops_.push_back({Kind::trigger,
+                             is_polled() ? State::ok : State::wait,
+                             is_polled() ? "web.why.also_trigger" : "web.why.trigger",
+                             {{"local", project_.locals[*variable_.read_trigger].name}}});
+        if (!is_polled()) return;
+        const auto* const measured = statistics();
+        const bool overrun = measured && measured->overrun;
+        const auto set = variable_.period;
+        const auto real = measured ? measured->recent_period : Duration{};
+        if (set == Duration{}) {
+            hops_.push_back({Kind::period,
+                             State::ok,
+                             "web.why.period_free",
+                             {{"real", report::milliseconds_text(real)}},
+                             real});
+            return;
+        }
+        hops_.push_back(
+            {Kind::period,
+             overrun ? State::trouble : State::ok,
+             overrun ? "web.why.overrun" : "web.why.period",
+             {{"period", report::milliseconds_text(set)}, {"real", report::milliseconds_text(real)}},
+             overrun ? real : set});
+    }
+
+    void queue() {
+        const auto& line = state_.statistics;
+        const bool busy = line.recent_utilization >= kBusy;
+        const auto cycle = line.measured_cycle > Duration{} ? line.measured_cycle : line.planned_cycle;
+        hops_.push_back({Kind::queue,
+                         busy ? State::trouble : State::ok,
+                         busy ? "web.why.busy" : "web.why.queue",
+                         {{"line", line_.name},
+                          {"load", report::percent_text(line.recent_utilization)},
+                          {"cycle", report::milliseconds_text(cycle)}},
+                         cycle});
+    }
+
+    void link() {
+        if (state_.up) {
+            hops_.push_back({Kind::line, State::ok, "web.why.connected", {{"line", line_.name}}});
+            return;
+        }
+        hops_.push_back({.kind = Kind::line,
+                         .state = State::trouble,
+                         .text = state_.was_up ? "web.why.lost" : "web.why.never_connected",
+                         .arguments = {{"line", line_.name}},
+                         .error = state_.why});
+    }
+
+    void device() {
+        if (!state_.up || index_.device >= state_.devices.size()) return;
+        const auto& its = state_.devices[index_.device];
+        const auto time = its.recent_time;
+        WhyHop hop{.kind = Kind::device,
+                   .text = "web.why.answers",
+                   .arguments = {{"device", device_.name}, {"time", report::milliseconds_text(time)}},
+                   .time = time};
+        if (its.state == poll::DeviceState::not_answering) {
+            hop = {.kind = Kind::device,
+                   .state = State::trouble,
+                   .text = "web.why.silent",
+                   .arguments = {{"device", device_.name}},
+                   .reason = its.failure};
+        } else if (its.state == poll::DeviceState::unknown) {
+            hop = {.kind = Kind::device,
+                   .state = State::wait,
+                   .text = "web.why.not_asked",
+                   .arguments = {{"device", device_.name}}};
+        } else if (value::is_exception(slot_.reason)) {
+            hop.state = State::trouble;
+            hop.text = "web.why.refuses";
+            hop.reason = slot_.reason;
+        } else if (slot_.reason != value::Reason::ok && its.state == poll::DeviceState::answering) {
+            hop.state = State::trouble;
+            hop.text = "web.why.fails";
+            hop.reason = slot_.reason;
+        } else if (its.state == poll::DeviceState::switched_off) {
+            return;
+        }
+        hops_.push_back(std::move(hop));
+    }
+
+    void back_off() {
+        if (!state_.up || index_.device >= state_.devices.size() ||
+            state_.devices[index_.device].state != poll::DeviceState::not_answering)
+            return;
+        const auto pause = device_.backoff.value_or(project_.backoff);
+        hops_.push_back({Kind::back_off,
+                         State::wait,
+                         "web.why.back_off",
+                         {{"device", device_.name},
+                          {"first", report::seconds_text(pause.first)},
+                          {"limit", report::seconds_text(pause.limit)}},
+                         pause.limit});
+    }
+
+    const host::Snapshot& snapshot_;
+    const value::Slot& slot_;
+    value::VariableIndex index_;
+    const model::Project& project_;
+    const model::Line& line_;
+    const model::Device& device_;
+    const model::Variable& variable_;
+    const host::Snapshot::Line& state_;
+    std::vector<WhyHop> hops_;
+};
+
+file::Json hop_json(const report::Texts& texts, WhyHop hop) {
+    if (hop.error) hop.arguments.emplace_back("error", texts.describe(*hop.error));
+    if (hop.text == "web.why.lost" || hop.text == "web.why.never_connected")
+        if (!hop.error) hop.arguments.emplace_back("error", "–");
+    if (hop.reason) hop.arguments.emplace_back("reason", texts.quality(value::Quality::bad, *hop.reason));
+    auto object = file::Json::object();
+    object.set("hop", word(hop.kind));
+    object.set("state", word(hop.state));
+    object.set("text", texts(hop.text, hop.arguments));
+    if (hop.time && *hop.time > Duration{}) object.set("ms", report::milliseconds(*hop.time));
+    return object;
+}
+
+std::optional<Duration> proved_age(const host::Configuration& configuration,
+                                   const value::VariableIndex& index) {
+    const auto& ages = configuration.plan().lines.at(index.line).ages;
+    if (index.device >= ages.size()) return std::nullopt;
+    return ages[index.device].at(index.variable);
+}
+
+file::Json milliseconds_or_null(const std::optional<Duration>& time) {
+    return time ? file::Json(report::milliseconds(*time)) : file::Json();
+}
+
+}  // namespace
+
+std::vector<WhyHop> why(const host::Snapshot& snapshot, value::SlotId slot) {
+    const auto owner = snapshot.configuration->slots().owner(slot);
+    if (const auto* const index = std::get_if<value::VariableIndex>(&owner))
+        return Way(snapshot, slot, *index).hops();
+    return {{Kind::period, State::ok, "web.why.local"}};
+}
+
+file::Json why_json(const report::Texts& texts, const host::Snapshot& snapshot, value::SlotId slot) {
+    const auto& its = snapshot.values.at(slot.value);
+    std::optional<Duration> age;
+    if (its.good_at) age = std::max(Duration{}, snapshot.t - *its.good_at);
+    std::optional<Duration> proved;
+    const auto owner = snapshot.configuration->slots().owner(slot);
+    if (const auto* const index = std::get_if<value::VariableIndex>(&owner))
+        proved = proved_age(*snapshot.configuration, *index);
+    auto hops = file::Json::array();
+    for (auto& hop : why(snapshot, slot)) hops.push_back(hop_json(texts, std::move(hop)));
+    auto object = file::Json::object();
+    object.set("variable", snapshot.configuration->info(slot).name);
+    object.set("quality", value::name(its.quality));
+    object.set("age_ms", milliseconds_or_null(age));
+    object.set("proved_age_ms", milliseconds_or_null(proved));
+    object.set("hops", std::move(hops));
+    return object;
+}
+
+}  // namespace takt::web
