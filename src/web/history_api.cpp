@@ -1,0 +1,164 @@
+#include "takt/web/history_api.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <expected>
+#include <optional>
+#include <utility>
+
+#include "takt/publish/project_outputs.hpp"
+#include "takt/report/history_report.hpp"
+#include "takt/report/history_time.hpp"
+#include "takt/store/history_reader.hpp"
+
+namespace takt::web {
+namespace {
+
+using store::HistoryReader;
+using store::HistorySeriesInfo;
+using Arguments = report::Texts::Arguments;
+
+ApiResponse refused(const ApiRequest& request, int status, std::string_view code,
+                    const Arguments& arguments = {}) {
+    return ApiResponse::error(status, code, request.texts("web.history." + std::string(code), arguments));
+}
+
+ApiResponse failed(const ApiRequest& request, const Error& error) {
+    return ApiResponse::error(error.code == Code::not_found ? 404 : 500, "history",
+                              request.texts.describe(error));
+}
+
+template <class Number>
+std::optional<Number> parsed(std::string_view text) {
+    Number number{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return number;
+}
+
+/// A history that is open for one request.
+struct Opened {
+    HistoryReader reader;
+    std::vector<HistorySeriesInfo> series;
+};
+
+/// The variables and the range of a query.
+struct Query {
+    std::vector<HistorySeriesInfo> wanted;
+    store::HistoryRange range;
+};
+
+bool has_history(const HistoryApiOptions& options) {
+    const auto configuration = options.configuration();
+    return configuration != nullptr &&
+           std::ranges::any_of(configuration->project().outputs, [](const model::Output& output) {
+               return output.transport == model::OutputTransport::history;
+           });
+}
+
+std::expected<Opened, ApiResponse> opened(const HistoryApiOptions& options, const ApiRequest& request) {
+    if (!has_history(options)) return std::unexpected(refused(request, 404, "none"));
+    auto reader = HistoryReader::open(publish::history_database(options.project_file));
+    if (!reader) return std::unexpected(failed(request, reader.error()));
+    auto series = reader->series();
+    if (!series) return std::unexpected(failed(request, series.error()));
+    return Opened{*std::move(reader), *std::move(series)};
+}
+
+std::optional<std::int64_t> time_in(std::string_view text, std::string_view missing) {
+    constexpr std::int64_t kNsPerMs = 1'000'000;
+    constexpr std::int64_t kMost = 4'000'000'000'000;  // the year 2096
+    if (text.empty()) text = missing;
+    if (const auto ms = parsed<std::int64_t>(text); ms && *ms >= 0 && *ms <= kMost) return *ms * kNsPerMs;
+    const auto now = std::chrono::duration_cast<std::chrono::nanoseconds>(
+        std::chrono::system_clock::now().time_since_epoch());
+    return report::parse_history_time(text, now.count());
+}
+
+std::expected<Query, ApiResponse> query_of(const ApiRequest& request, const Opened& history) {
+    Query query;
+    const auto [begin, end] = request.query.equal_range("variable");
+    for (auto it = begin; it != end; ++it) {
+        const auto known =
+            std::ranges::find(history.series, it->second, [](const auto& info) { return info.series.name; });
+        if (known == history.series.end())
+            return std::unexpected(refused(request, 404, "unknown", {{"name", it->second}}));
+        query.wanted.push_back(*known);
+    }
+    if (query.wanted.empty() || query.wanted.size() > kMostHistoryVariables)
+        return std::unexpected(
+            refused(request, 400, "variables", {{"allowed", std::to_string(kMostHistoryVariables)}}));
+    const auto from = time_in(request.parameter("from"), "-1h");
+    const auto to = time_in(request.parameter("to"), "now");
+    if (!from || !to || *from >= *to) return std::unexpected(refused(request, 400, "range"));
+    query.range = {*from, *to};
+    return query;
+}
+
+ApiResponse series(const HistoryApiOptions& options, const ApiRequest& request) {
+    auto history = opened(options, request);
+    if (!history) return std::move(history.error());
+    std::vector<report::HistoryListEntry> entries;
+    for (const auto& info : history->series) {
+        const auto extent = history->reader.extent(info.id);
+        if (!extent) return failed(request, extent.error());
+        entries.push_back({info.series, *extent});
+    }
+    return ApiResponse::json(report::history_list_json(entries));
+}
+
+ApiResponse picture(const HistoryApiOptions& options, const ApiRequest& request) {
+    auto history = opened(options, request);
+    if (!history) return std::move(history.error());
+    const auto query = query_of(request, *history);
+    if (!query) return query.error();
+    const auto given = request.parameter("pixels");
+    const auto pixels = given.empty() ? std::optional<std::size_t>(800) : parsed<std::size_t>(given);
+    if (!pixels || *pixels < 1 || *pixels > kMostHistoryPixels)
+        return refused(request, 400, "pixels", {{"allowed", std::to_string(kMostHistoryPixels)}});
+    std::vector<report::HistoryView> views;
+    for (const auto& info : query->wanted) {
+        auto drawn = history->reader.picture(info.id, query->range, *pixels);
+        if (!drawn) return failed(request, drawn.error());
+        auto last = history->reader.before(info.id, query->range.to_ns);
+        if (!last) return failed(request, last.error());
+        views.push_back({info.series, *std::move(drawn), *std::move(last)});
+    }
+    return ApiResponse::json(report::history_json(views, query->range));
+}
+
+ApiResponse table(const HistoryApiOptions& options, const ApiRequest& request) {
+    auto history = opened(options, request);
+    if (!history) return std::move(history.error());
+    const auto query = query_of(request, *history);
+    if (!query) return query.error();
+    ApiResponse response{.content_type = "text/csv; charset=utf-8",
+                         .body = report::history_csv_heading(),
+                         .file_name = "history.csv"};
+    std::size_t rows = 0;
+    bool fits = true;
+    for (const auto& info : query->wanted) {
+        const auto read =
+            history->reader.read(info.id, query->range, [&](const store::HistorySample& sample) {
+                response.body += report::history_csv_row(info.series, sample);
+                return fits = ++rows <= kMostHistoryRows && response.body.size() <= kMostHistoryBytes;
+            });
+        if (!read) return failed(request, read.error());
+        if (!fits) return refused(request, 422, "rows", {{"allowed", std::to_string(kMostHistoryRows)}});
+    }
+    return response;
+}
+
+}  // namespace
+
+std::vector<ApiRoute> history_routes(const HistoryApiOptions& options) {
+    const auto with_options = [&](auto handler) {
+        return [options, handler](const ApiRequest& request) { return handler(options, request); };
+    };
+    return {{.method = Method::get, .path = "/history/series", .handler = with_options(series)},
+            {.method = Method::get, .path = "/history", .handler = with_options(picture)},
+            {.method = Method::get, .path = "/history.csv", .handler = with_options(table)}};
+}
+
+}  // namespace takt::web

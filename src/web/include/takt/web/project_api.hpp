@@ -1,0 +1,45 @@
+// The project file for editors: read, evaluated, compared, saved, applied (docs/web.md, "Editing").
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "takt/base/result.hpp"
+#include "takt/host/project_file.hpp"
+#include "takt/web/api.hpp"
+
+namespace takt::web {
+
+struct ProjectApiOptions {
+    std::string file;  ///< of the project; empty: the program runs without one, and the routes answer 404
+    /// Runs the project in place of the one that runs. Called on a thread of the server, one call at a time;
+    /// it may take long. Empty: saved projects are not applied.
+    std::function<Result<void>(host::LoadedProject)> apply;
+};
+
+/// GET /project, POST /project/evaluate, POST /project/diff, PUT /project, GET /fields, GET /schema,
+/// POST /import.
+///
+/// Threads: handlers run at the same time. At most kMostEvaluations are in progress, further ones wait; an
+/// evaluation ends early with 409 `superseded` when its client sends the next one. A client is a peer's
+/// address with the query's `client`.
+class ProjectApi {
+public:
+    static constexpr int kMostEvaluations = 2;
+
+    explicit ProjectApi(ProjectApiOptions options);
+    ~ProjectApi();
+    ProjectApi(const ProjectApi&) = delete;
+    ProjectApi& operator=(const ProjectApi&) = delete;
+
+    /// The routes refer to this object.
+    [[nodiscard]] std::vector<ApiRoute> routes();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace takt::web

@@ -1,0 +1,273 @@
+#include "takt/web/project_api.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <expected>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "evaluation_queue.hpp"
+#include "field_table.hpp"
+#include "import_table.hpp"
+#include "project_parts.hpp"
+#include "protected_keys.hpp"
+#include "saved_project.hpp"
+#include "takt/file/document_json.hpp"
+#include "takt/file/schema.hpp"
+#include "takt/file/write.hpp"
+#include "takt/report/findings_report.hpp"
+#include "takt/report/plan_report.hpp"
+#include "unified_diff.hpp"
+
+namespace takt::web {
+namespace {
+
+using file::EditError;
+using file::Json;
+using model::Node;
+using SavedPtr = std::shared_ptr<const SavedProject>;
+
+/// A document as JSON is larger than its file.
+constexpr std::size_t kMostBodyBytes = 2 * file::kMaxFileBytes;
+
+/// Ends an evaluation from inside its progress report.
+struct Superseded {};
+
+ApiResponse refused(const ApiRequest& request, int status, std::string_view code,
+                    const report::Texts::Arguments& arguments = {}) {
+    return ApiResponse::error(status, code, request.texts("web.project." + std::string(code), arguments));
+}
+
+ApiResponse failed(const ApiRequest& request, const Error& error) {
+    return ApiResponse::error(error.code == Code::not_found ? 404 : 500, "file",
+                              request.texts.describe(error));
+}
+
+ApiResponse failed(const ApiRequest& request, const EditError& error) {
+    constexpr std::array<std::string_view, 6> kCodes{"unreadable",     "layout",    "origin",
+                                                     "read_only_part", "too_large", "differs"};
+    return refused(request, 422, kCodes[static_cast<std::size_t>(error.kind)], {{"subject", error.subject}});
+}
+
+/// The body of a request.
+
+struct Sent {
+    Json object;
+    Node document;  ///< with the origins of items
+
+    [[nodiscard]] std::string text(std::string_view key) const {
+        const auto* const value = object.find(key);
+        const auto* const found = value == nullptr ? nullptr : std::get_if<std::string>(&value->value());
+        return found == nullptr ? std::string() : *found;
+    }
+    [[nodiscard]] bool flag(std::string_view key) const {
+        const auto* const value = object.find(key);
+        return value != nullptr && *value == Json(true);
+    }
+};
+
+std::expected<Sent, ApiResponse> sent_in(const ApiRequest& request, const Node* original) {
+    auto object = Json::parse(request.body, kMostBodyBytes);
+    if (!object) return std::unexpected(refused(request, 400, "malformed", {{"subject", "JSON"}}));
+    const auto* const json = object->find("document");
+    if (json == nullptr)
+        return std::unexpected(refused(request, 400, "malformed", {{"subject", "document"}}));
+    auto document = file::document_of(*json, original);
+    if (!document)
+        return std::unexpected(document.error().code == Code::too_long
+                                   ? refused(request, 422, "too_large")
+                                   : refused(request, 400, "malformed",
+                                             {{"subject", std::string(document.error().subject.view())}}));
+    return Sent{*std::move(object), *std::move(document)};
+}
+
+const Node* root_of(const SavedPtr& saved) {
+    return saved->alone.readable ? &saved->alone.document.root : nullptr;
+}
+
+bool is_editable(const SavedPtr& saved) {
+    return saved->alone.readable && saved->alone.findings.empty() &&
+           saved->alone.document.root.kind == Node::Kind::mapping;
+}
+
+std::string file_name(const std::string& path) {
+    return path.substr(path.rfind('/') + 1);
+}
+
+}  // namespace
+
+struct ProjectApi::Impl {
+    explicit Impl(ProjectApiOptions given) : options(std::move(given)), disk(options.file) {}
+
+    using Handler = ApiResponse (Impl::*)(const ApiRequest&, const SavedPtr&);
+
+    /// A handler of the project's file.
+    ApiHandler with_file(Handler handler) {
+        return [this, handler](const ApiRequest& request) -> ApiResponse {
+            if (options.file.empty()) return refused(request, 404, "none");
+            const auto saved = disk.read();
+            if (!saved) return failed(request, saved.error());
+            return (this->*handler)(request, *saved);
+        };
+    }
+
+    ApiResponse project(const ApiRequest& request, const SavedPtr& saved) {
+        auto read = file::load_text(options.file, saved->text, file::file_reader());
+        auto parts = Json::array();
+        if (is_editable(saved)) parts = read_only_parts(*root_of(saved), read.document.root, options.file);
+        const TemplateParts shifted(saved->alone.document.root, read.document.root);
+        auto loaded = host::interpreted(std::move(read));
+        static_cast<void>(host::recall_learnt(loaded, options.file));
+        host::check_output_files(loaded, options.file);
+        shifted.correct(loaded.findings);
+        auto object = Json::object();
+        object.set("file", options.file);
+        object.set("revision", saved->revision);
+        object.set("document", is_editable(saved) ? file::document_json(*root_of(saved)) : Json());
+        object.set("findings", report::findings_json(request.texts, loaded));
+        object.set("read_only_parts", std::move(parts));
+        return ApiResponse::json(object);
+    }
+
+    ApiResponse evaluate(const ApiRequest& request, const SavedPtr& saved) {
+        const auto begin = std::chrono::steady_clock::now();
+        EvaluationQueue::Turn turn(evaluations,
+                                   request.peer + ' ' + std::string(request.parameter("client")));
+        if (!turn.begin()) return refused(request, 409, "superseded");
+        auto sent = sent_in(request, root_of(saved));
+        if (!sent) return std::move(sent.error());
+        try {
+            auto object = evaluated(request, saved, std::move(sent->document), turn);
+            const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+            object.set("took_ms", took.count());
+            return ApiResponse::json(object);
+        } catch (const Superseded&) {
+            return refused(request, 409, "superseded");
+        }
+    }
+
+    Json evaluated(const ApiRequest& request, const SavedPtr& saved, Node document,
+                   const EvaluationQueue::Turn& turn) const {
+        file::without_origins(document);
+        const auto own = document;
+        auto read = file::load_document(options.file, std::move(document),
+                                        restricted_reader(options.file, saved->alone.document.root));
+        const TemplateParts shifted(own, read.document.root);
+        auto loaded = host::interpreted(std::move(read));
+        static_cast<void>(host::recall_learnt(loaded, options.file));
+        if (loaded.has_errors()) {
+            shifted.correct(loaded.findings);
+            return report::no_plan_json(request.texts, loaded);
+        }
+        const auto proof =
+            host::prove(loaded, true, request.parameter("measures") == "1", [&](std::size_t, std::size_t) {
+                if (turn.superseded()) throw Superseded{};
+            });
+        host::add_findings(loaded, proof);
+        shifted.correct(loaded.findings);
+        return report::project_plan_json(request.texts, loaded, proof, nullptr, true);
+    }
+
+    /// The body of a request, and the text of the file with its changes.
+    struct Edited {
+        Sent sent;
+        std::string text;
+    };
+
+    std::expected<Edited, ApiResponse> edited(const ApiRequest& request, const SavedPtr& saved) const {
+        auto sent = sent_in(request, root_of(saved));
+        if (!sent) return std::unexpected(std::move(sent.error()));
+        if (sent->text("revision") != saved->revision)
+            return std::unexpected(refused(request, 409, "changed_on_disk", {{"file", options.file}}));
+        auto text = file::patched_project(saved->text, sent->document);
+        if (!text) return std::unexpected(failed(request, text.error()));
+        return Edited{*std::move(sent), *std::move(text)};
+    }
+
+    ApiResponse diff(const ApiRequest& request, const SavedPtr& saved) {
+        const auto wanted = edited(request, saved);
+        if (!wanted) return wanted.error();
+        const auto name = file_name(options.file);
+        auto object = Json::object();
+        object.set("diff", unified_diff(saved->text, wanted->text, name, name));
+        return ApiResponse::json(object);
+    }
+
+    ApiResponse save(const ApiRequest& request, const SavedPtr&) {
+        const std::scoped_lock one_at_a_time(saving);
+        const auto saved = disk.read();
+        if (!saved) return failed(request, saved.error());
+        auto wanted = edited(request, *saved);
+        if (!wanted) return std::move(wanted.error());
+        const auto& old = (*saved)->alone.document.root;
+        if (const auto key = new_protected_key(old, wanted->sent.document); !key.empty())
+            return refused(request, 403, "protected_key", {{"key", key}, {"file", options.file}});
+        auto read = file::load_text(options.file, wanted->text, restricted_reader(options.file, old));
+        const TemplateParts shifted(wanted->sent.document, read.document.root);
+        auto loaded = host::interpreted(std::move(read));
+        static_cast<void>(host::recall_learnt(loaded, options.file));
+        host::check_output_files(loaded, options.file);
+        auto shown = loaded.findings;
+        shifted.correct(shown);
+        auto findings = report::findings_json(request.texts, loaded.files, shown);
+        if (loaded.has_errors()) return not_valid(request, std::move(findings));
+        if (const auto written = write((*saved)->text, wanted->text); !written)
+            return failed(request, written.error());
+        auto object = Json::object();
+        object.set("revision", revision_of(wanted->text));
+        object.set("backup", wanted->text == (*saved)->text ? Json() : Json(options.file + "~"));
+        apply(request, std::move(loaded), wanted->sent.flag("apply"), object);
+        object.set("findings", std::move(findings));
+        return ApiResponse::json(object);
+    }
+
+    static ApiResponse not_valid(const ApiRequest& request, Json findings) {
+        auto error = Json::object();
+        error.set("code", "findings");
+        error.set("text", request.texts("web.project.findings"));
+        auto object = Json::object();
+        object.set("error", std::move(error));
+        object.set("findings", std::move(findings));
+        return ApiResponse::json(object, 422);
+    }
+
+    // The copy is made first: without it nothing is written.
+    [[nodiscard]] Result<void> write(const std::string& old_text, const std::string& new_text) const {
+        if (old_text == new_text) return {};
+        TAKT_CHECK(file::write_file(options.file + "~", old_text, true));
+        return file::write_file(options.file, new_text, true);
+    }
+
+    void apply(const ApiRequest& request, host::LoadedProject loaded, bool wanted, Json& object) const {
+        const bool possible = wanted && options.apply;
+        const auto applied = possible ? options.apply(std::move(loaded)) : Result<void>();
+        object.set("applied", possible && applied.has_value());
+        if (!applied) object.set("apply_error", request.texts.describe(applied.error()));
+    }
+
+    ProjectApiOptions options;
+    ProjectOnDisk disk;
+    EvaluationQueue evaluations{kMostEvaluations};
+    std::mutex saving;  // saves and applications, one at a time
+};
+
+ProjectApi::ProjectApi(ProjectApiOptions options) : impl_(std::make_unique<Impl>(std::move(options))) {}
+
+ProjectApi::~ProjectApi() = default;
+
+std::vector<ApiRoute> ProjectApi::routes() {
+    auto& impl = *impl_;
+    const auto schema = [](const ApiRequest&) { return ApiResponse::json(file::project_schema()); };
+    return {
+        {.method = Method::get, .path = "/project", .handler = impl.with_file(&Impl::project)},
+        {.method = Method::post, .path = "/project/evaluate", .handler = impl.with_file(&Impl::evaluate)},
+        {.method = Method::post, .path = "/project/diff", .handler = impl.with_file(&Impl::diff)},
+        {.method = Method::put, .path = "/project", .changes = true, .handler = impl.with_file(&Impl::save)},
+        {.method = Method::get, .path = "/fields", .handler = field_table},
+        {.method = Method::get, .path = "/schema", .handler = schema},
+        {.method = Method::post, .path = "/import", .handler = import_table},
+    };
+}
+
+}  // namespace takt::web

@@ -1,0 +1,271 @@
+#include "takt/web/project_api.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <optional>
+#include <thread>
+
+#include "folder.hpp"
+#include "takt/file/json.hpp"
+
+namespace takt::web {
+namespace {
+
+using file::Json;
+
+constexpr const char* kProject =
+    "# the plant\ntakt: 1\nlines:\n  - name: bus       # the only one\n    transport: simulated\n    "
+    "devices:\n"
+    "      - name: Boiler\n        address: 16\n        poll_period: 1s\n        variables:\n"
+    "          - {name: Level, type: float, register: 0, read: 0x03}\n"
+    "          - {name: Pump, type: bool, register: 8, bit: 0, read: 0x01}\n";
+
+class ProjectApiTest : public testing::Test {
+protected:
+    void SetUp() override {
+        folder_.write("plant.yaml", kProject);
+        make({});
+    }
+
+    void make(std::function<Result<void>(host::LoadedProject)> apply) {
+        api_.emplace(ProjectApiOptions{file_, std::move(apply)});
+        routes_ = api_->routes();
+    }
+
+    ApiResponse call(Method method, std::string_view path, const Json& body = {},
+                     const std::multimap<std::string, std::string, std::less<>>& query = {}) {
+        const ApiRequest request{.query = query, .body = body.dump(), .texts = texts_, .peer = "127.0.0.1"};
+        for (const auto& route : routes_)
+            if (route.method == method && route.path == path) return route.handler(request);
+        return ApiResponse::error(404, "test", std::string(path));
+    }
+    Json project() { return Json::parse(call(Method::get, "/project").body, std::size_t{8} << 20).value(); }
+    static Json body_of(Json document, const Json& revision = {}) {
+        auto body = Json::object();
+        body.set("document", std::move(document));
+        body.set("revision", revision);
+        body.set("apply", true);
+        return body;
+    }
+    static std::string text_at(const Json& json, std::initializer_list<std::string_view> keys) {
+        const Json* at = &json;
+        for (const auto key : keys) {
+            at = at->find(key);
+            if (at == nullptr) return "none";
+        }
+        const auto* const text = std::get_if<std::string>(&at->value());
+        return text == nullptr ? at->dump() : *text;
+    }
+    /// The document with another text for the first place where `old_text` is.
+    static Json changed(const Json& document, const std::string& old_text, const std::string& new_text) {
+        auto text = document.dump();
+        const auto at = text.find(old_text);
+        EXPECT_NE(at, std::string::npos) << text;
+        return Json::parse(text.replace(at, old_text.size(), new_text)).value();
+    }
+    static std::string code_of(const ApiResponse& response) {
+        return std::to_string(response.status) + " " +
+               text_at(Json::parse(response.body, std::size_t{8} << 20).value(), {"error", "code"});
+    }
+
+    const test::Folder folder_;
+    const std::string file_ = folder_ / "plant.yaml";
+    const report::Texts texts_{text::Language::english};
+    std::optional<ProjectApi> api_;
+    std::vector<ApiRoute> routes_;
+};
+
+TEST_F(ProjectApiTest, GivesTheFileAsADocument) {
+    const auto answer = project();
+    EXPECT_EQ(text_at(answer, {"file"}), file_);
+    EXPECT_EQ(text_at(answer, {"document", "takt"}), "1");
+    EXPECT_EQ(text_at(answer, {"findings"}).find("error"), std::string::npos) << answer.dump();
+    EXPECT_EQ(text_at(answer, {"read_only_parts"}), "[]");
+    folder_.write("plant.yaml", "takt: [1\n");
+    const auto broken = project();
+    EXPECT_EQ(text_at(broken, {"document"}), "null");
+    EXPECT_NE(text_at(broken, {"findings"}).find("file.unclosed_bracket"), std::string::npos);
+    std::filesystem::remove(file_);
+    EXPECT_EQ(call(Method::get, "/project").status, 500);
+}
+
+TEST_F(ProjectApiTest, EvaluatesADocumentWithoutSavingIt) {
+    const auto document = *project().find("document");
+    const auto answer = call(Method::post, "/project/evaluate", body_of(document));
+    ASSERT_EQ(answer.status, 200) << answer.body;
+    const auto plan = Json::parse(answer.body, std::size_t{8} << 20).value();
+    EXPECT_NE(text_at(plan, {"lines"}).find("\"Level\""), std::string::npos);
+    EXPECT_NE(text_at(plan, {"lines"}).find("\"compare\""), std::string::npos);
+    EXPECT_NE(plan.find("took_ms"), nullptr);
+    const auto wrong =
+        call(Method::post, "/project/evaluate", body_of(changed(document, R"("16")", R"("300")")));
+    ASSERT_EQ(wrong.status, 200);
+    EXPECT_NE(wrong.body.find("lines[0].devices[0].address"), std::string::npos) << wrong.body;
+    EXPECT_NE(wrong.body.find("\"line\":8"), std::string::npos) << wrong.body;
+    EXPECT_EQ(folder_.read("plant.yaml"), kProject);
+}
+
+TEST_F(ProjectApiTest, ShowsTheDifference) {
+    const auto loaded = project();
+    const auto wanted = changed(*loaded.find("document"), R"("poll_period":"1s")", R"("poll_period":"2s")");
+    const auto answer = call(Method::post, "/project/diff", body_of(wanted, *loaded.find("revision")));
+    ASSERT_EQ(answer.status, 200) << answer.body;
+    EXPECT_EQ(
+        text_at(Json::parse(answer.body).value(), {"diff"}),
+        "--- plant.yaml\n+++ plant.yaml\n@@ -6,7 +6,7 @@\n     devices:\n       - name: Boiler\n"
+        "         address: 16\n-        poll_period: 1s\n+        poll_period: 2s\n         variables:\n"
+        "           - {name: Level, type: float, register: 0, read: 0x03}\n"
+        "           - {name: Pump, type: bool, register: 8, bit: 0, read: 0x01}\n");
+}
+
+TEST_F(ProjectApiTest, SavesKeepsTheOldFileAndApplies) {
+    std::vector<std::string> applied;
+    make([&](const host::LoadedProject& loaded) -> Result<void> {
+        applied.push_back(loaded.project.lines[0].devices[0].name);
+        return {};
+    });
+    const auto loaded = project();
+    const auto wanted = changed(*loaded.find("document"), "Boiler", "Kettle");
+    const auto answer = call(Method::put, "/project", body_of(wanted, *loaded.find("revision")));
+    ASSERT_EQ(answer.status, 200) << answer.body;
+    const auto saved = Json::parse(answer.body).value();
+    EXPECT_EQ(text_at(saved, {"applied"}), "true");
+    EXPECT_EQ(text_at(saved, {"backup"}), file_ + "~");
+    EXPECT_EQ(applied, std::vector<std::string>{"Kettle"});
+    std::string expected = kProject;
+    expected.replace(expected.find("Boiler"), 6, "Kettle");
+    EXPECT_EQ(folder_.read("plant.yaml"), expected);
+    EXPECT_EQ(folder_.read("plant.yaml~"), kProject);
+    EXPECT_EQ(text_at(project(), {"revision"}), text_at(saved, {"revision"}));
+    // A second save with the old revision would undo the first one.
+    EXPECT_EQ(code_of(call(Method::put, "/project", body_of(wanted, *loaded.find("revision")))),
+              "409 changed_on_disk");
+}
+
+TEST_F(ProjectApiTest, ReportsAnApplicationThatFails) {
+    make([](const host::LoadedProject&) -> Result<void> { return fail(Code::cannot_open, "port", 2); });
+    const auto loaded = project();
+    const auto wanted = changed(*loaded.find("document"), "Boiler", "Kettle");
+    const auto saved =
+        Json::parse(call(Method::put, "/project", body_of(wanted, *loaded.find("revision"))).body).value();
+    EXPECT_EQ(text_at(saved, {"applied"}), "false");
+    EXPECT_NE(text_at(saved, {"apply_error"}).find("port"), std::string::npos);
+}
+
+TEST_F(ProjectApiTest, SavesNoErrors) {
+    const auto loaded = project();
+    const auto wanted = changed(*loaded.find("document"), R"("16")", R"("300")");
+    const auto answer = call(Method::put, "/project", body_of(wanted, *loaded.find("revision")));
+    EXPECT_EQ(code_of(answer), "422 findings");
+    EXPECT_NE(answer.body.find("lines[0].devices[0].address"), std::string::npos);
+    EXPECT_EQ(folder_.read("plant.yaml"), kProject);
+    EXPECT_FALSE(std::filesystem::exists(file_ + "~"));
+}
+
+TEST_F(ProjectApiTest, RefusesWhatIsNoRequest) {
+    EXPECT_EQ(code_of(call(Method::put, "/project", Json::array())), "400 malformed");
+    EXPECT_EQ(code_of(call(Method::post, "/project/evaluate", body_of(Json(1)))), "200 none");
+    const auto loaded = project();
+    const auto wanted = changed(*loaded.find("document"), R"("$from":0)", R"("$from":7)");
+    EXPECT_EQ(code_of(call(Method::put, "/project",
+                           body_of(changed(wanted, "Level", "x"), *loaded.find("revision")))),
+              "422 origin");
+    api_.emplace(ProjectApiOptions{});
+    routes_ = api_->routes();
+    EXPECT_EQ(code_of(call(Method::get, "/project")), "404 none");
+}
+
+TEST_F(ProjectApiTest, KeepsPartsOfOtherFiles) {
+    folder_.write("a.csv", "name,type,register,read\nA,int16,1,0x03\n");
+    folder_.write("t.yaml",
+                  "takt: 1\nparameters: {}\npoll_period: 5s\nvariables:\n"
+                  "  - {name: T, type: int16, register: 5, read: 0x03}\n");
+    folder_.write("plant.yaml",
+                  "takt: 1\nlines:\n  - name: bus\n    transport: simulated\n    devices:\n"
+                  "      - {name: D, address: 1, variables: a.csv}\n"
+                  "      - {name: E, address: 2, device_template: t.yaml, variables: [{name: X, type: int16, "
+                  "register: 70000, read: 0x03}]}\n");
+    const auto loaded = project();
+    const auto parts = text_at(loaded, {"read_only_parts"});
+    EXPECT_NE(parts.find("lines[0].devices[0].variables"), std::string::npos) << parts;
+    EXPECT_NE(parts.find(R"("rows":[{"name":"A","type":"int16","register":"1","read":"0x03"}])"),
+              std::string::npos)
+        << parts;
+    EXPECT_NE(parts.find(R"("rows":[{"name":"E.T")"), std::string::npos) << parts;
+    // The finding has the index of the project file, not that behind the variables of the template.
+    EXPECT_NE(text_at(loaded, {"findings"}).find("lines[0].devices[1].variables[0].register"),
+              std::string::npos)
+        << loaded.dump();
+    const auto wanted = changed(*loaded.find("document"), R"("a.csv")", R"([{"name":"B"}])");
+    const auto answer = call(Method::put, "/project", body_of(wanted, *loaded.find("revision")));
+    EXPECT_EQ(code_of(answer), "422 read_only_part");
+    EXPECT_NE(answer.body.find("a.csv"), std::string::npos);
+}
+
+TEST_F(ProjectApiTest, NeitherReadsNorNamesOtherFilesOfTheHost) {
+    folder_.write("secret.txt", "name,type,key\nA,int16,hidden\n");
+    folder_.write("b.csv", "name,type,register,read\nB,int16,1,0x03\n");
+    const auto loaded = project();
+    const auto document = loaded.find("document")->dump();
+    const auto begin = document.find("[{\"name\":\"Level\"");
+    const auto end = document.find("}]", begin) + 2;
+    const auto with = [&](const std::string& variables) {
+        auto text = document;
+        return Json::parse(text.replace(begin, end - begin, variables)).value();
+    };
+    const auto evaluated = [&](const std::string& name) {
+        return call(Method::post, "/project/evaluate", body_of(with('"' + name + '"'))).body;
+    };
+    EXPECT_EQ(evaluated("b.csv").find("file."), std::string::npos) << evaluated("b.csv");
+    for (const auto* name : {"secret.txt", "/etc/passwd", "../../etc/passwd"}) {
+        EXPECT_NE(evaluated(name).find("file.no_permission"), std::string::npos) << evaluated(name);
+        EXPECT_EQ(evaluated(name).find("hidden"), std::string::npos);
+    }
+    auto wanted = document;
+    wanted.insert(
+        wanted.size() - 1,
+        R"(,"servers":[{"name":"s","listen":"*","units":[{"address":"1","variables":[{"name":"V","type")"
+        R"(:"int16","area":"holding_register","register":"0","source":{"command":{"run":["id"]}}}]}]}])");
+    EXPECT_EQ(code_of(call(Method::put, "/project",
+                           body_of(Json::parse(wanted).value(), *loaded.find("revision")))),
+              "403 protected_key");
+}
+
+TEST_F(ProjectApiTest, GivesFieldsSchemaAndImportedRows) {
+    const auto fields = call(Method::get, "/fields", {}, {{"profile", "owen-kc1"}, {"framing", "ascii"}});
+    const auto table = Json::parse(fields.body, std::size_t{8} << 20).value();
+    const auto* const device = table.find("objects")->find("device");
+    EXPECT_EQ(text_at(*device, {"registers_per_request", "greatest"}), "61");
+    EXPECT_EQ(text_at(*device, {"poll_period", "kind"}), "duration");
+    EXPECT_EQ(text_at(*device, {"attempts", "default"}), "3");
+    EXPECT_EQ(text_at(*table.find("objects"), {"line", "devices", "object"}), "device");
+    EXPECT_NE(call(Method::get, "/schema").body.find("draft/2020-12"), std::string::npos);
+    auto pasted = Json::object();
+    pasted.set("text",
+               "Имя переменной\tТип переменной\tФункция чтения\tФункция записи\tАдрес регистра\tАдрес бита "
+               "(ов)\tКомментарий\nVariable-1\tБулевское\t0x01\t0x05\t0\t0\t\n");
+    const auto imported = Json::parse(call(Method::post, "/import", pasted).body).value();
+    EXPECT_EQ(text_at(imported, {"kind"}), "variables");
+    EXPECT_NE(text_at(imported, {"rows"}).find("\"Variable-1\""), std::string::npos);
+    EXPECT_NE(text_at(imported, {"rows"}).find("\"bool\""), std::string::npos);
+}
+
+TEST_F(ProjectApiTest, TwoBrowsersDoNotOverwriteEachOther) {
+    const auto loaded = project();
+    std::array<int, 2> status{};
+    const auto save = [&](std::size_t i, const std::string& name) {
+        const auto wanted = changed(*loaded.find("document"), "Boiler", name);
+        status[i] = call(Method::put, "/project", body_of(wanted, *loaded.find("revision"))).status;
+    };
+    std::thread first([&] { save(0, "One"); });
+    std::thread second([&] { save(1, "Two"); });
+    first.join();
+    second.join();
+    EXPECT_EQ(std::ranges::count(status, 200), 1);
+    EXPECT_EQ(std::ranges::count(status, 409), 1);
+    EXPECT_EQ(folder_.read("plant.yaml~"), kProject);
+}
+
+}  // namespace
+}  // namespace takt::web
