@@ -50,10 +50,11 @@ export function QualityCell({ row }: { row: Row }) {
 }
 
 export function AgeCell({ row }: { row: Row }) {
-  const { good_at, proved_age_ms, local } = row.value;
+  const { good_at, proved_age_ms, local, quality } = row.value;
   if (good_at === null || local) return <span class="muted">–</span>;
   const age = Math.max(0, tick.value - good_at);
-  const late = typeof proved_age_ms === 'number' && age > proved_age_ms;
+  // The program judges the age: a value that is older than proved is not good any more.
+  const late = quality !== 'good' && typeof proved_age_ms === 'number' && age > proved_age_ms;
   return <span class={late ? 'late' : ''}>{formatDuration(age < 1000 ? Math.round(age) : age)}</span>;
 }
 
