@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "takt/report/history_time.hpp"
 #include "takt/report/svg.hpp"
+#include "ticks.hpp"
 
 namespace takt::report {
 namespace {
@@ -18,8 +18,9 @@ constexpr double kWidth = kLeft + kPlotWidth + kMargin;
 constexpr double kPlotHeight = 180;
 constexpr double kHeading = 34;
 constexpr double kAxis = 40;
-constexpr int kTimeTicks = 6;
-constexpr int kValueTicks = 4;
+constexpr std::size_t kTimeTicks = 6;
+constexpr std::size_t kValueTicks = 5;
+constexpr double kTickSize = 11;
 constexpr double kNarrowestBand = 1;  // pixels
 
 // Colours of Okabe and Ito, which stay apart for every kind of colour vision.
@@ -112,17 +113,14 @@ private:
     }
 
     void draw_grid() {
-        for (int i = 0; i <= kValueTicks; ++i) {
-            const double value = least_ + (greatest_ - least_) * i / kValueTicks;
+        for (const double value : value_ticks(least_, greatest_, kValueTicks)) {
             svg_.line(kLeft, y(value), kLeft + kPlotWidth, y(value), "grid");
-            svg_.text(kLeft - 6, y(value) + 4, "value", fmt::format("{:.4g}", value));
+            svg_.text(kLeft - 6, y(value) + 4, "value", fmt::format("{:.9g}", value));
         }
-        const auto& range = picture_.range;
-        for (int i = 0; i <= kTimeTicks; ++i) {
-            const std::int64_t time = range.from_ns + (range.to_ns - range.from_ns) / kTimeTicks * i;
+        for (const auto& [time, text] : time_ticks(picture_.range, kTimeTicks)) {
+            const double half = text_width(text, kTickSize) / 2;
             svg_.line(x(time), top_, x(time), top_ + kPlotHeight, "grid");
-            svg_.text(std::clamp(x(time), kLeft + 20, kWidth - 60), top_ + kPlotHeight + 16, "tick",
-                      short_time_text(time, i == 0 ? INT64_MIN : range.from_ns));
+            svg_.text(std::clamp(x(time), half, kWidth - half), top_ + kPlotHeight + 16, "tick", text);
         }
     }
 
@@ -211,9 +209,9 @@ std::string heading_of(const Texts& texts, const HistoryView& view) {
     const auto number = [](std::optional<double> value) {
         return value ? fmt::format("{:.6g}", *value) : "–";
     };
-    return series.name + (series.unit.empty() ? "" : ", " + series.unit) + "   " + texts("app.history.min") +
-           ' ' + number(picture.min) + "   " + texts("app.history.mean") + ' ' + number(picture.mean) +
-           "   " + texts("app.history.max") + ' ' + number(picture.max);
+    return series.name + (series.unit.empty() ? "" : ", " + series.unit) + ": " + texts("app.history.min") +
+           ' ' + number(picture.min) + ", " + texts("app.history.mean") + ' ' + number(picture.mean) + ", " +
+           texts("app.history.max") + ' ' + number(picture.max);
 }
 
 void draw_legend(Svg& svg, const Texts& texts, double y) {
