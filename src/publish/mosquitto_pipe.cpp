@@ -21,6 +21,7 @@
 
 #include "mosquitto_client.hpp"
 #include "takt/os/descriptor.hpp"
+#include "takt/os/priority.hpp"
 #include "takt/os/worker.hpp"
 
 namespace takt::publish {
@@ -129,6 +130,7 @@ private:
 };
 
 void MosquittoPipe::Thread::run() {
+    os::become_background_thread();
     while (take()) {
         check_client();
         wait();

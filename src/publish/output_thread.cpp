@@ -13,6 +13,7 @@
 
 #include "takt/base/assert.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/os/priority.hpp"
 #include "takt/store/posix_journal_storage.hpp"
 
 namespace takt::publish {
@@ -71,7 +72,9 @@ void OutputThread::ask_to_stop() {
     wake();
 }
 
+// While a backlog is delivered, polling must keep its times.
 void OutputThread::run() {
+    os::become_background_thread();
     for (;;) {
         const auto now = line::now();
         if (stopping_) engine_.stop();
