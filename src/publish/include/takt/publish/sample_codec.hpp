@@ -40,6 +40,7 @@ private:
     std::vector<std::uint8_t> body_;       // encoded samples
     std::vector<std::uint32_t> local_of_;  // by the caller's number: number in this payload plus 1
     std::vector<std::uint32_t> used_;      // the caller's numbers, by number in this payload
+    Series last_series_;                   // that was added to this payload
     std::vector<std::uint8_t> scratch_;
     std::size_t count_ = 0;
     std::int64_t base_ = 0;  // wall time of the last sample
