@@ -29,7 +29,7 @@ value::Value Plant::next_value() {
     random_ ^= random_ >> 7U;
     random_ ^= random_ << 17U;
     switch (kind_) {
-        case Kind::floating: return 230.0 + static_cast<double>(random_ >> 40U) / 1e6;
+        case Kind::floating: return static_cast<double>(230.0F + static_cast<float>(random_ >> 40U) / 1e6F);
         case Kind::integer: return static_cast<std::int64_t>(random_ >> 52U);
         case Kind::boolean: return (random_ >> 63U) != 0;
     }
