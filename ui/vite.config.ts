@@ -1,6 +1,8 @@
 // The page is three files with fixed names, so that the program can embed them and a test can compare them.
 import { defineConfig } from 'vite';
 
+const PROGRAM = 'http://127.0.0.1:8502';
+
 export default defineConfig({
   base: './',
   esbuild: { jsx: 'automatic', jsxImportSource: 'preact', legalComments: 'none' },
@@ -17,5 +19,6 @@ export default defineConfig({
       },
     },
   },
-  server: { proxy: { '/api': 'http://127.0.0.1:8502' } },
+  // The program refuses requests whose origin is another server.
+  server: { proxy: { '/api': { target: PROGRAM, changeOrigin: true, headers: { origin: PROGRAM } } } },
 });
