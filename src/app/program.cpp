@@ -83,6 +83,7 @@ int run_program(int argc, char** argv) {
     add_table_commands(line, common);
     add_history(line, common);
     add_replay(line, common);
+    add_schema(line, common);
     add_client_commands(line, common);
     add_finding_commands(line, common);
     const auto commands = line.commands();

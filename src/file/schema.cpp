@@ -154,6 +154,16 @@ Json list_schema(Object object, const Field& field) {
     return object_of({{"anyOf", list_of({std::move(list), type_of("string")})}});  // the name of a table
 }
 
+/// One mirror, or a list of several.
+Json mapping_schema(const Field& field) {
+    if (!field.object) return type_of("object");
+    auto schema = reference_to(*field.object);
+    if (field.object != Object::mirror) return schema;
+    auto list = type_of("array");
+    list.set("items", schema);
+    return object_of({{"anyOf", list_of({std::move(schema), std::move(list)})}});
+}
+
 Json value_schema(Object object, const Field& field) {
     switch (field.kind) {
         case Kind::integer: return integer_schema(field);
@@ -168,7 +178,7 @@ Json value_schema(Object object, const Field& field) {
         case Kind::constant: return object_of({{"type", list_of({"string", "number", "boolean"})}});
         case Kind::reference: return object_of({{"type", "string"}, {"pattern", "^[0-9]+$"}});
         case Kind::list: return list_schema(object, field);
-        case Kind::mapping: return field.object ? reference_to(*field.object) : type_of("object");
+        case Kind::mapping: return mapping_schema(field);
         case Kind::words: return type_of("object");
         case Kind::ranges: return object_of({{"type", list_of({"array", "string", "integer"})}});
     }

@@ -15,7 +15,7 @@
 
 namespace takt::file {
 
-/// What happens to an entry of a mapping, in the order of the new text.
+/// An entry of a mapping in the order of the new text: kept, removed or new.
 struct EntryStep {
     std::optional<std::size_t> old = {};        ///< its index in the text; nothing: it is new
     const model::Node* kept = nullptr;          ///< the wanted value of an old entry; nullptr: it is removed
@@ -36,7 +36,7 @@ public:
 private:
     using Object = std::optional<model::Object>;
 
-    /// What a value is, and where.
+    /// The kind and the surroundings of a value.
     struct Place {
         Object object;  ///< of the value if it is a mapping, of its items if it is a list
         ScalarUse use = ScalarUse::any;

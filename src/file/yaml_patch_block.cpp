@@ -1,5 +1,5 @@
-// Lists and mappings by indentation. Each part owns its lines; what is between two parts (blank lines,
-// comment lines) leads the second one. The lead of a part that is removed stays if it has a comment.
+// Lists and mappings by indentation. Each part owns its lines. The blank lines and comment lines between
+// two parts are the lead of the second one. The lead of a part that is removed stays if it has a comment.
 #include <algorithm>
 
 #include "yaml_patch.hpp"

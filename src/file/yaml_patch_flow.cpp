@@ -1,6 +1,6 @@
 // Lists and mappings in brackets. As long as no part is added, removed or moved, only values change. Else the
-// collection is put together anew from its parts: what leads a part (white space, comment lines), the part,
-// its comma, and the comment behind that on the same line.
+// collection is put together anew from its parts: the lead of each part (white space,
+// comment lines), the part, its comma, and the comment behind that on the same line.
 #include <algorithm>
 
 #include "yaml_patch.hpp"

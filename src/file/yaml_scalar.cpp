@@ -1,4 +1,4 @@
-// What a plain scalar may contain: YAML 1.2, section 7.3.3, and yaml-cpp, which also ends one inside brackets
+// The contents of a plain scalar: YAML 1.2, section 7.3.3, and yaml-cpp, which also ends one inside brackets
 // at a question mark.
 #include "yaml_scalar.hpp"
 

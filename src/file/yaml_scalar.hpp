@@ -12,7 +12,7 @@
 
 namespace takt::file {
 
-/// What a scalar is for, as far as quotes are concerned.
+/// The use of a scalar. It decides about quotes.
 enum class ScalarUse : std::uint8_t {
     any,     ///< unknown: quoted where the text would not come back
     number,  ///< a number, a time, a boolean: quotes are an error

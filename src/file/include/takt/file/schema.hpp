@@ -10,8 +10,8 @@
 namespace takt::file {
 
 /// A schema (draft 2020-12) of a project file, as editors of YAML use it: all keys with their kinds, words
-/// and ranges, made from model::fields(). Ranges that depend on other keys are the widest ones. What only the
-/// interpretation knows is not in it: unique names, references, keys that exclude one another.
+/// and ranges, made from model::fields(). Ranges that depend on other keys are the widest ones. Rules of the
+/// interpretation are not in it: unique names, references, keys that exclude one another.
 [[nodiscard]] Json project_schema();
 
 /// The name of an object: "line", "device", "output_selection".
