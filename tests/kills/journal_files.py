@@ -18,7 +18,6 @@ SLOT_OFFSET = 4096
 SAMPLES, GAP_TYPE = 1, 2
 CAUSES = {1: "restart", 2: "buffer_full", 3: "disk_failed", 4: "disk_full", 5: "source_lost", 6: "quota", 7: "damaged"}
 QUALITIES = ("never_read", "good", "uncertain", "bad")
-FLOAT = 7  # DataType::float32
 
 
 def crc_table(bits):
@@ -219,10 +218,14 @@ class Payload:
         bits = self.varint()
         return bits >> 1 ^ -(bits & 1)
 
-    def text(self):
+    def bytes(self):
         size = self.varint()
         self.at += size
-        return self.data[self.at - size:self.at].decode()
+        return self.data[self.at - size:self.at]
+
+    def float(self):
+        self.at += 4
+        return struct.unpack("<f", self.data[self.at - 4:self.at])[0]
 
     def double(self):
         self.at += 8
@@ -232,17 +235,16 @@ class Payload:
 def decode_samples(data):
     """The samples of a record, as src/publish/sample_codec.cpp describes them."""
     payload = Payload(data)
-    if payload.byte() != 1:
+    if payload.byte() != 2:
         raise ValueError("another version of samples")
-    series = []
+    variables, texts = [], [b""] * 4  # variable, device, line, unit
     for _ in range(payload.varint()):
-        variable, _, _, _ = (payload.text() for _ in range(4))
-        type_ = payload.byte()
-        payload.byte()  # scaled
-        series.append((variable, type_))
+        texts = [text[:payload.varint()] + payload.bytes() for text in texts]
+        payload.at += 2  # type, scaled
+        variables.append(texts[0].decode())
     samples, time = [], 0
     for _ in range(payload.varint()):
-        variable, type_ = series[payload.varint()]
+        variable = variables[payload.varint()]
         flags, more = payload.byte(), payload.byte()
         time += payload.signed()
         before = time - payload.varint() if flags & 0x80 else None
@@ -250,7 +252,8 @@ def decode_samples(data):
             payload.varint()  # the reason
         kind = flags >> 4 & 7
         value = (None if kind == 0 else bool(more & 2) if kind == 1 else payload.signed() if kind == 2 else
-                 payload.varint() if kind == 3 else payload.double() if kind == 4 else payload.text())
+                 payload.varint() if kind == 3 else payload.double() if kind == 4 else
+                 payload.bytes().decode() if kind == 5 else payload.float())
         samples.append(Sample(variable, value, QUALITIES[flags & 3], time, before))
     if payload.at != len(data):
         raise ValueError("bytes behind the samples")

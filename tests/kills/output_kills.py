@@ -27,6 +27,7 @@ from ledger import Violation  # noqa: E402
 from plant import KINDS, Plant  # noqa: E402
 
 KILLS = 50  # of a plant
+MOST_VIOLATIONS = 8
 PR_SET_PDEATHSIG = 1
 
 
@@ -54,11 +55,13 @@ def end_with_parent():
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
-def work(options, library, folder, plants, results):
+def work(options, library, folder, plants, results, enough):
     """Takes plants from the queue until it is empty. Each result: (seed, kills | counts | a text of a failure)."""
     end_with_parent()
     while (task := plants.get()) is not None:
         seed, kills = task
+        if enough.is_set():
+            continue
         place = folder / f"seed-{seed}"
         try:
             plant = Plant(options.takt, library, place, seed, options.kind)
@@ -85,19 +88,20 @@ def main():
         count += 1
     for _ in range(options.jobs):
         plants.put(None)
-    workers = [multiprocessing.Process(target=work, args=(options, library, folder, plants, results))
+    enough = multiprocessing.Event()
+    workers = [multiprocessing.Process(target=work, args=(options, library, folder, plants, results, enough))
                for _ in range(options.jobs)]
     for worker in workers:
         worker.start()
     try:
-        failures, done, total = follow(options, results)
+        failures, done, total = follow(options, results, enough)
     except KeyboardInterrupt:
         return 130
     report(options, folder, failures, done, total)
     return 1 if failures else 0
 
 
-def follow(options, results):
+def follow(options, results, enough):
     begin, done, running = time.monotonic(), 0, options.jobs
     failures, total = {}, Counter()
     while running:
@@ -108,6 +112,8 @@ def follow(options, results):
             done += result
         elif isinstance(result, str):
             failures[seed] = result
+            if len(failures) == MOST_VIOLATIONS:
+                enough.set()
             print(f"seed {seed}: {result}", flush=True)
         else:
             total += result

@@ -60,10 +60,10 @@ def varint(number):
 def samples(sequence, before, epoch, values):
     """A record as src/publish/sample_codec.cpp writes it: int16, all of one instant."""
     wall = START + sequence * SECOND
-    series = b"\1" + b"\1x" + b"\0\0\0" + b"\1\0"
+    series = b"\1" + b"\0\1x" + 3 * b"\0\0" + b"\1\0"
     body = b"".join(b"\0" + bytes((1 | 2 << 4, 0)) + varint(2 * wall if i == 0 else 0) + varint(2 * value)
                     for i, value in enumerate(values))
-    payload = b"\1" + series + varint(len(values)) + body
+    payload = b"\2" + series + varint(len(values)) + body
     return Record(1, len(values), sequence, before, wall, 0, epoch, payload)
 
 
