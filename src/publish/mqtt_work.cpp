@@ -13,8 +13,8 @@ OutputState state_of(const MqttStatus& status) {
     switch (status.state) {
         case MqttState::off: return OutputState::ended;
         case MqttState::connecting: return OutputState::connecting;
-        case MqttState::connected: return status.refusing ? OutputState::waiting : OutputState::delivering;
-        case MqttState::leaving: return OutputState::delivering;
+        case MqttState::connected:
+        case MqttState::leaving: return status.refusing ? OutputState::waiting : OutputState::delivering;
         case MqttState::backing_off: return OutputState::waiting;
         case MqttState::stopped: return OutputState::stopped;
     }
@@ -158,6 +158,7 @@ void MqttWork::report(Instant, OutputStatus& status) const {
     const auto counters = options_.commands->desk.counters();
     status.commands = counters.received;
     status.commands_refused = counters.refused;
+    status.answers_dropped = counters.answers_dropped;
 }
 
 }  // namespace takt::publish

@@ -118,6 +118,7 @@ file::Json output_json(const Texts& texts, const publish::OutputStatus& status, 
     object.set("failure", status.failure.empty() ? file::Json() : file::Json(status.failure));
     object.set("commands", status.commands);
     object.set("commands_refused", status.commands_refused);
+    object.set("answers_dropped", status.answers_dropped);
     object.set("journal", journal_json(texts, status));
     if (status.mqtt) object.set("mqtt", mqtt_json(*status.mqtt));
     return object;

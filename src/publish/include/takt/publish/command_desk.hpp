@@ -48,7 +48,7 @@ struct CommandCounters {
 class CommandDesk {
 public:
     static constexpr std::size_t kMostOpen = 256;                  ///< commands without an outcome
-    static constexpr std::size_t kMostAnswers = 256;               ///< that wait for a connection
+    static constexpr std::size_t kMostAnswers = 4096;              ///< that wait for the broker
     static constexpr Duration kFuture = std::chrono::seconds(60);  ///< clocks may differ by that much
 
     explicit CommandDesk(CommandDeskOptions options);

@@ -43,7 +43,8 @@ struct OutputStatus {
     std::optional<MqttStatus> mqtt;  ///< of an MQTT output
     // Of this run.
     std::uint64_t commands = 0;          ///< received
-    std::uint64_t commands_refused = 0;  ///< of them
+    std::uint64_t commands_refused = 0;  ///< of them, before the host got them
+    std::uint64_t answers_dropped = 0;   ///< too many waited for the broker
 };
 
 }  // namespace takt::publish
