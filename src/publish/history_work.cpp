@@ -13,17 +13,12 @@
 #include <fstream>
 #include <utility>
 
-#include "takt/line/loop.hpp"
 #include "takt/os/replace.hpp"
 #include "takt/publish/sample_codec.hpp"
+#include "takt/publish/wall_clock.hpp"
 
 namespace takt::publish {
 namespace {
-
-std::int64_t wall_ns(Instant t) {
-    const auto since = line::wall_clock(t).time_since_epoch();
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
-}
 
 std::string text_of(const Error& error) {
     std::string text(name(error.code));
@@ -116,7 +111,7 @@ Result<void> HistoryWork::take(Instant now) {
             last_sequence_ = entry->header.sequence;
             ++records_;
         }
-        TAKT_CHECK(history_->commit(wall_ns(now)));
+        TAKT_CHECK(history_->commit(system_wall_ns(now)));
         if (records_ > 0) TAKT_CHECK(journal_->acknowledge(now, destination_, last_sequence_));
         records_ = 0;
     }
