@@ -1,0 +1,46 @@
+#include "output_log.hpp"
+
+#include <array>
+#include <string>
+
+namespace takt::publish {
+namespace {
+
+bool is_lasting(OutputState state) {
+    return state == OutputState::delivering || state == OutputState::waiting || state == OutputState::stopped;
+}
+
+}  // namespace
+
+void OutputLog::note(const OutputStatus& status) {
+    if (!log_.enabled()) return;
+    note_destination(status);
+    note_journal(status);
+}
+
+void OutputLog::note_destination(const OutputStatus& status) {
+    if (!is_lasting(status.state) || (status.state == state_ && status.failure == failure_)) return;
+    state_ = status.state;
+    failure_ = status.failure;
+    const std::string code = "app.output." + std::string(publish::name(status.state));
+    const std::array arguments{LogArgument{.name = "name", .text = status.name},
+                               LogArgument{.name = "destination", .text = status.destination},
+                               LogArgument{.name = "failure", .text = failure_},
+                               LogArgument{.name = "state", .text = code, .is_code = true}};
+    if (failure_.empty())
+        log_.message(LogLevel::info, "log.output.state", arguments);
+    else
+        log_.message(LogLevel::warning, "log.output.failed", arguments);
+}
+
+// The error of each further attempt names another file: only the first one is logged.
+void OutputLog::note_journal(const OutputStatus& status) {
+    if (status.journal_failure.has_value() == journal_failed_) return;
+    journal_failed_ = status.journal_failure.has_value();
+    const LogArgument name{.name = "name", .text = status.name};
+    if (!journal_failed_) return log_.message(LogLevel::info, "log.output.journal_works", std::array{name});
+    const std::array arguments{name, LogArgument{.name = "failure", .error = &*status.journal_failure}};
+    log_.message(LogLevel::error, "log.output.journal_failed", arguments);
+}
+
+}  // namespace takt::publish

@@ -1,0 +1,29 @@
+// What the log has of an output.
+#pragma once
+
+#include <string>
+
+#include "takt/base/log.hpp"
+#include "takt/publish/output_status.hpp"
+
+namespace takt::publish {
+
+/// Logs changes of what an output does: that it delivers, or why it does not, and the errors of its journal.
+/// Attempts to connect are no changes.
+class OutputLog {
+public:
+    explicit OutputLog(Log log) : log_(log) {}
+
+    void note(const OutputStatus& status);
+
+private:
+    void note_destination(const OutputStatus& status);
+    void note_journal(const OutputStatus& status);
+
+    Log log_;
+    OutputState state_ = OutputState::starting;  // that was logged
+    std::string failure_;
+    bool journal_failed_ = false;
+};
+
+}  // namespace takt::publish
