@@ -7,8 +7,18 @@
 #include "commands/common_options.hpp"
 #include "exit_code.hpp"
 #include "takt/base/time.hpp"
+#include "takt/line/target.hpp"
 
 namespace takt::app {
+
+/// The page and the API of a run.
+struct WebOptions {
+    std::optional<line::ListenAddress> address;  ///< nothing: they are not served
+    bool or_free_port = false;                   ///< another port if that of `address` is in use
+    bool allow_write = false;
+    std::string token_file;  ///< empty: no token
+    bool demo = false;
+};
 
 struct RunOptions {
     std::string file;
@@ -24,11 +34,13 @@ struct RunOptions {
     bool quiet = false;        ///< no values: changes of state only
     std::string device;        ///< values and events of this device only; empty: all
     std::string state;         ///< file of retained values; empty: beside the project (of the demo: none)
+    WebOptions web;
 };
 
 struct DemoOptions {
     std::optional<Duration> run_for;
     bool json = false;
+    bool web = true;  ///< serve the page
 };
 
 ExitCode run(const CommonOptions& common, const RunOptions& options);

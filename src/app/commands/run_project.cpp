@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "commands/input_files.hpp"
+#include "commands/web_run.hpp"
 #include "log.hpp"
 #include "output.hpp"
 #include "takt/console/host_console.hpp"
@@ -32,7 +34,9 @@ public:
     Run(const Texts& texts, const RunOptions& options)
         : texts_(texts), options_(options), out_(STDOUT_FILENO, console::output_options(options.json)) {}
 
-    Result<void> begin(const model::Project& project, const plan::Plan& plan, const PrepareDevices& prepare) {
+    /// @param token  of the page's API; empty: none
+    Result<void> begin(const model::Project& project, const plan::Plan& plan, const PrepareDevices& prepare,
+                       const std::string& token) {
         TAKT_CHECK(work_loop_.begin(options_.traffic, [this] { reload(); }));
         TAKT_TRY(host_, host::ProjectHost::start(project, plan, host_options(prepare)));
         TAKT_CHECK(begin_outputs(project));
@@ -45,14 +49,15 @@ public:
                 .traffic = work_loop_.traffic(),
                 .open_session = [this](const auto& wanted) { return host_->open_session(wanted); },
                 .started = host_->started(),
-                .outputs =
-                    [this] { return outputs_ ? outputs_->status() : std::vector<publish::OutputStatus>(); }},
+                .outputs = [this] { return outputs_status(); }},
             console_options());
+        TAKT_CHECK(begin_web(token));
         return console_->begin();
     }
 
     void work() {
         work_loop_.work(options_.run_for);
+        if (web_) web_->stop();
         host_->stop();
         if (outputs_) outputs_->stop();
         console_->end(host_->served());
@@ -64,6 +69,7 @@ public:
 private:
     // Sampling costs time with each event: it begins with the first project that has outputs.
     Result<void> begin_outputs(const model::Project& project) {
+        const std::scoped_lock lock(outputs_mutex_);
         if (outputs_ || project.outputs.empty()) return {};
         const auto open_session = [host = host_.get()](const host::SessionOptions& wanted) {
             return host->open_session(wanted);
@@ -78,20 +84,48 @@ private:
         return {};
     }
 
+    Result<void> begin_web(const std::string& token) {
+        if (!options_.web.address) return {};
+        WebRun run{
+            .project_file = options_.file,
+            .host = {.open_session = [this](const auto& wanted) { return host_->open_session(wanted); },
+                     .configuration = [this] { return host_->configuration(); },
+                     .outputs = [this] { return outputs_status(); },
+                     .started = host_->started()},
+            .apply = [this](auto loaded) { return apply_saved(std::move(loaded)); }};
+        TAKT_TRY(web_, start_web(texts_, options_.web, token, std::move(run)));
+        return {};
+    }
+
+    /// On a thread of the page.
+    Result<void> apply_saved(host::LoadedProject loaded) {
+        if (!options_.learnt.empty()) static_cast<void>(host::recall_learnt(loaded, options_.file));
+        return put_in_force(std::move(loaded));
+    }
+
     // Planning takes this thread, which prints; polling goes on meanwhile.
     void reload() {
         if (options_.file.empty()) return print_status(texts_("app.run.no_file") + '\n');
         std::string learnt;  // the file stays that of the start
         auto loaded = load_to_run(texts_, options_.file, &learnt);
         if (!loaded) return print_error(texts_("app.run.kept", {{"file", options_.file}}));
-        // At once: the rest waits for the transactions in flight.
-        static_cast<void>(host_->set_access(loaded->project));
-        auto plan = host::prove(*loaded, false, false).plan;
-        if (const auto begun = begin_outputs(loaded->project); !begun)
-            return print_error(texts_.describe(begun.error()));
-        if (const auto applied = host_->apply(std::move(loaded->project), std::move(plan)); !applied)
+        if (const auto applied = put_in_force(*std::move(loaded)); !applied)
             return print_error(texts_.describe(applied.error()));
         print_status(texts_("app.run.reloaded", {{"file", options_.file}}) + '\n');
+    }
+
+    /// Runs a project without errors in place of the one that runs. Any thread.
+    [[nodiscard]] Result<void> put_in_force(host::LoadedProject loaded) {
+        // At once: the rest waits for the transactions in flight.
+        static_cast<void>(host_->set_access(loaded.project));
+        auto plan = host::prove(loaded, false, false).plan;
+        TAKT_CHECK(begin_outputs(loaded.project));
+        return host_->apply(std::move(loaded.project), std::move(plan));
+    }
+
+    [[nodiscard]] std::vector<publish::OutputStatus> outputs_status() {
+        const std::scoped_lock lock(outputs_mutex_);
+        return outputs_ ? outputs_->status() : std::vector<publish::OutputStatus>();
     }
 
     [[nodiscard]] host::HostOptions host_options(const PrepareDevices& prepare) const {
@@ -128,8 +162,10 @@ private:
     os::LineWriter out_;
     WorkLoop work_loop_;
     std::unique_ptr<host::ProjectHost> host_;
+    std::mutex outputs_mutex_;  // of the optional itself
     std::optional<publish::Outputs> outputs_;
     std::optional<console::HostConsole> console_;
+    std::unique_ptr<WebSide> web_;
 };
 
 // Each line that is not simulated has one; the program needs further ones for the terminal, logs, the loop
@@ -167,8 +203,11 @@ ExitCode run_project(const Texts& texts, const model::Project& project, const pl
                      const RunOptions& options, const PrepareDevices& prepare) {
     if (!options.device.empty() && !is_device(texts, project, options.device)) return ExitCode::usage;
     if (!enough_descriptors(texts, project)) return ExitCode::cannot_open;
+    const auto token = read_token(texts, options.web);
+    if (!token) return ExitCode::usage;
     Run run(texts, options);
-    if (const auto begun = run.begin(project, plan, prepare); !begun) return ended_by(texts, begun.error());
+    if (const auto begun = run.begin(project, plan, prepare, *token); !begun)
+        return ended_by(texts, begun.error());
     run.work();
     return ExitCode::ok;
 }

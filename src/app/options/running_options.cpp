@@ -3,15 +3,36 @@
 #include "commands/run_command.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
+#include "takt/line/target.hpp"
 
 namespace takt::app {
 namespace {
+
+constexpr std::uint16_t kWebPort = 8502;
+
+/// --web: an address as line::parse_listen(), with another port where none is given.
+void add_web(Command& command, WebOptions& web) {
+    auto address = command.text(
+        "--web",
+        [&web](const std::string& text) {
+            const auto read = line::parse_listen(text);
+            if (!read) reject({"app.option.form.web", {{"option", "--web"}, {"value", text}}});
+            web.address = *read;
+            if (const auto colon = text.rfind(':'); colon == std::string::npos || text.back() == ']')
+                web.address->port = kWebPort;
+        },
+        "help.run.web");
+    address.value_name("HOST:PORT");
+    command.flag("--allow-write", web.allow_write, "help.run.allow_write").needs(address);
+    command.value("--web-token", web.token_file, "help.run.web_token").needs(address).value_name("FILE");
+}
 
 void add_demo(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<DemoOptions>();
     auto demo = line.root().command("demo", "help.demo", [&] { return app::demo(common, options); });
     add_duration(demo, "--for", [&](Duration time) { options.run_for = time; }, "help.for");
     demo.flag("--json", options.json, "help.json.lines");
+    demo.flag("!--no-web", options.web, "help.demo.no_web");
 }
 
 void add_run(CommandLine& line, const CommonOptions& common) {
@@ -32,6 +53,7 @@ void add_run(CommandLine& line, const CommonOptions& common) {
     run.flag("--stdin", options.commands_from_stdin, "help.run.stdin");
     run.value("--control", options.control_path, "help.run.control").value_name("PATH");
     run.value("--state", options.state, "help.run.state").value_name("FILE");
+    add_web(run, options.web);
 }
 
 void add_ctl(CommandLine& line, const CommonOptions& common) {
