@@ -113,8 +113,8 @@ void HttpConnection::receive(Instant t) {
         if (!size) return;
         auto parsed = parse_head(std::string_view(input_).substr(0, *size), limits_.framing);
         if (parsed.status != 0) return reject(parsed.status);
-        if (!reserve_(static_cast<std::ptrdiff_t>(parsed.head.body_bytes))) return reject(503);
         held_ += parsed.head.body_bytes;
+        if (!reserve_(static_cast<std::ptrdiff_t>(parsed.head.body_bytes))) return reject(503);
         input_.erase(0, *size);
         head_ = std::move(parsed.head);
         if (head_->body_bytes > kSmallBody) deadline_ = after(t, limits_.body);

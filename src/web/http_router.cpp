@@ -17,6 +17,7 @@ namespace takt::web {
 namespace {
 
 constexpr std::string_view kApi = "/api/v1";
+constexpr std::size_t kMostRequests = 100'000;  // of a connection: what cpp-httplib promises clients
 
 // Scripts and styles come from the program only; the page can neither be framed nor give its address away.
 // Inline styles: uPlot and the page's virtual tables place their elements with them.
@@ -129,6 +130,8 @@ struct HttpRouter::Impl final : httplib::Server {
           routes(std::move(api)),
           streams(std::move(event_streams)),
           log(sink) {
+        set_keep_alive_max_count(kMostRequests);
+        set_keep_alive_timeout(20);  // as HttpConnection::Limits::idle
         set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
             handle(request, response);
             return HandlerResponse::Handled;

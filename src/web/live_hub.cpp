@@ -73,8 +73,11 @@ std::size_t LiveHub::Shared::count() const {
     return sum;
 }
 
-LiveHub::LiveHub(HostAccess host, std::function<void()> poke)
-    : host_(std::move(host)), poke_(std::move(poke)), thread_([this] { work(); }) {}
+LiveHub::LiveHub(HostAccess host, std::function<void()> poke, std::size_t frames)
+    : host_(std::move(host)),
+      poke_(std::move(poke)),
+      shared_(std::make_shared<Shared>(frames)),
+      thread_([this] { work(); }) {}
 
 LiveHub::~LiveHub() {
     end();

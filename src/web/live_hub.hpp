@@ -30,8 +30,11 @@ public:
     static constexpr std::size_t kMostStreams = 16;
     static constexpr auto kTick = std::chrono::milliseconds(100);
 
-    /// @param poke  called on the hub's thread when streams have something to take
-    LiveHub(HostAccess host, std::function<void()> poke);
+    static constexpr std::size_t kFrames = 256;
+
+    /// @param poke    called on the hub's thread when streams have something to take
+    /// @param frames  in the ring
+    LiveHub(HostAccess host, std::function<void()> poke, std::size_t frames = kFrames);
     /// Ends the thread and all streams. A second call does nothing.
     void end();
     /// end(). The streams may outlive the hub.
@@ -47,9 +50,11 @@ private:
 
     /// Shared with the streams.
     struct Shared {
+        explicit Shared(std::size_t most_frames) : frames(most_frames, std::size_t{8} << 20) {}
+
         std::mutex mutex;
         std::condition_variable changed;
-        EventFrames frames{256, std::size_t{8} << 20};
+        EventFrames frames;
         /// A list of all values that is complete with the frames from `list_next` on.
         SharedText list;
         EventFrames::Cursor list_next;
@@ -76,7 +81,7 @@ private:
 
     HostAccess host_;
     std::function<void()> poke_;
-    std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
+    std::shared_ptr<Shared> shared_;
     std::unique_ptr<host::Session> session_;  // of the thread, as all below
     std::optional<LiveValues> values_;
     std::uint64_t missed_ = 0;

@@ -1,0 +1,151 @@
+#include "http_router.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+
+#include "page.hpp"
+
+namespace takt::web {
+namespace {
+
+class OneEvent final : public StreamSource {
+public:
+    bool take(std::string& out) override {
+        out += event_text("hello", "1");
+        return false;
+    }
+};
+
+HttpRouter router(bool streams_free = true) {
+    return HttpRouter({.allow_write = true}, text::Language::english,
+                      {{Method::get, "/echo", false,
+                        [](const ApiRequest& request) {
+                            auto object = file::Json::object();
+                            for (const auto& [name, value] : request.query) object.set(name, value);
+                            object.set("peer", request.peer);
+                            object.set("language", text::tag(request.texts.language()));
+                            return ApiResponse::json(object);
+                        }},
+                       {Method::post, "/echo", true,
+                        [](const ApiRequest& request) {
+                            return ApiResponse{
+                                .content_type = "text/csv", .body = request.body, .file_name = "a\"b.csv"};
+                        }},
+                       {Method::get, "/long", false,
+                        [](const ApiRequest&) { return ApiResponse{.body = std::string(100'000, 'x')}; }},
+                       {Method::get, "/fails", false,
+                        [](const ApiRequest&) -> ApiResponse { throw std::runtime_error("secret"); }}},
+                      {{"/events",
+                        [streams_free](const ApiRequest&) -> std::unique_ptr<StreamSource> {
+                            return streams_free ? std::make_unique<OneEvent>() : nullptr;
+                        }}},
+                      {});
+}
+
+std::string get(const std::string& target, const std::string& more = "", const std::string& method = "GET") {
+    const auto routes = router();
+    return routes
+        .reply({.head = method + " " + target + " HTTP/1.1\r\nhost: localhost\r\n" + more + "\r\n",
+                .peer = "10.0.0.5"})
+        .bytes;
+}
+
+std::string body_of(const std::string& reply) {
+    return reply.substr(reply.find("\r\n\r\n") + 4);
+}
+
+TEST(HttpRouter, GivesDecodedQueriesToHandlers) {
+    const auto reply = get("/api/v1/echo?a=%D0%B4+b&lang=uk&token=x");
+    EXPECT_TRUE(reply.starts_with("HTTP/1.1 200 OK\r\n")) << reply;
+    EXPECT_EQ(body_of(reply), "{\"a\":\"д b\",\"lang\":\"uk\",\"peer\":\"10.0.0.5\",\"language\":\"uk\"}\n");
+}
+
+TEST(HttpRouter, ChoosesTheLanguage) {
+    EXPECT_NE(get("/api/v1/echo", "accept-language: ru-RU,en;q=0.5\r\n").find("\"ru\""), std::string::npos);
+    EXPECT_NE(get("/api/v1/echo?lang=xx").find("\"en\""), std::string::npos);
+}
+
+TEST(HttpRouter, PutsItsFieldsIntoEveryAnswer) {
+    for (const auto* target : {"/", "/api/v1/echo", "/api/v1/none", "/none"}) {
+        const auto reply = get(target);
+        for (const auto* field : {"Content-Security-Policy: default-src 'self'", "frame-ancestors 'none'",
+                                  "X-Content-Type-Options: nosniff", "Referrer-Policy: no-referrer",
+                                  "Cross-Origin-Opener-Policy: same-origin", "Cache-Control: no-"})
+            EXPECT_NE(reply.find(field), std::string::npos) << target << ' ' << field;
+    }
+}
+
+TEST(HttpRouter, AnswersWithTheStatusOfEachMistake) {
+    EXPECT_TRUE(get("/api/v1/none").starts_with("HTTP/1.1 404 "));
+    EXPECT_TRUE(get("/api/v2/echo").starts_with("HTTP/1.1 404 "));
+    EXPECT_TRUE(get("/api").starts_with("HTTP/1.1 404 "));
+    EXPECT_TRUE(get("/../etc/passwd").starts_with("HTTP/1.1 404 "));
+    const std::string marked = "x-takt: 1\r\ncontent-type: application/json\r\n";
+    EXPECT_TRUE(get("/api/v1/long", marked, "POST").starts_with("HTTP/1.1 405 "));
+    EXPECT_TRUE(get("/api/v1/long", marked, "DELETE").starts_with("HTTP/1.1 405 "));
+    EXPECT_TRUE(get("/api/v1/events", marked, "POST").starts_with("HTTP/1.1 405 "));
+    EXPECT_TRUE(get("/", marked, "POST").starts_with("HTTP/1.1 405 "));
+    EXPECT_TRUE(get("/api/v1/echo", "", "POST").starts_with("HTTP/1.1 403 "));
+}
+
+TEST(HttpRouter, HidesWhyAHandlerFailed) {
+    const auto reply = get("/api/v1/fails");
+    EXPECT_TRUE(reply.starts_with("HTTP/1.1 500 "));
+    EXPECT_EQ(reply.find("secret"), std::string::npos);
+    EXPECT_NE(reply.find("\"internal\""), std::string::npos);
+}
+
+TEST(HttpRouter, HandsBodiesOverAndNamesDownloads) {
+    const auto routes = router();
+    const std::string head =
+        "POST /api/v1/echo HTTP/1.1\r\nhost: localhost\r\nx-takt: 1\r\ncontent-type: "
+        "application/json\r\n\r\n";
+    const auto reply = routes.reply({.head = head, .body = "{}", .peer = ""}).bytes;
+    EXPECT_EQ(body_of(reply), "{}");
+    EXPECT_NE(reply.find("Content-Disposition: attachment; filename=\"a_b.csv\"\r\n"), std::string::npos);
+    EXPECT_TRUE(routes.reply({.head = head, .body = "\xFF", .peer = ""}).bytes.starts_with("HTTP/1.1 400 "));
+}
+
+TEST(HttpRouter, CompressesOnRequest) {
+    EXPECT_GT(get("/api/v1/long").size(), 100'000u);
+    const auto packed = get("/api/v1/long", "accept-encoding: br, gzip\r\n");
+    EXPECT_LT(packed.size(), 5'000u);
+    EXPECT_NE(packed.find("Content-Encoding: gzip"), std::string::npos);
+    EXPECT_GT(get("/api/v1/long", "accept-encoding: br\r\n").size(), 100'000u);
+    EXPECT_GT(get("/api/v1/long", "accept-encoding: gzip;q=0\r\n").size(), 100'000u);
+}
+
+TEST(HttpRouter, ServesThePage) {
+    const auto* const page = find_page_file("/");
+    ASSERT_TRUE(page);
+    EXPECT_EQ(body_of(get("/")), page->plain);
+    EXPECT_EQ(body_of(get("/", "accept-encoding: gzip\r\n")), page->gzip);
+    const auto same = get("/", "if-none-match: " + std::string(page->etag) + "\r\n");
+    EXPECT_TRUE(same.starts_with("HTTP/1.1 304 ")) << same;
+    EXPECT_EQ(body_of(same), "");
+    EXPECT_EQ(body_of(get("/", "", "HEAD")), "");
+}
+
+TEST(HttpRouter, OpensStreams) {
+    auto reply = router().reply({.head = "GET /api/v1/events HTTP/1.1\r\nhost: localhost\r\n\r\n"});
+    ASSERT_TRUE(reply.stream);
+    EXPECT_TRUE(reply.bytes.starts_with("HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\n"));
+    std::string events;
+    EXPECT_FALSE(reply.stream->take(events));
+    EXPECT_EQ(events, "event: hello\ndata: 1\n\n");
+    reply = router(false).reply({.head = "GET /api/v1/events HTTP/1.1\r\nhost: localhost\r\n\r\n"});
+    EXPECT_FALSE(reply.stream);
+    EXPECT_TRUE(reply.bytes.starts_with("HTTP/1.1 503 "));
+}
+
+TEST(HttpRouter, ClosesWhatAsksForIt) {
+    const auto routes = router();
+    const std::string head = "GET /api/v1/echo HTTP/1.1\r\nhost: localhost\r\n";
+    EXPECT_FALSE(routes.reply({.head = head + "\r\n"}).close);
+    EXPECT_TRUE(routes.reply({.head = head + "connection: close\r\n\r\n"}).close);
+}
+
+}  // namespace
+}  // namespace takt::web

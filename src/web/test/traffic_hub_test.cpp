@@ -1,0 +1,53 @@
+#include "traffic_hub.hpp"
+
+#include <gtest/gtest.h>
+
+#include "running_host.hpp"
+
+namespace takt::web {
+namespace {
+
+using namespace test;
+
+const std::string kProject =
+    host::test::project_with(host::test::line_of("plant", host::test::boiler() + host::test::pump()));
+
+TEST(TrafficHub, StreamsFramesWithTheirWords) {
+    RunningHost running(kProject);
+    TrafficHub hub(running.access(), [] {});
+    const auto stream = hub.open();
+    ASSERT_TRUE(stream);
+    const auto text = take_until(*stream, [](const std::string& its) {
+        return its.find("\"rx\"") != std::string::npos && its.find("\"tx\"") != std::string::npos;
+    });
+    EXPECT_NE(text.find("event: frames\ndata: [{\"t\":"), std::string::npos);
+    EXPECT_NE(text.find("\"line\":\"plant\",\"device\":\"Boiler\",\"unit\":1"), std::string::npos);
+    EXPECT_NE(text.find("read holding registers"), std::string::npos);
+}
+
+TEST(TrafficHub, CapturesWhatTheTapSaw) {
+    RunningHost running(kProject);
+    TrafficHub hub(running.access(), [] {});
+    {
+        const auto stream = hub.open();
+        take_until(*stream, "\"rx\"");
+    }
+    const auto capture = hub.capture();
+    ASSERT_TRUE(capture);
+    EXPECT_GT(capture->size(), 300u);
+    EXPECT_NE(capture->find("plant / Boiler"), std::string::npos);
+}
+
+TEST(TrafficHub, AdmitsALimitedNumberOfStreamsAndEndsThem) {
+    RunningHost running(kProject);
+    TrafficHub hub(running.access(), [] {});
+    std::vector<std::unique_ptr<StreamSource>> streams;
+    for (std::size_t i = 0; i < TrafficHub::kMostStreams; ++i) streams.push_back(hub.open());
+    EXPECT_FALSE(hub.open());
+    hub.end();
+    std::string text;
+    EXPECT_FALSE(streams[0]->take(text));
+}
+
+}  // namespace
+}  // namespace takt::web

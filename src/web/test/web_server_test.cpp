@@ -1,0 +1,175 @@
+#include "takt/web/web_server.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+
+#include <atomic>
+#include <chrono>
+#include <string>
+#include <thread>
+
+#include "takt/line/socket.hpp"
+
+namespace takt::web {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+/// A blocking client.
+class Client {
+public:
+    explicit Client(std::uint16_t port) {
+        const auto address = line::resolve("127.0.0.1", port, true).value().front();
+        fd_.reset(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+        EXPECT_EQ(::connect(fd_.get(), address.get(), address.length), 0);
+        const timeval limit{10, 0};
+        ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    }
+    void send(const std::string& text) const {
+        EXPECT_EQ(::send(fd_.get(), text.data(), text.size(), MSG_NOSIGNAL),
+                  static_cast<ssize_t>(text.size()));
+    }
+    /// The next bytes; empty at the end.
+    std::string receive() const {
+        char buffer[65536];
+        const auto count = ::recv(fd_.get(), buffer, sizeof buffer, 0);
+        return {buffer, static_cast<std::size_t>(std::max<ssize_t>(count, 0))};
+    }
+    std::string receive_until(const std::string& part) const {
+        std::string all;
+        for (auto more = receive(); !more.empty(); more = receive()) {
+            all += more;
+            if (all.find(part) != std::string::npos) break;
+        }
+        return all;
+    }
+    std::string get(const std::string& path) const {
+        send("GET /api/v1" + path + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
+        return receive_until("}\n");
+    }
+
+private:
+    os::Descriptor fd_;
+};
+
+class Endless final : public StreamSource {
+public:
+    bool take(std::string& out) override {
+        out += "data: " + std::string(10'000, 'x') + "\n\n";
+        return true;
+    }
+};
+
+struct WebServerTest : ::testing::Test {
+    std::unique_ptr<WebServer> start(WebServerOptions options = {}) {
+        options.address.port = 0;
+        return WebServer::start(
+                   options,
+                   {{Method::get, "/quick", false,
+                     [](const ApiRequest&) { return ApiResponse::json(file::Json::object()); }},
+                    {Method::get, "/slow", false,
+                     [this](const ApiRequest&) {
+                         ++slow;
+                         while (hold) std::this_thread::sleep_for(1ms);
+                         return ApiResponse::json(file::Json::object());
+                     }},
+                    {Method::get, "/huge", false,
+                     [](const ApiRequest&) { return ApiResponse{.body = std::string(20 << 20, 'x')}; }}},
+                   {{"/endless",
+                     [](const ApiRequest&) -> std::unique_ptr<StreamSource> {
+                         return std::make_unique<Endless>();
+                     }}})
+            .value();
+    }
+    std::atomic<bool> hold = true;
+    std::atomic<int> slow = 0;
+};
+
+TEST_F(WebServerTest, ServesManyRequestsOnAConnection) {
+    const auto server = start();
+    const Client client(server->port());
+    for (int i = 0; i < 20; ++i) EXPECT_TRUE(client.get("/quick").starts_with("HTTP/1.1 200 OK\r\n"));
+    EXPECT_EQ(server->url(), "http://127.0.0.1:" + std::to_string(server->port()) + "/");
+}
+
+TEST_F(WebServerTest, StopsAtOnceWithStalledReaders) {
+    const auto server = start();
+    const Client stream(server->port());
+    stream.send("GET /api/v1/endless HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    stream.receive_until("data: ");
+    const Client huge(server->port());
+    huge.send("GET /api/v1/huge HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    huge.receive();
+    const Client half(server->port());
+    half.send("GET /");
+    const auto begin = Clock::now();
+    server->stop();
+    EXPECT_LT(Clock::now() - begin, 1s);
+    server->poke();
+}
+
+TEST_F(WebServerTest, ServesOthersWhileReadersStall) {
+    const auto server = start();
+    std::vector<std::unique_ptr<Client>> stalled;
+    for (int i = 0; i < 12; ++i) {
+        stalled.push_back(std::make_unique<Client>(server->port()));
+        stalled.back()->send(i % 2 == 0 ? "GET /api/v1/endless HTTP/1.1\r\nHost: localhost\r\n\r\n"
+                                        : "GET /api/v1/hu");
+    }
+    const Client client(server->port());
+    for (int i = 0; i < 50; ++i) EXPECT_TRUE(client.get("/quick").starts_with("HTTP/1.1 200 OK\r\n"));
+}
+
+TEST_F(WebServerTest, AnswersWith503WhenAllThreadsWork) {
+    const auto server = start({.threads = 1, .waiting = 1});
+    std::vector<std::unique_ptr<Client>> clients;
+    const auto ask = [&] {
+        clients.push_back(std::make_unique<Client>(server->port()));
+        clients.back()->send("GET /api/v1/slow HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    };
+    ask();
+    while (slow == 0) std::this_thread::sleep_for(1ms);
+    ask();
+    ask();
+    ask();
+    std::string refused;
+    for (std::size_t i = 3; i >= 1 && refused.empty(); --i)
+        if (i == 3) refused = clients[i]->receive_until("}\n");
+    EXPECT_TRUE(refused.starts_with("HTTP/1.1 503 ")) << refused;
+    hold = false;
+    EXPECT_TRUE(clients[0]->receive_until("}\n").starts_with("HTTP/1.1 200 "));
+}
+
+TEST_F(WebServerTest, LimitsTheRateOfAnAddress) {
+    const auto server = start({.burst = 3, .requests_per_second = 1});
+    const Client client(server->port());
+    for (int i = 0; i < 3; ++i) EXPECT_TRUE(client.get("/quick").starts_with("HTTP/1.1 200 "));
+    EXPECT_TRUE(client.get("/quick").starts_with("HTTP/1.1 429 "));
+}
+
+TEST_F(WebServerTest, AnswersConnectionsBeyondTheLimitWith503) {
+    const auto server = start({.connections = 4});
+    std::vector<std::unique_ptr<Client>> idle;
+    for (int i = 0; i < 4; ++i) {
+        idle.push_back(std::make_unique<Client>(server->port()));
+        EXPECT_TRUE(idle.back()->get("/quick").starts_with("HTTP/1.1 200 "));
+    }
+    EXPECT_TRUE(Client(server->port()).get("/quick").starts_with("HTTP/1.1 503 "));
+}
+
+TEST_F(WebServerTest, ReportsAnAddressInUse) {
+    const auto server = start();
+    const auto second = WebServer::start({.address = {"127.0.0.1", server->port()}}, {}, {});
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error().code, Code::cannot_open);
+}
+
+TEST_F(WebServerTest, ListensOnIpv6) {
+    const auto server = WebServer::start({.address = {"::1", 0}}, {}, {});
+    if (!server) GTEST_SKIP() << "no IPv6 here";
+    EXPECT_EQ((*server)->url(), "http://[::1]:" + std::to_string((*server)->port()) + "/");
+}
+
+}  // namespace
+}  // namespace takt::web
