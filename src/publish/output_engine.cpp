@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "output_log.hpp"
 #include "takt/base/assert.hpp"
 
 namespace takt::publish {
@@ -13,7 +14,10 @@ constexpr store::DestinationId kDestination{0};
 }  // namespace
 
 OutputEngine::OutputEngine(Options options, std::unique_ptr<OutputWork> work)
-    : options_(std::move(options)), queue_(options_.queue_bytes), work_(std::move(work)) {
+    : options_(std::move(options)),
+      queue_(options_.queue_bytes),
+      work_(std::move(work)),
+      output_log_(std::make_unique<OutputLog>(options_.log)) {
     TAKT_ASSERT(options_.open_storage && options_.wall_ns && work_);
     status_.name = options_.name;
 }
@@ -57,8 +61,7 @@ bool OutputEngine::finished(Instant now) const {
 void OutputEngine::close(Instant now) {
     if (journal_) {
         take_queue(now);
-        if (const auto closed = journal_->close(now); !closed)
-            options_.log(LogLevel::error, "journal not closed", options_.name);
+        static_cast<void>(journal_->close(now));  // an error is in the status of the journal
     }
     publish_status(now);
     const std::lock_guard lock(status_mutex_);
@@ -96,8 +99,6 @@ void OutputEngine::try_to_open(Instant now) {
     open_again_ = now + kOpenAgain;
     auto opened = open(now);
     if (!opened) {
-        if (open_failure_ != opened.error())
-            options_.log(LogLevel::error, "journal not opened", options_.name);
         open_failure_ = opened.error();
         return;
     }
@@ -153,6 +154,7 @@ void OutputEngine::publish_status(Instant now) {
         if (counters.waiting > 0) status.oldest_waiting_ns = oldest_ns_;
         work_->report(now, status);
     }
+    output_log_->note(status);
     const std::lock_guard lock(status_mutex_);
     status_ = std::move(status);
     status_taken_ = taken_;

@@ -17,6 +17,8 @@
 
 namespace takt::publish {
 
+class OutputLog;
+
 /// Appends queued samples to a journal, synchronises it, and lets an OutputWork deliver its records. A
 /// storage that cannot be opened is tried again; samples then wait in the queue, and are counted as lost
 /// where it is full.
@@ -80,6 +82,7 @@ private:
     std::unique_ptr<store::JournalStorage> storage_;  // outlives the journal
     std::optional<store::Journal> journal_;           // outlives the work
     std::unique_ptr<OutputWork> work_;
+    std::unique_ptr<OutputLog> output_log_;
     Instant open_again_{};
     std::optional<Error> open_failure_;
     std::uint64_t taken_ = 0;            // samples from the queue
