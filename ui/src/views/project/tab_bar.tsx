@@ -4,6 +4,8 @@ export function TabBar(props: {
   label: string;
   value: string;
   tabs: { value: string; title: string; class?: string }[];
+  /** The id of what the tabs show; else `name`-panel. */
+  controls?: string;
   onValue: (value: string) => void;
 }) {
   const move = (event: KeyboardEvent) => {
@@ -31,7 +33,7 @@ export function TabBar(props: {
           id={`${props.name}-${its.value}`}
           class={its.class}
           aria-selected={its.value === props.value}
-          aria-controls={`${props.name}-panel`}
+          aria-controls={props.controls ?? `${props.name}-panel`}
           tabIndex={its.value === props.value ? 0 : -1}
           onClick={() => props.onValue(its.value)}
         >

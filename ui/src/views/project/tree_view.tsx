@@ -106,7 +106,6 @@ function Tools() {
         type="button"
         class="button"
         title={texts.tree.addDevice}
-        aria-label={texts.tree.addDevice}
         disabled={locked || line === null}
         onClick={() => line !== null && addDevice(line, texts.tree.newDevice)}
       >
@@ -196,7 +195,6 @@ export function Tree() {
           type="button"
           class="button quiet"
           title={texts.addLine}
-          aria-label={texts.addLine}
           disabled={locked}
           onClick={() => addLine(texts.newLine)}
         >
@@ -207,7 +205,6 @@ export function Tree() {
           type="button"
           class="button quiet"
           title={texts.addServer}
-          aria-label={texts.addServer}
           disabled={locked}
           onClick={() => addServer(texts.newServer)}
         >

@@ -127,6 +127,7 @@ export function ProjectView() {
       <div class="halves">
         <TabBar
           name="half"
+          controls="main"
           label={texts.views}
           value={half.value}
           tabs={[

@@ -109,7 +109,7 @@ export function Strategies({ line }: { line: PlannedLine }) {
                 type="button"
                 class="button small"
                 disabled={locked}
-                aria-label={texts.applyHint(texts[name])}
+                aria-label={`${texts.apply}: ${texts.applyHint(texts[name])}`}
                 title={texts.applyHint(texts[name])}
                 onClick={() => applyStrategy(name)}
               >

@@ -1,0 +1,69 @@
+// Starts `takt run` with the page on a free port, and a browser.
+import { spawn } from 'node:child_process';
+import { cpSync, mkdtempSync, appendFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { chromium } from 'playwright-core';
+
+const ROOT = fileURLToPath(new URL('../../..', import.meta.url));
+const TAKT = process.env.TAKT ?? join(ROOT, 'build/takt');
+const HISTORY = '\noutputs:\n  - name: history\n    transport: history\n';
+
+/** A copy of an example with a history, served by the program. */
+export class Plant {
+  static async start(example = 'demo.yaml', options = ['--allow-write']) {
+    const plant = new Plant();
+    plant.folder = mkdtempSync(join(tmpdir(), 'takt-page-'));
+    plant.file = join(plant.folder, 'plant.yaml');
+    cpSync(join(ROOT, 'examples', example), plant.file);
+    appendFileSync(plant.file, HISTORY);
+    plant.process = spawn(TAKT, ['run', plant.file, '--web', '127.0.0.1:0', '--quiet', ...options]);
+    plant.url = await new Promise((found, failed) => {
+      let text = '';
+      const look = (data) => {
+        text += data;
+        const match = text.match(/http:\/\/127\.0\.0\.1:\d+\//);
+        if (match) found(match[0]);
+      };
+      plant.process.stdout.on('data', look);
+      plant.process.stderr.on('data', look);
+      plant.process.on('exit', () => failed(new Error(`the program ended: ${text}`)));
+      setTimeout(() => failed(new Error(`no address: ${text}`)), 30_000).unref();
+    });
+    return plant;
+  }
+
+  async stop() {
+    const ended = new Promise((done) => this.process.on('exit', done));
+    this.process.kill('SIGINT');
+    const code = await ended;
+    rmSync(this.folder, { recursive: true, force: true });
+    return code;
+  }
+}
+
+export const browser = () =>
+  chromium.launch({
+    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+    args: [
+      '--no-sandbox',
+      '--disable-gpu',
+      '--disable-quic',
+      '--no-first-run',
+      '--disable-background-networking',
+      '--disable-component-update',
+      '--disable-sync',
+    ],
+  });
+
+/** A page whose errors fail the test. */
+export async function openPage(context, url, errors) {
+  const page = await context.newPage();
+  page.on('pageerror', (error) => errors.push(String(error)));
+  page.on('console', (message) => {
+    if (message.type() === 'error') errors.push(message.text());
+  });
+  await page.goto(url);
+  return page;
+}

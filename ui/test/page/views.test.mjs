@@ -1,0 +1,72 @@
+// Every view in every language, light and dark, wide and narrow: nothing is cut off, nothing is untranslated,
+// axe-core finds nothing serious. The screenshots are in build/screenshots.
+import assert from 'node:assert/strict';
+import { mkdirSync, readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { fileURLToPath } from 'node:url';
+import { browser, openPage, Plant } from './program.mjs';
+
+const ROOT = fileURLToPath(new URL('../../..', import.meta.url));
+const SHOTS = process.env.TAKT_SCREENSHOTS ?? join(ROOT, 'build/screenshots');
+const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const VIEWS = ['project', 'live', 'trends', 'traffic', 'devices'];
+const TITLES = {
+  en: ['Project', 'Live', 'Trends', 'Traffic', 'Devices'],
+  ru: ['Проект', 'Значения', 'Графики', 'Обмен', 'Устройства'],
+  uk: ['Проєкт', 'Значення', 'Графіки', 'Обмін', 'Пристрої'],
+};
+const SIZES = { wide: { width: 1440, height: 900 }, narrow: { width: 390, height: 844 } };
+
+let plant;
+let chromium;
+before(async () => {
+  mkdirSync(SHOTS, { recursive: true });
+  plant = await Plant.start();
+  chromium = await browser();
+});
+after(async () => {
+  await chromium?.close();
+  assert.equal(await plant?.stop(), 0, 'Ctrl-C ends the program with an open stream');
+});
+
+async function settled(page, view) {
+  await page.locator('nav a[aria-current="page"]').waitFor();
+  if (view === 'live' || view === 'devices') await page.locator('[role="row"]').nth(3).waitFor();
+  if (view === 'traffic') await page.locator('[role="row"]').nth(5).waitFor();
+  if (view === 'project') await page.locator('[role="tree"]').first().waitFor();
+  if (view === 'trends') await page.locator('.chart canvas').waitFor();
+}
+
+async function serious(page) {
+  // The policy of the page allows no script from elsewhere: the test's own way in is not the page's.
+  await page.evaluate(AXE);
+  const { violations } = await page.evaluate(() => globalThis.axe.run({ resultTypes: ['violations'] }));
+  return violations
+    .filter((its) => its.impact === 'serious' || its.impact === 'critical')
+    .map((its) => `${its.id}: ${its.help}: ${its.nodes.map((node) => node.html.slice(0, 160)).join(' | ')}`);
+}
+
+for (const [language, titles] of Object.entries(TITLES))
+  for (const theme of ['light', 'dark'])
+    for (const [size, viewport] of Object.entries(SIZES))
+      test(`${language}, ${theme}, ${size}`, async () => {
+        const context = await chromium.newContext({ viewport, bypassCSP: true });
+        const errors = [];
+        const page = await openPage(context, `${plant.url}?lang=${language}&theme=${theme}`, errors);
+        for (const [i, view] of VIEWS.entries()) {
+          const query = view === 'trends' ? '?pens=Pressure%1FSpeed%1FRunning&span=60' : '';
+          await page.evaluate((hash) => {
+            location.hash = hash;
+          }, `#/${view}${query}`);
+          await settled(page, view);
+          assert.equal(await page.locator('nav a[aria-current="page"]').textContent(), titles[i]);
+          const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+          assert.ok(wide <= viewport.width, `${view} is ${wide} pixels wide`);
+          await page.screenshot({ path: join(SHOTS, `${view}-${language}-${theme}-${size}.png`) });
+          assert.deepEqual(await serious(page), [], view);
+        }
+        assert.deepEqual(errors, []);
+        await context.close();
+      });
