@@ -94,6 +94,27 @@ void JournalDestination::go_back(const StreamPosition& position) {
     rewind();
 }
 
+std::optional<std::int64_t> JournalDestination::oldest_waiting_ns() {
+    for (const CursorState& entry : in_flight_)
+        if (entry.position.samples > state_.position.samples) return entry.position.wall_ns;
+    const std::uint64_t cursor = state_.position.sequence;
+    const Segment* const first = segments_->first();
+    if (first == nullptr || reader_.position().sequence >= segments_->durable.sequence) return std::nullopt;
+    if (oldest_ && oldest_->cursor == cursor && oldest_->first_segment == first->number)
+        return oldest_->wall_ns;
+    oldest_.reset();
+    if (const auto found = find_oldest()) oldest_ = FoundOldest{cursor, first->number, *found};
+    return oldest_ ? std::optional(oldest_->wall_ns) : std::nullopt;
+}
+
+// The copy continues where the reader is: only after a rewind it searches the segment.
+std::optional<std::int64_t> JournalDestination::find_oldest() const {
+    JournalReader reader = reader_;
+    for (auto entry = reader.next(); entry && *entry; entry = reader.next())
+        if ((*entry)->header.samples > 0) return (*entry)->header.wall_ns;
+    return std::nullopt;
+}
+
 DestinationCounters JournalDestination::counters(std::uint64_t samples) const {
     const std::uint64_t finished = state_.delivered + state_.dropped;
     const std::uint64_t waiting = samples - state_.position.samples;

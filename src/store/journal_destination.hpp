@@ -41,11 +41,21 @@ public:
     [[nodiscard]] const std::string& name() const { return cursor_.name(); }
     [[nodiscard]] const CursorState& state() const { return state_; }
     [[nodiscard]] std::uint64_t durable_sequence() const { return cursor_.durable().position.sequence; }
+    /// See Journal. Reads the storage once for each position of the cursor.
+    [[nodiscard]] std::optional<std::int64_t> oldest_waiting_ns();
     /// @param samples  of the stream, to its end
     [[nodiscard]] DestinationCounters counters(std::uint64_t samples) const;
 
 private:
+    /// The oldest waiting sample that was read from the storage for this position of the cursor.
+    struct FoundOldest {
+        std::uint64_t cursor = 0;         // sequence number
+        std::uint64_t first_segment = 0;  // another one: the quota may have dropped the sample
+        std::int64_t wall_ns = 0;
+    };
+
     void announce_reads();
+    [[nodiscard]] std::optional<std::int64_t> find_oldest() const;
 
     const SegmentList* segments_;
     JournalStorage* storage_;
@@ -54,7 +64,8 @@ private:
     CursorState state_;
     JournalReader reader_;
     std::deque<CursorState> in_flight_;  // the state after the acknowledgement of each entry that was read
-    std::uint64_t highest_read_ = 0;     // sequence number, in this run or perhaps an earlier one
+    std::optional<FoundOldest> oldest_;
+    std::uint64_t highest_read_ = 0;  // sequence number, in this run or perhaps an earlier one
 };
 
 }  // namespace takt::store
