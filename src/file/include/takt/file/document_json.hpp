@@ -1,4 +1,5 @@
-// Documents of project files as JSON: what an editor of a project reads and sends (docs/web.md).
+// Documents of project files as JSON: what an editor of a project reads and sends:
+// docs/project-file.md, "The document".
 //
 // Mappings are objects in the order of the file, lists are arrays, each scalar is a string with its raw text,
 // null is null. A mapping in a list has the additional key `$from` (kOriginKey), its index in that list.

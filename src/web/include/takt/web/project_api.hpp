@@ -1,4 +1,5 @@
-// The project file for editors: read, evaluated, compared, saved, applied (docs/web.md, "Editing").
+// The project file for editors: read, evaluated, compared, saved, applied.
+// docs/project-file.md, "Editing in the browser".
 #pragma once
 
 #include <functional>
