@@ -1,0 +1,179 @@
+"""The page and its API over real sockets: routes as docs/openapi.json lists them, the rules against other sites, bad requests,
+browsers that stop reading, and the end of a run."""
+import json
+import pathlib
+import re
+import socket
+import time
+
+import pytest
+
+from program import ROOT, start, takt, until
+
+PROJECT = """\
+takt: 1
+lines:
+  - name: bus
+    transport: simulated
+    devices:
+      - name: Boiler
+        address: 16
+        poll_period: 50ms
+        variables:
+          - {name: Level, type: float, register: 0, read: 0x03}
+          - {name: Wanted, type: int16, register: 10, read: 0x03, write: 0x10}
+"""
+PATHS = json.loads((pathlib.Path(ROOT) / "docs/openapi.json").read_text(encoding="utf-8"))["paths"]
+
+
+class Site:
+    """A running program with its page."""
+
+    def __init__(self, run):
+        found = until(lambda: next((m for line in [*run.err, *run.out]
+                                    if (m := re.search(r"http://127\.0\.0\.1:(\d+)/", line))), None), f"an address\n{run!r}")
+        self.port = int(found[1])
+
+    def connect(self):
+        return socket.create_connection(("127.0.0.1", self.port), timeout=20)
+
+    def send(self, text, body=""):
+        """Status and body of a request that is written by hand."""
+        with self.connect() as s:
+            s.sendall((text + "\r\n\r\n").encode() + body.encode())
+            answer = b""
+            while b"\r\n\r\n" not in answer and (got := s.recv(65536)):
+                answer += got
+            head, _, rest = answer.partition(b"\r\n\r\n")
+            length = re.search(rb"(?i)content-length: (\d+)", head)
+            while length and len(rest) < int(length[1]) and (got := s.recv(65536)):
+                rest += got
+        return int(head.split()[1]), rest.decode(errors="replace")
+
+    def get(self, path, *fields, host="127.0.0.1"):
+        return self.send("\r\n".join([f"GET {path} HTTP/1.1", f"Host: {host}:{self.port}", *fields]))
+
+    def post(self, path, body, *fields):
+        text = json.dumps(body)
+        return self.send("\r\n".join([f"POST /api/v1{path} HTTP/1.1", f"Host: 127.0.0.1:{self.port}", "X-Takt: 1",
+                                      "Content-Type: application/json", f"Content-Length: {len(text)}", *fields]), text)
+
+
+@pytest.fixture
+def plant(tmp_path):
+    path = tmp_path / "plant.yaml"
+    path.write_text(PROJECT)
+    return path
+
+
+@pytest.fixture
+def site(plant):
+    with start("run", plant, "--json", "--web", "127.0.0.1:0", "--allow-write") as run:
+        run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "good", "a value")
+        site = Site(run)
+        site.run = run
+        yield site
+
+
+def test_every_route_of_the_description_exists(site):
+    for path, methods in PATHS.items():
+        for method in methods:
+            if path in ("/stream", "/traffic"):
+                with site.connect() as s:
+                    s.sendall(f"GET /api/v1{path} HTTP/1.1\r\nHost: 127.0.0.1:{site.port}\r\n\r\n".encode())
+                    assert b"200" in s.recv(64), path
+                continue
+            status, body = site.get(f"/api/v1{path}") if method == "get" else site.post(path, {})
+            assert '"not_found"' not in body or path.startswith("/history"), (path, status, body[:200])
+            assert status != 405 or method == "put", (path, status)
+    status, body = site.get("/api/v1/nothing")
+    assert status == 404 and json.loads(body)["error"]["code"]
+
+
+def test_the_page_is_served_with_its_policy(site):
+    status, body = site.get("/")
+    assert status == 200 and "<title>Takt</title>" in body
+    status, _ = site.get("/app.js")
+    assert status == 200
+
+
+@pytest.mark.parametrize("fields,host,expected", [
+    ([], "evil.example", 421),
+    (["Origin: http://evil.example"], "127.0.0.1", 403),
+    (["Sec-Fetch-Site: cross-site"], "127.0.0.1", 403),
+    (["X-Long: " + "a" * 70000], "127.0.0.1", 431),
+])
+def test_other_sites_are_refused(site, fields, host, expected):
+    status, _ = site.get("/api/v1/status", *fields, host=host)
+    assert status == expected
+
+
+def test_changes_need_the_mark_and_json(site):
+    head = f"POST /api/v1/commands HTTP/1.1\r\nHost: 127.0.0.1:{site.port}\r\nContent-Length: 2"
+    assert site.send(head + "\r\nContent-Type: application/json", "{}")[0] == 403
+    assert site.send(head + "\r\nX-Takt: 1\r\nContent-Type: text/plain", "{}")[0] == 415
+
+
+def test_wrong_commands_say_what_is_wrong(site):
+    for body in ({}, {"kind": "write", "variable": "Nothing", "value": 1}, {"kind": "write", "variable": "Wanted", "value": "x"},
+                 {"kind": "write", "variable": "Level", "value": 1}, {"kind": "jump", "variable": "Wanted", "value": 1}):
+        status, text = site.post("/commands", body)
+        answer = json.loads(text)
+        assert status >= 400 and answer["error"]["text"] or answer.get("outcome") == "refused", (body, status, text)
+    status, text = site.post("/commands", {"kind": "write", "variable": "Wanted", "value": 7})
+    assert status == 200 and json.loads(text)["outcome"] == "done"
+
+
+def test_without_allow_write_nothing_changes(plant):
+    with start("run", plant, "--json", "--web", "127.0.0.1:0") as run:
+        status, text = Site(run).post("/commands", {"kind": "write", "variable": "Wanted", "value": 7})
+        assert status == 403 and json.loads(text)["error"]["code"] == "read_only"
+
+
+def test_another_address_needs_a_token(plant, tmp_path):
+    refused = takt("run", plant, "--web", "0.0.0.0:0", code=2)
+    assert "--web-token" in refused.err
+    token = tmp_path / "token"
+    token.write_text("a-long-secret-token\n")
+    token.chmod(0o600)
+    with start("run", plant, "--json", "--web", "127.0.0.1:0", "--web-token", token) as run:
+        site = Site(run)
+        assert site.get("/api/v1/status")[0] == 401
+        assert site.get("/api/v1/status", "Authorization: Bearer a-long-secret-token")[0] == 200
+        assert site.get("/api/v1/status?token=a-long-secret-token")[0] == 200
+
+
+def test_browsers_that_stop_reading_harm_nobody(site):
+    stalled = []
+    for path in ["/stream", "/traffic"] * 4:
+        s = site.connect()
+        s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        s.sendall(f"GET /api/v1{path} HTTP/1.1\r\nHost: 127.0.0.1:{site.port}\r\n\r\n".encode())
+        stalled.append(s)
+    halves = [site.connect() for _ in range(40)]
+    for s in halves:
+        s.sendall(b"GET / HT")
+    before = len(site.run.out)
+    with site.connect() as s:
+        s.sendall(f"GET /api/v1/stream HTTP/1.1\r\nHost: 127.0.0.1:{site.port}\r\n\r\n".encode())
+        seen = b""
+        end = time.monotonic() + 20
+        while seen.count(b"event: values") < 10 and time.monotonic() < end:
+            seen += s.recv(65536)
+        assert seen.count(b"event: values") >= 10
+    assert site.get("/api/v1/status")[0] == 200
+    assert len(site.run.out) > before + 5, "polling goes on"
+    for s in [*stalled, *halves]:
+        s.close()
+
+
+def test_ctrl_c_ends_with_open_streams(site):
+    streams = [site.connect() for _ in range(3)]
+    for s in streams:
+        s.sendall(f"GET /api/v1/stream HTTP/1.1\r\nHost: 127.0.0.1:{site.port}\r\n\r\n".encode())
+        s.recv(100)
+    begin = time.monotonic()
+    site.run.interrupt()
+    assert time.monotonic() - begin < 5
+    for s in streams:
+        s.close()
