@@ -11,7 +11,6 @@ export const devices = {
     exceptions: 'Exceptions',
     late: 'Late',
     available: 'Available',
-    actions: 'Actions',
   },
   line: (name: string) => `Line ${name}`,
   lineState: {
@@ -24,8 +23,6 @@ export const devices = {
   available: 'available',
   notGood: (n: number) => `${n} not good`,
   allGood: (n: number) => `${n} good`,
-  tryNow: 'Try now',
-  tried: (name: string) => `${name}: a probe is sent as soon as the line has room`,
   details: 'Details',
   measured: 'Turnaround',
   measuredText: (longest: string, p999: string, n: string) =>

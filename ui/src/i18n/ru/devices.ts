@@ -14,7 +14,6 @@ export const devices: Translated<typeof source> = {
     exceptions: 'Исключения',
     late: 'Опоздания',
     available: 'Доступность',
-    actions: 'Действия',
   },
   line: (name: string) => `Линия ${name}`,
   lineState: {
@@ -27,8 +26,6 @@ export const devices: Translated<typeof source> = {
   available: 'доступна',
   notGood: (n: number) => `${n} ${slavic('ru', n, 'нехорошее', 'нехороших', 'нехороших')}`,
   allGood: (n: number) => `${n} ${slavic('ru', n, 'хорошее', 'хороших', 'хороших')}`,
-  tryNow: 'Опросить сейчас',
-  tried: (name: string) => `${name}: запрос уйдёт, как только на линии будет место`,
   details: 'Подробности',
   measured: 'Время реакции',
   measuredText: (longest: string, p999: string, n: string) =>

@@ -14,7 +14,6 @@ export const devices: Translated<typeof source> = {
     exceptions: 'Винятки',
     late: 'Запізнення',
     available: 'Доступність',
-    actions: 'Дії',
   },
   line: (name: string) => `Лінія ${name}`,
   lineState: {
@@ -27,8 +26,6 @@ export const devices: Translated<typeof source> = {
   available: 'доступна',
   notGood: (n: number) => `${n} ${slavic('uk', n, 'недобре', 'недобрі', 'недобрих')}`,
   allGood: (n: number) => `${n} ${slavic('uk', n, 'добре', 'добрі', 'добрих')}`,
-  tryNow: 'Опитати зараз',
-  tried: (name: string) => `${name}: запит піде, щойно на лінії буде місце`,
   details: 'Подробиці',
   measured: 'Час реакції',
   measuredText: (longest: string, p999: string, n: string) =>

@@ -1,10 +1,8 @@
 // Lines and devices: state, counters, what was learnt and measured; outputs.
 import { computed, signal } from '@preact/signals';
-import { post } from '../../api/client';
 import type { DeviceStatus, LineStatus } from '../../api/types';
 import { formatDuration, formatNumber, t } from '../../i18n';
-import { toast, toastError } from '../../shell/toasts';
-import { mayWrite, status } from '../../store/info';
+import { status } from '../../store/info';
 import { type Column, Grid } from '../../widgets/grid';
 import { Details } from './details';
 import { OutputList } from './outputs';
@@ -28,16 +26,7 @@ const current = computed(() => {
   return null;
 });
 
-export async function tryNow(line: string, device: string): Promise<void> {
-  try {
-    await post('devices/probe', { line, device });
-    toast('info', t.peek().devices.tried(device));
-  } catch (failure) {
-    toastError(failure);
-  }
-}
-
-function columns(line: string): Column<DeviceStatus>[] {
+function columns(): Column<DeviceStatus>[] {
   const texts = t.value.devices.columns;
   const number = (key: 'sent' | 'failed' | 'exceptions' | 'late_answers', title: string, bad: boolean) => ({
     key,
@@ -93,21 +82,6 @@ function columns(line: string): Column<DeviceStatus>[] {
       cell: (its) =>
         its.availability_percent === null ? '–' : `${formatNumber(its.availability_percent, 2)} %`,
     },
-    {
-      key: 'actions',
-      title: texts.actions,
-      width: '150px',
-      cell: (its) => (
-        <button
-          type="button"
-          class="button small"
-          disabled={!mayWrite.value || its.state !== 'not_answering'}
-          onClick={() => void tryNow(line, its.name)}
-        >
-          {t.value.devices.tryNow}
-        </button>
-      ),
-    },
   ];
 }
 
@@ -137,7 +111,7 @@ function LinePanel({ line }: { line: LineStatus }) {
       </header>
       <Grid
         label={texts.line(line.name)}
-        columns={columns(line.name)}
+        columns={columns()}
         rows={line.devices}
         rowKey={(its) => its.name}
         rowClass={(its) => (chosen.value === `${line.name}/${its.name}` ? 'selected' : '')}
