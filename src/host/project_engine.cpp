@@ -149,16 +149,16 @@ void ProjectEngine::execute(Instant t, std::unique_ptr<CommandRequest> command) 
     on_finished(std::move(command));
 }
 
-void ProjectEngine::publish(Instant t) {
+void ProjectEngine::publish(Instant /*t*/) {
     commands_.settle();
     const auto& store = master_.store();
     while (const auto* event = store.next_event(cursor_)) {
+        if (const auto missed = std::exchange(cursor_.missed, 0); missed > 0)
+            publish_event(event->t, EventsLost{.count = missed});  // they were before this one
         record_.clear();
         encode(configuration_->generation(), *event, record_);
         link_.events.append(record_);
     }
-    if (const auto missed = std::exchange(cursor_.missed, 0); missed > 0)
-        publish_event(t, EventsLost{.count = missed});
     for (std::size_t i = 0; i < lines_.size() && learner_; ++i) follow_plan(i);
     link_.notify();
 }
