@@ -17,20 +17,18 @@ void Sampler::step(Instant now) {
     set_clocks(now);
     follow_configuration(now);
     read_events(now);
-    count_lost(now);
-    if (std::exchange(current_due_, false)) deliver_current(now);
+    if (current_at_ <= now) deliver_current(now);
     sample_due(now);
     if (flush_at_ <= now) flush();
 }
 
 void Sampler::finish(Instant now) {
     read_events(now);
-    count_lost(now);
     flush();
 }
 
 Instant Sampler::next_wakeup() const {
-    Instant next = flush_at_;
+    Instant next = std::min(flush_at_, current_at_);
     for (const auto* feed : feeds_) next = std::min(next, feed->next_due());
     return next;
 }
@@ -46,15 +44,18 @@ void Sampler::follow_configuration(Instant now) {
     configuration_ = session_.configuration();
     feeds_ = owner_.on_configuration(now, configuration_);
     set_clocks(now);
-    current_due_ = true;
+    current_at_ = now;
 }
 
 void Sampler::read_events(Instant now) {
     while (const auto event = session_.next_event()) {
         if (session_.configuration() != configuration_) follow_configuration(now);
+        if (const auto* const lost = std::get_if<host::EventsLost>(&event->body)) lost_ += lost->count;
+        count_lost(now, event->t);
         last_event_ = event->t;
         on_event(*event);
     }
+    count_lost(now, now);
     const bool collected = std::ranges::any_of(feeds_, [](const auto* feed) { return feed->collected(); });
     if (collected && flush_at_ == kNever) flush_at_ = now + kCollect;
 }
@@ -62,22 +63,21 @@ void Sampler::read_events(Instant now) {
 void Sampler::on_event(const host::Event& event) {
     if (const auto* const changed = std::get_if<host::ValueChanged>(&event.body)) {
         for (auto* feed : feeds_) feed->on_change(event.t, *changed);
-    } else if (const auto* const lost = std::get_if<host::EventsLost>(&event.body)) {
-        lost_ += lost->count;
     } else if (std::holds_alternative<host::DeviceStateChanged>(event.body) ||
                std::holds_alternative<host::LinkChanged>(event.body)) {
         owner_.on_state_changed();
     }
 }
 
-// The values that the lost events had are known again from a snapshot.
-void Sampler::count_lost(Instant now) {
+// Lost events are between the last one that was read and the next one. The values that they had are known
+// again from a snapshot.
+void Sampler::count_lost(Instant now, Instant next_event) {
     const auto missed = session_.missed_events();
     const auto lost = std::exchange(lost_, 0) + (missed - missed_);
     missed_ = missed;
     if (lost == 0) return;
-    for (auto* feed : feeds_) feed->lose(lost, last_event_, now);
-    current_due_ = true;
+    for (auto* feed : feeds_) feed->lose(lost, last_event_, next_event);
+    current_at_ = now;
 }
 
 // The events up to the moment of the snapshot are read before it is used, so the samples of a slot stay in
@@ -98,8 +98,11 @@ void Sampler::sample_due(Instant now) {
 }
 
 void Sampler::deliver_current(Instant now) {
+    current_at_ = now + kSnapshotAgain;
     const auto snapshot = take_snapshot(now);
     if (!snapshot) return;
+    // Unless events were lost again meanwhile.
+    if (current_at_ > now) current_at_ = kNever;
     for (auto* feed : feeds_) feed->deliver_current(snapshot->t, snapshot->values);
     flush();
 }

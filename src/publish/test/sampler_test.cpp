@@ -53,6 +53,16 @@ protected:
         return all;
     }
 
+    static std::size_t current_samples(const std::vector<QueuedSamples>& all) {
+        std::size_t count = 0;
+        for (const auto& queued : all) {
+            const auto batch = decode_samples(queued.payload);
+            EXPECT_TRUE(batch);
+            for (const auto& sample : batch->samples) count += sample.cause == SampleCause::current ? 1 : 0;
+        }
+        return count;
+    }
+
     host::test::Rig rig_{project_with(line_of("main", boiler()))};
     std::unique_ptr<host::Session> session_;
     SamplePolicy policy_;
@@ -95,11 +105,43 @@ TEST_F(SamplerTest, CountsLostEventsInTheirPlaceAndDeliversTheCurrentState) {
     ASSERT_GE(queued.size(), 2U);
     EXPECT_TRUE(queued[0].payload.empty());
     EXPECT_EQ(queued[0].samples, lost);
-    const auto batch = decode_samples(queued[1].payload);
-    ASSERT_TRUE(batch);
-    std::size_t current = 0;
-    for (const auto& sample : batch->samples) current += sample.cause == SampleCause::current ? 1 : 0;
-    EXPECT_EQ(current, 2U) << "Level and Setpoint";
+    EXPECT_EQ(current_samples({queued[1]}), 2U) << "Level and Setpoint";
+}
+
+TEST_F(SamplerTest, ALossIsBeforeTheEventsThatFollowIt) {
+    run(1s);
+    (void)take();
+    const Instant last_read = rig_.now;
+    rig_.run(1s);  // these are lost
+    const auto events = static_cast<std::uint64_t>(host::test::Rig::kRingWords);
+    for (std::uint64_t i = 0; i < events; ++i) rig_.engine->publish_event(rig_.now, host::LinkChanged{});
+    const Instant lost_until = rig_.now;
+    rig_.run(1s);
+    sampler_->step(rig_.now);
+    const auto queued = take();
+    ASSERT_GE(queued.size(), 2U);
+    EXPECT_TRUE(queued[0].payload.empty());
+    const auto wall = [](Instant t) { return t.time_since_epoch().count() + kWallOffset; };
+    EXPECT_GT(queued[0].first_wall_ns, wall(last_read) - 200'000'000);
+    EXPECT_LE(queued[0].first_wall_ns, wall(last_read));
+    EXPECT_EQ(queued[0].last_wall_ns, wall(lost_until));
+    EXPECT_GT(queued[1].first_wall_ns, wall(lost_until) - 200'000'000);
+    EXPECT_GT(queued[1].samples, 2U) << "the changes of a second";
+}
+
+TEST_F(SamplerTest, TriesAgainWhenThereIsNoSnapshot) {
+    rig_.run(1s);
+    rig_.link->stopped = true;
+    sampler_->step(rig_.now);
+    EXPECT_EQ(current_samples(take()), 0U);
+    rig_.link->stopped = false;
+    const Instant begin = rig_.now;
+    for (std::size_t current = 0; current == 0; current = current_samples(take())) {
+        ASSERT_LE(sampler_->next_wakeup(), begin + 1s);
+        rig_.now = sampler_->next_wakeup();
+        sampler_->step(rig_.now);
+    }
+    EXPECT_EQ(rig_.now, begin + 1s);
 }
 
 TEST_F(SamplerTest, FinishesWithoutWaiting) {

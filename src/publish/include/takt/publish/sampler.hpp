@@ -47,11 +47,12 @@ public:
 private:
     /// How long samples are collected before they go to the journal together.
     static constexpr Duration kCollect = std::chrono::milliseconds(50);
+    static constexpr Duration kSnapshotAgain = std::chrono::seconds(1);
 
     void follow_configuration(Instant now);
     void read_events(Instant now);
     void on_event(const host::Event& event);
-    void count_lost(Instant now);
+    void count_lost(Instant now, Instant next_event);
     void sample_due(Instant now);
     void deliver_current(Instant now);
     [[nodiscard]] std::optional<host::Snapshot> take_snapshot(Instant now);
@@ -64,10 +65,10 @@ private:
     host::ConfigurationPtr configuration_;
     std::vector<SampleFeed*> feeds_;
     Instant flush_at_ = kNever;
-    bool current_due_ = false;  // the current state of all values is to be delivered
-    Instant last_event_;        // time of the last event that was read
-    std::uint64_t missed_ = 0;  // of the session, counted so far
-    std::uint64_t lost_ = 0;    // reported by the host, not counted yet
+    Instant current_at_ = kNever;  // when the current state of all values is to be delivered
+    Instant last_event_;           // time of the last event that was read
+    std::uint64_t missed_ = 0;     // of the session, counted so far
+    std::uint64_t lost_ = 0;       // reported by the host, not counted yet
 };
 
 }  // namespace takt::publish
