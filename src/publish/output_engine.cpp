@@ -112,13 +112,17 @@ void OutputEngine::take_queue(Instant now) {
     while (const auto queued = queue_.take()) {
         taken_ += queued->samples;
         if (queued->payload.empty())
-            journal_->append_loss(now, queued->samples, queued->first_wall_ns, queued->last_wall_ns);
+            journal_->append_loss(now, {.samples = queued->samples,
+                                        .first_wall_ns = queued->first_wall_ns,
+                                        .last_wall_ns = queued->last_wall_ns,
+                                        .buffer_full = queued->queue_full});
         else
             // A full buffer is counted by the journal, and a payload has a size that it takes.
             static_cast<void>(journal_->append(now, {.samples = queued->samples,
                                                      .wall_ns = queued->last_wall_ns,
                                                      .monotonic_ns = queued->last_monotonic_ns,
-                                                     .payload = queued->payload}));
+                                                     .payload = queued->payload,
+                                                     .oldest_wall_ns = queued->first_wall_ns}));
     }
 }
 
@@ -128,10 +132,14 @@ void OutputEngine::work(Instant now) {
     work_->work(now);
 }
 
+// A start that lost nothing is a gap without samples.
 void OutputEngine::find_oldest(Instant now) {
     status_at_ = now + std::chrono::seconds(1);
     oldest_ns_.reset();
-    if (journal_->counters(kDestination).waiting > 0) oldest_ns_ = journal_->oldest_waiting_ns(kDestination);
+    if (journal_->counters(kDestination).waiting == 0) return;
+    const auto stream = journal_->replay(journal_->acknowledged(kDestination) + 1);
+    for (auto entry = stream->next(); entry && *entry && !oldest_ns_; entry = stream->next())
+        if ((*entry)->header.samples > 0) oldest_ns_ = (*entry)->header.wall_ns;
 }
 
 void OutputEngine::publish_status(Instant now) {

@@ -4,10 +4,16 @@
 #include <utility>
 
 namespace takt::publish {
+namespace {
+
+constexpr std::size_t kShort = 1000;  // entries
+
+}  // namespace
 
 bool SampleQueue::push(QueuedSamples samples) {
     const std::lock_guard lock(mutex_);
-    if (bytes_ + samples.payload.size() > limit_) samples.payload.clear();
+    samples.queue_full = bytes_ + samples.payload.size() > limit_;
+    if (samples.queue_full) samples.payload.clear();
     return append(std::move(samples));
 }
 
@@ -20,12 +26,17 @@ bool SampleQueue::push_loss(std::uint64_t samples, std::int64_t first_wall_ns, s
                    .last_monotonic_ns = 0});
 }
 
-// Losses that follow each other are one: the queue stays bounded while nothing is taken from it.
+// Losses that follow each other are one, so that the queue stays bounded while nothing is taken from it. In a
+// short queue each cause has its own.
 bool SampleQueue::append(QueuedSamples samples) {
     const bool was_empty = waiting_.empty();
     pushed_ += samples.samples;
     bytes_ += samples.payload.size();
-    if (samples.payload.empty() && !was_empty && waiting_.back().payload.empty()) {
+    const auto continues = [&](const QueuedSamples& last) {
+        const bool same_cause = last.queue_full == samples.queue_full;
+        return last.payload.empty() && (same_cause || waiting_.size() > kShort);
+    };
+    if (samples.payload.empty() && !was_empty && continues(waiting_.back())) {
         auto& loss = waiting_.back();
         loss.samples += samples.samples;
         loss.first_wall_ns = std::min(loss.first_wall_ns, samples.first_wall_ns);

@@ -125,14 +125,12 @@ Result<void> Journal::append(Instant now, const JournalInput& input) {
     return state_->writer.append(now, input);
 }
 
-void Journal::append_loss(Instant now, std::uint64_t samples, std::int64_t first_wall_ns,
-                          std::int64_t last_wall_ns) {
-    Gap gap;
-    gap.cause = GapCause::source_lost;
-    gap.samples = samples;
-    gap.first_wall_ns = first_wall_ns;
-    gap.last_wall_ns = last_wall_ns;
-    state_->writer.append_loss(now, gap);
+void Journal::append_loss(Instant now, const JournalLoss& loss) {
+    JournalWriter& writer = state_->writer;
+    writer.append_loss(now, {.cause = loss.buffer_full ? writer.cause_of_loss() : GapCause::source_lost,
+                             .samples = loss.samples,
+                             .first_wall_ns = loss.first_wall_ns,
+                             .last_wall_ns = loss.last_wall_ns});
 }
 
 Instant Journal::next_wakeup() const {
@@ -203,10 +201,6 @@ std::uint64_t Journal::durable_cursor(DestinationId destination) const {
 
 DestinationCounters Journal::counters(DestinationId destination) const {
     return state_->at(destination).counters(state_->writer.samples());
-}
-
-std::optional<std::int64_t> Journal::oldest_waiting_ns(DestinationId destination) {
-    return state_->at(destination).oldest_waiting_ns();
 }
 
 std::unique_ptr<JournalStream> Journal::replay(std::uint64_t sequence) const {

@@ -39,7 +39,7 @@ Result<void> JournalWriter::append(Instant now, const JournalInput& input) {
     if (!has_room(gap + kRecordOverheadBytes + input.payload.size())) {
         append_loss(now, {.cause = cause_of_loss(),
                           .samples = input.samples,
-                          .first_wall_ns = input.wall_ns,
+                          .first_wall_ns = input.oldest_wall_ns.value_or(input.wall_ns),
                           .last_wall_ns = input.wall_ns});
         return fail(Code::queue_full, static_cast<std::int64_t>(options_.buffer_bytes));
     }

@@ -22,6 +22,8 @@ public:
 
     Result<void> append(Instant now, const JournalInput& input);
     void append_loss(Instant now, const Gap& gap);
+    /// Why a full buffer is full.
+    [[nodiscard]] GapCause cause_of_loss() const;
 
     [[nodiscard]] Instant next_wakeup() const { return due_; }
     /// Writes the buffer and syncs it. After an error the segment is abandoned.
@@ -50,7 +52,6 @@ private:
     [[nodiscard]] bool has_room(std::size_t bytes) const {
         return pending_.size() + bytes <= options_.buffer_bytes;
     }
-    [[nodiscard]] GapCause cause_of_loss() const;
     Result<void> write_pending();
     Result<void> write_slice();
     Result<void> open_segment();

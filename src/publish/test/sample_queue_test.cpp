@@ -33,16 +33,40 @@ TEST(SampleQueue, WhatDoesNotFitIsALossInItsPlace) {
     queue.push(samples(20, 60));
     queue.push(samples(1, 70));
     EXPECT_EQ(queue.take()->first_wall_ns, 10);
+    const auto full = queue.take();
+    ASSERT_TRUE(full);
+    EXPECT_TRUE(full->payload.empty());
+    EXPECT_TRUE(full->queue_full);
+    EXPECT_EQ(full->samples, 6U);
+    EXPECT_EQ(full->first_wall_ns, 20);
+    EXPECT_EQ(full->last_wall_ns, 31);
     const auto loss = queue.take();
     ASSERT_TRUE(loss);
     EXPECT_TRUE(loss->payload.empty());
-    EXPECT_EQ(loss->samples, 11U);
+    EXPECT_FALSE(loss->queue_full);
+    EXPECT_EQ(loss->samples, 5U);
     EXPECT_EQ(loss->first_wall_ns, 15);
     EXPECT_EQ(loss->last_wall_ns, 50);
     EXPECT_EQ(queue.take()->first_wall_ns, 60);
     EXPECT_EQ(queue.take()->samples, 3U);  // a loss
     EXPECT_FALSE(queue.take());
     EXPECT_EQ(queue.pushed(), 20U);
+}
+
+TEST(SampleQueue, StaysBoundedWhateverIsLost) {
+    SampleQueue queue(10);
+    for (int i = 0; i < 5000; ++i) {
+        queue.push(samples(20, i));
+        queue.push_loss(1, i, i);
+    }
+    std::size_t entries = 0;
+    std::uint64_t lost = 0;
+    while (const auto loss = queue.take()) {
+        ++entries;
+        lost += loss->samples;
+    }
+    EXPECT_LT(entries, 1100U);
+    EXPECT_EQ(lost, 20'000U);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <optional>
 #include <string>
 
@@ -151,13 +152,47 @@ TEST_F(JournalTest, TurnsOverflowIntoAGapInItsPlace) {
 TEST_F(JournalTest, WritesTheLossesOfTheSource) {
     start();
     ASSERT_TRUE(append(10));
-    journal_->append_loss(now_, 9, 100, 200);
+    journal_->append_loss(now_, {.samples = 9, .first_wall_ns = 100, .last_wall_ns = 200});
     ASSERT_TRUE(append(10));
     tick();
     const auto entries = read_all(kCloud);
     ASSERT_EQ(entries.size(), 4U);
     ASSERT_TRUE(entries[2].gap);
     EXPECT_EQ(*entries[2].gap, (Gap{GapCause::source_lost, 9, 3, 3, 100, 200}));
+}
+
+TEST_F(JournalTest, AGapBeginsWithTheOldestSampleThatIsMissing) {
+    start();
+    ASSERT_TRUE(append(60'000));
+    ASSERT_TRUE(append(60'000));
+    const std::vector<std::uint8_t> payload(60'000);
+    const auto lost =
+        journal_->append(now_, {.samples = 3, .wall_ns = 900, .payload = payload, .oldest_wall_ns = 700});
+    EXPECT_EQ(lost.error().code, Code::queue_full);
+    tick();
+    const auto entries = read_all(kCloud);
+    ASSERT_EQ(entries.size(), 4U);
+    EXPECT_EQ(*entries[3].gap, (Gap{GapCause::buffer_full, 3, 4, 4, 700, 900}));
+}
+
+TEST_F(JournalTest, ALossBeforeTheJournalHasTheCauseOfAFullBuffer) {
+    start();
+    tick();
+    const JournalLoss loss{.samples = 2, .first_wall_ns = 100, .last_wall_ns = 200, .buffer_full = true};
+    journal_->append_loss(now_, loss);
+    tick();
+    disk_.error_number = ENOSPC;
+    disk_.fail_from = disk_.operations();
+    disk_.fail_count = 1;
+    ASSERT_TRUE(append(10));
+    tick();
+    journal_->append_loss(now_, loss);
+    tick();
+    tick();
+    const auto entries = read_all(kCloud);
+    ASSERT_EQ(entries.size(), 4U);
+    EXPECT_EQ(entries[1].gap->cause, GapCause::buffer_full);
+    EXPECT_EQ(entries[3].gap->cause, GapCause::disk_full);
 }
 
 TEST_F(JournalTest, ReadsAgainAfterARewindAndMarksIt) {
@@ -230,52 +265,6 @@ TEST_F(JournalTest, MarksWhatIsReadAgainAfterGoingBack) {
     start();
     tick();
     EXPECT_EQ(repeated(kCloud), 4U);
-}
-
-TEST_F(JournalTest, KnowsTheOldestSampleThatWaits) {
-    start();
-    tick();
-    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), std::nullopt) << "a start without samples";
-    std::vector<std::int64_t> times;
-    for (int i = 0; i < 3; ++i) {
-        times.push_back(wall());
-        ASSERT_TRUE(append(10));
-        now_ += 1ms;
-    }
-    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), std::nullopt) << "not durable";
-    tick();
-    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), times[0]);
-    const auto entries = read_all(kCloud);
-    ASSERT_EQ(entries.size(), 4U);
-    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), times[0]) << "in flight";
-    ASSERT_TRUE(journal_->acknowledge(now_, kCloud, entries[1].header.sequence));
-    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), times[1]);
-    journal_->rewind(kCloud);
-    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), times[1]);
-    acknowledge_all(kCloud);
-    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), std::nullopt);
-    EXPECT_EQ(journal_->oldest_waiting_ns(kSite), times[0]);
-}
-
-TEST_F(JournalTest, TheOldestSampleThatWaitsMayBeInAGap) {
-    options_.quota_bytes = 2 * options_.segment_bytes;
-    start();
-    const auto fill = [&](int records) {
-        for (int i = 0; i < records; ++i) {
-            ASSERT_TRUE(append(20'000));
-            tick();
-        }
-    };
-    fill(1);
-    const auto first = journal_->oldest_waiting_ns(kCloud);
-    ASSERT_TRUE(first);
-    fill(12);
-    ASSERT_GT(journal_->status().dropped_segments, 0U);
-    const auto oldest = journal_->oldest_waiting_ns(kCloud);
-    const auto entries = read_all(kCloud);
-    ASSERT_TRUE(entries.front().gap);
-    EXPECT_EQ(oldest, entries.front().header.wall_ns);
-    EXPECT_GT(oldest, first);
 }
 
 TEST_F(JournalTest, RejectedSamplesCountAsDropped) {

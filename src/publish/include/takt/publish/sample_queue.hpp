@@ -17,6 +17,7 @@ struct QueuedSamples {
     std::int64_t first_wall_ns = 0;
     std::int64_t last_wall_ns = 0;
     std::int64_t last_monotonic_ns = 0;
+    bool queue_full = false;  ///< of lost samples: they did not fit; else they were lost before
 };
 
 /// A queue that is bounded in bytes. What does not fit is replaced by its number, in its place.

@@ -31,6 +31,17 @@ struct JournalInput {
     std::int64_t wall_ns = 0;       ///< see RecordHeader
     std::int64_t monotonic_ns = 0;  ///< see RecordHeader
     Bytes payload;                  ///< copied; at most kMaxPayloadBytes
+    std::optional<std::int64_t> oldest_wall_ns;  ///< of the oldest sample; nothing: there is one time only
+};
+
+/// Samples that were lost before they reached the journal.
+struct JournalLoss {
+    std::uint64_t samples = 0;
+    std::int64_t first_wall_ns = 0;
+    std::int64_t last_wall_ns = 0;
+    /// A buffer in front of the journal was full, so that the cause is that of a full buffer of the journal;
+    /// else the source lost them.
+    bool buffer_full = false;
 };
 
 /// Samples of a destination. appended = delivered + waiting + dropped at all times. The counts are kept in
@@ -79,7 +90,7 @@ struct DestinationId {
 /// acknowledge it reads a gap. Each start writes a gap of cause restart.
 ///
 /// Time is given by the caller and must not run backwards. One owner, one thread. Only on_tick(), close(),
-/// next(), read() and oldest_waiting_ns() access the storage; they may block for as long as it does.
+/// next() and read() access the storage; they may block for as long as it does.
 class Journal {
 public:
     /// Reads what an earlier run left, and adds the destinations: DestinationId{i} is the one with
@@ -103,9 +114,8 @@ public:
 
     /// @returns too_long: nothing was done; queue_full: the samples are counted, and a gap replaces them
     Result<void> append(Instant now, const JournalInput& input);
-    /// Writes a gap for samples that were lost before they reached the journal.
-    void append_loss(Instant now, std::uint64_t samples, std::int64_t first_wall_ns,
-                     std::int64_t last_wall_ns);
+    /// Writes a gap.
+    void append_loss(Instant now, const JournalLoss& loss);
 
     /// When on_tick() is to be called; kNever: there is nothing to do.
     [[nodiscard]] Instant next_wakeup() const;
@@ -132,9 +142,6 @@ public:
     /// The last sequence number that the destination has acknowledged durably.
     [[nodiscard]] std::uint64_t durable_cursor(DestinationId destination) const;
     [[nodiscard]] DestinationCounters counters(DestinationId destination) const;
-    /// Wall time of the oldest durable record with samples that the destination has not acknowledged; none:
-    /// there is no such record, or the storage cannot be read.
-    [[nodiscard]] std::optional<std::int64_t> oldest_waiting_ns(DestinationId destination);
 
     /// Makes a destination read again from `sequence` on, or from the oldest record if that is gone. Its
     /// counters go back too. Durable after close(), or with the next sync of the cursor.
