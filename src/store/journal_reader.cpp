@@ -28,6 +28,8 @@ JournalEntry JournalReader::gap_until(const StreamPosition& end, GapCause cause)
     entry.header = {RecordType::gap, entry.gap->samples, end.sequence, at_.samples, end.wall_ns, 0,
                     end.epoch};
     at_ = end;
+    // The record at `end` is not read yet: it does not bound the age of a gap that follows.
+    at_.wall_ns = entry.gap->first_wall_ns;
     return entry;
 }
 

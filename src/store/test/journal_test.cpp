@@ -368,6 +368,29 @@ TEST_F(JournalTest, DropsTheOldestSegmentAboveTheQuota) {
     acknowledge_all(kSite);
 }
 
+TEST_F(JournalTest, AGapBehindAGapBeginsWithTheLastRecordBeforeBoth) {
+    options_.quota_bytes = 2 * options_.segment_bytes;
+    start();
+    tick();
+    acknowledge_all(kCloud);  // the gap of the start
+    const std::int64_t before = kSecond;
+    const auto gap_after_drops = [&] {
+        for (int i = 0; i < 8; ++i) {
+            EXPECT_TRUE(append(30'000));
+            tick();
+        }
+        const auto entry = journal_->read(kCloud);
+        return entry && *entry && (*entry)->gap ? *(*entry)->gap : Gap{};
+    };
+    const Gap first = gap_after_drops();
+    const Gap second = gap_after_drops();
+    EXPECT_EQ(first.cause, GapCause::quota);
+    EXPECT_EQ(first.first_wall_ns, before);
+    EXPECT_EQ(second.cause, GapCause::quota);
+    EXPECT_EQ(second.first_sequence, first.last_sequence + 1);
+    EXPECT_EQ(second.first_wall_ns, before);
+}
+
 TEST_F(JournalTest, KeepsAcknowledgedSegmentsForTheRetention) {
     options_.retention = 1h;
     start();
