@@ -1,6 +1,7 @@
 // The token of a message is the sequence number of its record and its index in it: it is the same after a
 // rewind, also where the record gets another place in the queue. A record has its cursor moved when its last
-// message is finished.
+// message is finished. A gap has the last index: where it replaces a record whose first messages are
+// finished, it is behind them.
 #include "takt/publish/journal_messages.hpp"
 
 #include <algorithm>
@@ -23,7 +24,7 @@ std::uint64_t token_of(std::uint64_t sequence, std::size_t index) {
 std::optional<SourceMessage> JournalMessages::next(Instant now, const MessageLimits& limits) {
     for (;;) {
         while (next_ < composed_.size()) {
-            const auto token = token_of(records_.back().sequence, next_);
+            const auto token = records_.back().first_token + next_;
             auto& message = composed_[next_++].message;
             if (token <= finished_token_) continue;  // acknowledged before a rewind
             const bool repeated = token <= highest_token_ || records_.back().sequence <= last_of_earlier_run_;
@@ -40,7 +41,6 @@ bool JournalMessages::read_record(Instant now, const MessageLimits& limits) {
     if (!entry) failure_ = entry.error();
     if (!entry || !*entry) return false;
     const auto& header = (*entry)->header;
-    const auto first_token = token_of(header.sequence, 0);
     if ((*entry)->repeated && header.sequence > highest_record_) last_of_earlier_run_ = header.sequence;
     highest_record_ = std::max(highest_record_, header.sequence);
     composed_.clear();
@@ -49,6 +49,8 @@ bool JournalMessages::read_record(Instant now, const MessageLimits& limits) {
                       .first = header.samples_before + 1,
                       .packet_limit = limits.packet,
                       .version = limits.version};
+    const bool is_gap = (*entry)->gap.has_value();
+    const auto first_token = token_of(header.sequence, is_gap ? MessageComposer::kMostMessages - 1 : 0);
     if (header.sequence <= last_of_earlier_run_)
         place.repeated = MessageComposer::kMostMessages;
     else if (highest_token_ >= first_token)
@@ -61,12 +63,10 @@ bool JournalMessages::read_record(Instant now, const MessageLimits& limits) {
         composer_.compose(*batch, place, composed_);
     else
         readable = false;
-    TAKT_ASSERT(composed_.size() <= MessageComposer::kMostMessages);
+    TAKT_ASSERT(composed_.size() <= (is_gap ? 1 : MessageComposer::kMostMessages));
 
-    Record record{.sequence = header.sequence,
-                  .last_token = composed_.empty() ? first_token - 1 : first_token + composed_.size() - 1,
-                  .wall_ns = header.wall_ns,
-                  .samples = {}};
+    Record record{
+        .sequence = header.sequence, .first_token = first_token, .wall_ns = header.wall_ns, .samples = {}};
     for (const auto& composed : composed_) record.samples.push_back(composed.samples);
     records_.push_back(std::move(record));
     if (!readable) {
@@ -87,7 +87,7 @@ void JournalMessages::acknowledge(Instant now, std::uint64_t token) {
 void JournalMessages::reject(Instant now, std::uint64_t token, MqttReason) {
     TAKT_ASSERT(!records_.empty());
     const auto& record = records_.front();
-    const auto index = static_cast<std::size_t>(token - token_of(record.sequence, 0));
+    const auto index = static_cast<std::size_t>(token - record.first_token);
     TAKT_ASSERT(index < record.samples.size());
     const auto samples = record.samples[index];
     rejected_ += samples;
@@ -100,7 +100,7 @@ void JournalMessages::finish_records(Instant now, std::uint64_t token) {
     while (!records_.empty()) {
         const auto& record = records_.front();
         const bool has_messages = !record.samples.empty();
-        if (has_messages && record.last_token > token) return;
+        if (has_messages && record.first_token + record.samples.size() - 1 > token) return;
         static_cast<void>(journal_.acknowledge(now, destination_, record.sequence));
         records_.pop_front();
         if (records_.empty()) composed_.clear();

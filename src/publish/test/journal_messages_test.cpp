@@ -154,6 +154,24 @@ TEST_F(JournalMessagesTest, ARejectedMessageIsDropped) {
     EXPECT_EQ(messages_->rejected(), 1U);
 }
 
+// The record is damaged on the disk after its first message was acknowledged.
+TEST_F(JournalMessagesTest, AGapIsBehindTheAcknowledgedMessagesOfTheRecordThatItReplaces) {
+    append(3);
+    append(1);
+    EXPECT_EQ(all().size(), 5U);
+    messages_->acknowledge(now_, tokens_[0]);
+    messages_->acknowledge(now_, tokens_[1]);
+    messages_->rewind();
+    const auto [segment, bytes] = *disk_.contents().begin();
+    disk_.flip(segment, store::kGapRecordBytes + store::kRecordHeaderBytes);
+    tokens_.clear();
+    EXPECT_EQ(all(), (Texts{"3", "4*"})) << "the gap of three samples";
+    for (const auto token : tokens_) messages_->acknowledge(now_, token);
+    EXPECT_EQ(counters().dropped, 3U);
+    EXPECT_EQ(counters().delivered, 1U);
+    EXPECT_EQ(counters().waiting, 0U);
+}
+
 TEST_F(JournalMessagesTest, ARecordOfALaterVersionIsDropped) {
     const std::vector<std::uint8_t> unknown{9, 9, 9};
     ASSERT_TRUE(journal_->append(now_, {4, 0, 0, unknown}));

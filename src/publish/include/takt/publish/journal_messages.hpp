@@ -37,6 +37,7 @@ public:
 
     virtual void compose(const SampleBatch& batch, const StreamPlace& place,
                          std::vector<ComposedMessage>& out) = 0;
+    /// At most one message.
     virtual void compose(const store::Gap& gap, const StreamPlace& place,
                          std::vector<ComposedMessage>& out) = 0;
 };
@@ -65,7 +66,7 @@ private:
     /// A record with messages that are not all acknowledged.
     struct Record {
         std::uint64_t sequence = 0;
-        std::uint64_t last_token = 0;
+        std::uint64_t first_token = 0;
         std::int64_t wall_ns = 0;
         std::vector<std::uint64_t> samples;  // of each message
     };
