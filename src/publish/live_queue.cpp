@@ -42,6 +42,13 @@ LiveQueue::Settled LiveQueue::settle(MqttToken token, MqttReason reason) {
     return is_failure(reason) ? Settled::dropped : Settled::accepted;
 }
 
+MqttToken LiveQueue::oldest_in_flight() const {
+    MqttToken oldest = 0;
+    for (const Entry& entry : entries_)
+        if (entry.token != 0 && (oldest == 0 || entry.token < oldest)) oldest = entry.token;
+    return oldest;
+}
+
 std::size_t LiveQueue::on_lost() {
     in_flight_ = 0;
     const std::size_t dropped =

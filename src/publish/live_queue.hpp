@@ -36,6 +36,8 @@ public:
 
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
     [[nodiscard]] std::size_t in_flight() const { return in_flight_; }
+    /// The first token of those in flight; 0: there is none.
+    [[nodiscard]] MqttToken oldest_in_flight() const;
 
 private:
     struct Entry {

@@ -124,7 +124,7 @@ void MqttSession::State::go_online(Instant now) {
 }
 
 void MqttSession::State::on(Instant now, const MqttAcknowledged& event) {
-    progress = now;
+    if (is_due_first(event.token)) progress = now;
     if (phase == Phase::farewell && event.token == farewell_token) return close(now, {});
     if (on_live_settled(now, event)) return;
     switch (window.settle(now, event.token, event.reason)) {
@@ -247,6 +247,15 @@ void MqttSession::State::on_deadline(Instant now) {
         case Phase::draining:
         case Phase::farewell: close(now, {}); break;
     }
+}
+
+// A broker acknowledges in the order of the messages (MQTT 5.0, 4.6). While it answers later ones only, the
+// first answer is lost, and so is the progress of the source.
+bool MqttSession::State::is_due_first(MqttToken token) const {
+    const MqttToken of_source = window.oldest_waiting();
+    const MqttToken of_live = live.oldest_in_flight();
+    const bool source_first = of_live == 0 || (of_source != 0 && of_source < of_live);
+    return token == (source_first ? of_source : of_live);
 }
 
 Instant MqttSession::State::answer_deadline() const {

@@ -55,6 +55,7 @@ struct MqttSession::State {
     [[nodiscard]] std::size_t in_flight() const { return window.waiting() + live.in_flight(); }
     [[nodiscard]] std::size_t window_now() const;
     [[nodiscard]] std::size_t packet_limit() const;
+    [[nodiscard]] bool is_due_first(MqttToken token) const;
     [[nodiscard]] Instant answer_deadline() const;
     [[nodiscard]] Instant return_deadline() const;
 
@@ -81,8 +82,8 @@ struct MqttSession::State {
 
     Phase phase = Phase::off;
     Instant since{};
-    Instant deadline = kNever;            // of the phase
-    Instant progress{};                   // the last acknowledgement, or the first message sent after it
+    Instant deadline = kNever;  // of the phase
+    Instant progress{};  // the last acknowledgement that was due first, or the first message sent after it
     Instant blocked_until = kNotBlocked;  // a broker refused a message
     Duration pause;                       // after the next refused message
     std::size_t allowed = 0;              // messages in flight; shrinks when a broker refuses a message

@@ -42,6 +42,11 @@ SourceWindow::Settled SourceWindow::settle(Instant now, MqttToken token, MqttRea
     return settled;
 }
 
+MqttToken SourceWindow::oldest_waiting() const {
+    const auto found = std::ranges::find(entries_, Answer::none, &Entry::answer);
+    return found == entries_.end() ? 0 : found->token;
+}
+
 void SourceWindow::rewind() {
     blocked_ = false;
     waiting_ = 0;

@@ -28,6 +28,8 @@ public:
 
     /// Messages without an answer.
     [[nodiscard]] std::size_t waiting() const { return waiting_; }
+    /// The first of them; 0: there is none.
+    [[nodiscard]] MqttToken oldest_waiting() const;
     /// Messages behind the cursor: those that wait, and answered ones behind them.
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
     /// The broker refused a message: nothing further may be sent before rewind().

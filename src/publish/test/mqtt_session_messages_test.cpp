@@ -271,6 +271,30 @@ TEST_F(MqttSessionMessages, AHalfOpenConnectionIsReplaced) {
     EXPECT_EQ(published(), "2");
 }
 
+// The broker goes on to answer, so that the link is alive, but the cursor cannot move.
+TEST_F(MqttSessionMessages, AConnectionThatLostAnAcknowledgementIsReplaced) {
+    options.answer_timeout = 30s;
+    start();
+    accept();
+    produce(3);
+    EXPECT_EQ(published(), "1 2 3");
+    acknowledge({"2", "3"});
+    for (int i = 0; i < 29; ++i) {
+        advance(1s);
+        ASSERT_TRUE(publish({.message = {.topic = "state", .payload = "live"}}));
+        EXPECT_EQ(published(), "live");
+        acknowledge({"live"});
+    }
+    EXPECT_TRUE(actions.empty());
+    advance(1s);
+    EXPECT_FALSE(expect<MqttDisconnect>().orderly);
+    close(MqttFailureKind::none);
+    EXPECT_EQ(status().last_failure->kind, MqttFailureKind::timed_out);
+    until_attempt();
+    accept();
+    EXPECT_EQ(published(), "1 2 3");
+}
+
 TEST_F(MqttSessionMessages, AnIdleConnectionIsNotReplaced) {
     connected_with(1);
     EXPECT_EQ(published(), "1");

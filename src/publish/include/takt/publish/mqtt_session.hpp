@@ -39,7 +39,7 @@ struct MqttSessionOptions {
     std::size_t live_queue = 64;  ///< live messages that wait or are in flight
 
     Duration connect_timeout = std::chrono::seconds(20);  ///< from MqttConnect to MqttConnected
-    Duration answer_timeout = std::chrono::seconds(30);   ///< without any acknowledgement, while some are due
+    Duration answer_timeout = std::chrono::seconds(30);   ///< without the acknowledgement that is due first
     Duration leave_timeout =
         std::chrono::milliseconds(1500);  ///< for acknowledgements and farewell at stop()
     Duration first_pause =
