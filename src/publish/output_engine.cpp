@@ -132,14 +132,10 @@ void OutputEngine::work(Instant now) {
     work_->work(now);
 }
 
-// A start that lost nothing is a gap without samples.
 void OutputEngine::find_oldest(Instant now) {
     status_at_ = now + std::chrono::seconds(1);
     oldest_ns_.reset();
-    if (journal_->counters(kDestination).waiting == 0) return;
-    const auto stream = journal_->replay(journal_->acknowledged(kDestination) + 1);
-    for (auto entry = stream->next(); entry && *entry && !oldest_ns_; entry = stream->next())
-        if ((*entry)->header.samples > 0) oldest_ns_ = (*entry)->header.wall_ns;
+    if (journal_->counters(kDestination).waiting > 0) oldest_ns_ = journal_->oldest_waiting_ns(kDestination);
 }
 
 void OutputEngine::publish_status(Instant now) {

@@ -203,6 +203,10 @@ DestinationCounters Journal::counters(DestinationId destination) const {
     return state_->at(destination).counters(state_->writer.samples());
 }
 
+std::optional<std::int64_t> Journal::oldest_waiting_ns(DestinationId destination) {
+    return state_->at(destination).oldest_waiting_ns();
+}
+
 std::unique_ptr<JournalStream> Journal::replay(std::uint64_t sequence) const {
     return std::make_unique<JournalReplay>(state_->writer.segments(), state_->storage, sequence);
 }

@@ -267,6 +267,52 @@ TEST_F(JournalTest, MarksWhatIsReadAgainAfterGoingBack) {
     EXPECT_EQ(repeated(kCloud), 4U);
 }
 
+TEST_F(JournalTest, KnowsTheOldestSampleThatWaits) {
+    start();
+    tick();
+    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), std::nullopt) << "a start without samples";
+    std::vector<std::int64_t> times;
+    for (int i = 0; i < 3; ++i) {
+        times.push_back(wall());
+        ASSERT_TRUE(append(10));
+        now_ += 1ms;
+    }
+    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), std::nullopt) << "not durable";
+    tick();
+    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), times[0]);
+    const auto entries = read_all(kCloud);
+    ASSERT_EQ(entries.size(), 4U);
+    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), times[0]) << "in flight";
+    ASSERT_TRUE(journal_->acknowledge(now_, kCloud, entries[1].header.sequence));
+    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), times[1]);
+    journal_->rewind(kCloud);
+    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), times[1]);
+    acknowledge_all(kCloud);
+    EXPECT_EQ(journal_->oldest_waiting_ns(kCloud), std::nullopt);
+    EXPECT_EQ(journal_->oldest_waiting_ns(kSite), times[0]);
+}
+
+TEST_F(JournalTest, TheOldestSampleThatWaitsMayBeInAGap) {
+    options_.quota_bytes = 2 * options_.segment_bytes;
+    start();
+    const auto fill = [&](int records) {
+        for (int i = 0; i < records; ++i) {
+            ASSERT_TRUE(append(20'000));
+            tick();
+        }
+    };
+    fill(1);
+    const auto first = journal_->oldest_waiting_ns(kCloud);
+    ASSERT_TRUE(first);
+    fill(12);
+    ASSERT_GT(journal_->status().dropped_segments, 0U);
+    const auto oldest = journal_->oldest_waiting_ns(kCloud);
+    const auto entries = read_all(kCloud);
+    ASSERT_TRUE(entries.front().gap);
+    EXPECT_EQ(oldest, entries.front().header.wall_ns);
+    EXPECT_GT(oldest, first);
+}
+
 TEST_F(JournalTest, RejectedSamplesCountAsDropped) {
     start();
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(append(10));  // one sample each, after the gap of the start

@@ -90,7 +90,7 @@ struct DestinationId {
 /// acknowledge it reads a gap. Each start writes a gap of cause restart.
 ///
 /// Time is given by the caller and must not run backwards. One owner, one thread. Only on_tick(), close(),
-/// next() and read() access the storage; they may block for as long as it does.
+/// next(), read() and oldest_waiting_ns() access the storage; they may block for as long as it does.
 class Journal {
 public:
     /// Reads what an earlier run left, and adds the destinations: DestinationId{i} is the one with
@@ -142,6 +142,9 @@ public:
     /// The last sequence number that the destination has acknowledged durably.
     [[nodiscard]] std::uint64_t durable_cursor(DestinationId destination) const;
     [[nodiscard]] DestinationCounters counters(DestinationId destination) const;
+    /// Wall time of the oldest durable record with samples that the destination has not acknowledged; none:
+    /// there is no such record, or the storage cannot be read.
+    [[nodiscard]] std::optional<std::int64_t> oldest_waiting_ns(DestinationId destination);
 
     /// Makes a destination read again from `sequence` on, or from the oldest record if that is gone. Its
     /// counters go back too. Durable after close(), or with the next sync of the cursor.
