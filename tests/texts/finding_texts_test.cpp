@@ -171,6 +171,7 @@ std::vector<std::string> bad_projects() {
             "- {name: o4, transport: mqtt, brokers: [mqtt://b], topic: 'a//b'}\n"
             "- {name: o5, transport: mqtt, brokers: [mqtt://b], topic: 'a/{variable}', message: device}\n"
             "- {name: o6, transport: mqtt, brokers: [mqtt://b], control_topic: c, topic: c/set}\n"
+            "- {name: h1, transport: history, variables: [A, A]}\n- {name: h2, transport: history}\n"
             "- {name: o7, transport: mqtt, brokers: [mqtt://b], control_topic: c, quota_mb: 32, period: "
             "1ms}\n",
         "takt: 1\n" + line +
