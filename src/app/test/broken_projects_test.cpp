@@ -146,6 +146,8 @@ const std::multimap<std::string, std::string>& values() {
                                                                  {"--port", "/dev/takt-none"},
                                                                  {"--traffic", "-"},
                                                                  {"--control", "out.sock"},
+                                                                 {"--web", "127.0.0.1:0"},
+                                                                 {"--web-token", "none.token"},
                                                                  {"--state", "out.state"},
                                                                  {"--range", "holding:0..9"},
                                                                  {"--for", "20ms"},

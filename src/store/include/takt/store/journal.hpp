@@ -27,10 +27,10 @@ struct JournalOptions {
 
 /// A number of samples that are written and acknowledged together.
 struct JournalInput {
-    std::uint64_t samples = 1;      ///< in the payload
-    std::int64_t wall_ns = 0;       ///< see RecordHeader
-    std::int64_t monotonic_ns = 0;  ///< see RecordHeader
-    Bytes payload;                  ///< copied; at most kMaxPayloadBytes
+    std::uint64_t samples = 1;                   ///< in the payload
+    std::int64_t wall_ns = 0;                    ///< see RecordHeader
+    std::int64_t monotonic_ns = 0;               ///< see RecordHeader
+    Bytes payload;                               ///< copied; at most kMaxPayloadBytes
     std::optional<std::int64_t> oldest_wall_ns;  ///< of the oldest sample; nothing: there is one time only
 };
 
