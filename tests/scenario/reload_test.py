@@ -3,6 +3,8 @@ import os
 import signal
 import subprocess
 
+import pytest
+
 import endpoints
 from fake_slave import TcpSlave, tcp_answer
 from program import TAKT, environment, start, takt, until
@@ -87,10 +89,11 @@ def test_serving_without_rules_goes_on():
         device.interrupt()
 
 
-def test_a_demonstration_goes_on():
-    with start("demo", "--json") as run:
+@pytest.mark.parametrize("options,said", [(["--no-web"], "it goes on"), ([], "in force")], ids=["without_file", "with_copy"])
+def test_a_demonstration_goes_on(options, said):
+    with start("demo", "--json", *options) as run:
         run.wait_event(lambda e: e["event"] == "value", "a value")
-        reload(run, "it goes on")
+        reload(run, said)
         seen = len(run.out)
         run.wait_event(lambda e: e["event"] == "value", "a later value", after=seen)
         run.interrupt()
