@@ -67,7 +67,11 @@ class Subscriber:
 
     def stop(self):
         self.process.terminate()
-        self.process.wait()
+        try:
+            self.process.wait(5)
+        except subprocess.TimeoutExpired:  # a signal between its look at the flag and its wait is lost
+            self.process.kill()
+            self.process.wait()
         self.log.close()
 
 
