@@ -1,0 +1,74 @@
+// What becomes of commands: one outcome, at most one execution, and none that is forbidden.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "../clock.hpp"
+#include "../complaints.hpp"
+#include "../scenario.hpp"
+#include "../senders.hpp"
+#include "takt/file/json.hpp"
+#include "takt/publish/mqtt_port.hpp"
+
+namespace takt::gatewaysim {
+
+class CommandJudge {
+public:
+    CommandJudge(const Clock& clock, const Scenario& scenario, Complaints& complaints)
+        : clock_(clock), scenario_(scenario), complaints_(complaints) {}
+
+    void on_run_begin();
+    void on_sent(const SentCommand& command);
+    /// The gateway took a message from its pipe. @param subscribed  the broker had accepted the subscriptions
+    void on_delivered(const publish::MqttMessage& message, bool subscribed);
+    /// A device executed a write, or a local was set. @param ordered_at  when the request left the gateway
+    void on_executed(std::uint32_t value, Instant ordered_at);
+    /// The gateway publishes an answer.
+    void on_answer(const publish::MqttMessage& message);
+    void on_audit(std::string_view line);
+    [[nodiscard]] bool is_answer(const publish::MqttMessage& message) const;
+
+    /// The end of a simulation. @param from  commands that were delivered from then on must have an answer
+    void finish(Instant from, Instant until);
+
+private:
+    struct Delivery {
+        Instant at;
+        bool permitted = false;    ///< it may be executed
+        Instant expires = kNever;  ///< not later
+    };
+    /// A command in the current run. Those with the same content are one.
+    struct Fate {
+        std::vector<Delivery> deliveries;
+        std::uint32_t executions = 0;
+        std::optional<std::string> outcome;  ///< of an answer, but for refusals before its id counts
+        std::optional<std::string> audited;  ///< likewise, of the audit log
+        bool answered = false;
+    };
+
+    [[nodiscard]] Delivery judge(const SentCommand& command, const publish::MqttMessage& message,
+                                 bool subscribed) const;
+    void check_outcome(const SentCommand& command, Fate& fate, const std::string& outcome,
+                       const std::string& reason);
+    /// Whether `done` means that the value was written or set.
+    [[nodiscard]] bool is_executed_when_done(const SentCommand& command) const;
+    [[nodiscard]] const SentCommand* find(const file::Json& answer) const;
+    void fail(std::string_view rule, std::string expected, std::string seen) {
+        complaints_.add(rule, clock_.now, std::move(expected), std::move(seen));
+    }
+
+    const Clock& clock_;
+    const Scenario& scenario_;
+    Complaints& complaints_;
+    std::map<std::string, SentCommand> sent_;        // by topic and payload
+    std::map<std::string, std::string> by_id_;       // the first content with an id
+    std::map<std::uint32_t, std::string> by_value_;  // the content that has this value
+    std::map<std::string, Fate> fates_;              // by content, of the current run
+    std::map<std::string, std::string> known_;       // by id: the content that it means in this run
+};
+
+}  // namespace takt::gatewaysim

@@ -1,0 +1,97 @@
+// The gaps of the stream: each one where samples are missing, with their number, times and cause.
+#include "stream_judge.hpp"
+
+namespace takt::gatewaysim {
+namespace {
+
+std::string text(const SeenGap& gap) {
+    return gap.cause + " of " + std::to_string(gap.samples) + " from " + std::to_string(gap.number) +
+           " on, " + gap.first + " to " + gap.last;
+}
+
+}  // namespace
+
+void StreamJudge::check_gap(const SeenMessage& message) {
+    const auto& gap = *message.gap;
+    if (gap.cause == "restart") return check_restart(message);
+    if (gap.cause == "quota" || gap.cause == "damaged") return check_found_gap(message);
+    check_written_gap(message);
+}
+
+void StreamJudge::check_restart(const SeenMessage& message) {
+    const auto& gap = *message.gap;
+    const Run* run = account_.run_of(message.epoch);
+    const auto* record = run ? journal_.record(run->first_sequence) : nullptr;
+    if (record == nullptr || gap.number != run->base + 1 || gap.samples != 0)
+        return fail("gap_true", "the gap of a start, in its place and without a number", text(gap));
+    if (run->first_sequence > journal_.durable_sequence())
+        fail("durable_first", "only what is durable is published", text(gap));
+    if (gap.first != time_text(record->facts.gap->first_wall_ns) ||
+        gap.last != time_text(record->facts.gap->last_wall_ns))
+        fail(
+            "gap_true",
+            time_text(record->facts.gap->first_wall_ns) + " to " + time_text(record->facts.gap->last_wall_ns),
+            text(gap));
+}
+
+/// A gap that was written to the journal: its truth was judged then.
+void StreamJudge::check_written_gap(const SeenMessage& message) {
+    const auto& gap = *message.gap;
+    const auto* record = journal_.record_of_sample(gap.number);
+    if (gap.samples == 0 || record == nullptr || !record->facts.gap ||
+        record->facts.samples_before + 1 != gap.number || record->facts.samples != gap.samples ||
+        record->facts.epoch != message.epoch || cause_name(record->facts.gap->cause) != gap.cause)
+        return fail("gap_true", "a gap that was written", text(gap));
+    check_durable(record->facts.end());
+    if (gap.first != time_text(record->facts.gap->first_wall_ns) ||
+        gap.last != time_text(record->facts.gap->last_wall_ns))
+        fail("gap_true", "the times that were written", text(gap));
+}
+
+// A gap that was found while reading. All of its records are gone, and the next one is there.
+void StreamJudge::check_found_gap(const SeenMessage& message) {
+    const auto& gap = *message.gap;
+    std::uint64_t sequence = 1;
+    while (sequence <= journal_.last_sequence() && journal_.record(sequence)->facts.end() < gap.number)
+        ++sequence;
+    // Gaps without samples that are in this place may have been delivered.
+    while (sequence <= journal_.last_sequence() && journal_.record(sequence)->facts.samples == 0 &&
+           journal_.record(sequence)->present)
+        ++sequence;
+    const auto first = sequence;
+    const auto is_gone = [&](const JournalJudge::Entry& entry) {
+        return gap.cause == "quota" ? !entry.present : entry.unreadable;
+    };
+    std::uint64_t samples = 0;
+    while (sequence <= journal_.durable_sequence() && is_gone(*journal_.record(sequence)))
+        samples += journal_.record(sequence++)->facts.samples;
+    if (sequence == first || samples != gap.samples)
+        return fail("gap_true",
+                    std::to_string(samples) + " samples are gone there, in " +
+                        std::to_string(sequence - first) + " records",
+                    text(gap));
+    for (const Run& run : account_.runs())
+        if (run.epoch != 0 && run.first_sequence >= first && run.first_sequence < sequence)
+            restarts_.push_back(run.number);
+    if (journal_.was_damaged()) return;
+    const auto* after = journal_.record(std::min(sequence, journal_.durable_sequence()));
+    if (gap.last != time_text(after->facts.wall_ns) || message.epoch != after->facts.epoch)
+        fail("gap_true",
+             "the time and epoch of the record after: " + time_text(after->facts.wall_ns) + ", epoch " +
+                 std::to_string(after->facts.epoch),
+             text(gap));
+    if (!begins_behind(gap, first))
+        fail("gap_true", "the time of the last record before that was delivered", text(gap));
+}
+
+// The record before is gone too if another gap is before this one.
+bool StreamJudge::begins_behind(const SeenGap& gap, std::uint64_t sequence) const {
+    for (; sequence > 1; --sequence) {
+        const auto* before = journal_.record(sequence - 1);
+        if (gap.first == time_text(before->facts.wall_ns)) return true;
+        if (before->present) return false;
+    }
+    return gap.first == time_text(journal_.record(1)->facts.gap->first_wall_ns);
+}
+
+}  // namespace takt::gatewaysim
