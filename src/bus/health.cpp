@@ -36,4 +36,10 @@ bool Health::read_started(Instant t, Duration period) {
     return early;
 }
 
+bool Health::probe_now(Instant t) {
+    if (answering()) return false;
+    probe_at_ = std::min(probe_at_, t);
+    return true;
+}
+
 }  // namespace takt::bus

@@ -15,6 +15,7 @@ void CommandExecutor::execute(Instant t, std::unique_ptr<CommandRequest> command
     command->outcome.t = t;
     const auto kind = command->command.kind;
     if (kind == Command::Kind::get) return get(t, std::move(command));
+    if (kind == Command::Kind::probe) return probe(t, std::move(command));
     if (const auto& expires = command->command.expires; expires && *expires <= t) {
         command->outcome.result = CommandResult::expired;
         return end(std::move(command));
@@ -51,6 +52,21 @@ void CommandExecutor::get(Instant t, std::unique_ptr<CommandRequest> command) {
     if (index && slot.reason == value::Reason::not_answering)
         command->outcome.cause = master_.line(index->line).device(index->device).failure;
     end(std::move(command));
+}
+
+void CommandExecutor::probe(Instant t, std::unique_ptr<CommandRequest> command) {
+    const auto slot = command->command.slot;
+    const auto owner = configuration_.slots().owner(slot);
+    const auto* const index = std::get_if<value::VariableIndex>(&owner);
+    if (!index || command->command.service)
+        return refuse(t, std::move(command), fail(Code::unsupported, configuration_.info(slot).name).error());
+    auto& line = master_.line(index->line);
+    if (!line.probe_now(t, index->device)) {
+        command->outcome.result = CommandResult::refused;
+        command->outcome.reason = line.link_up() ? value::Reason::ok : value::Reason::link_lost;
+    }
+    end(std::move(command));
+    surroundings_.on_changed(slot);
 }
 
 void CommandExecutor::refuse(Instant t, std::unique_ptr<CommandRequest> command, const Error& error) {

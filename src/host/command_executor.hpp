@@ -122,6 +122,7 @@ private:
     void write(Instant t, std::unique_ptr<CommandRequest> command);
     [[nodiscard]] std::string service_name(const Command& command) const;
     void get(Instant t, std::unique_ptr<CommandRequest> command);
+    void probe(Instant t, std::unique_ptr<CommandRequest> command);
     void refuse(Instant t, std::unique_ptr<CommandRequest> command, const Error& error);
     void part_done(WaitingSet& set);
     void end(std::unique_ptr<CommandRequest> command);

@@ -62,6 +62,7 @@ std::shared_ptr<SnapshotBuffer> make_snapshot_buffer(const ConfigurationPtr& con
         line.times.resize(project.lines[l].devices.size());
         line.variables.resize(variables);
         line.requests.reserve(configuration->plan().lines[l].requests.size() + more);
+        if (parts.times) line.request_times.reserve(line.requests.capacity());
     }
     return buffer;
 }
@@ -153,6 +154,8 @@ void SnapshotFill::copy_line(ProjectEngine& engine, Instant t) {
         buffer_->too_small = buffer_->too_small || count > line.requests.capacity();
         for (std::size_t r = 0; r < std::min(count, line.requests.capacity()); ++r)
             line.requests.push_back(poller.request(r));
+        for (std::size_t r = 0; buffer_->parts.times && r < line.requests.size(); ++r)
+            line.request_times.push_back(poller.request_times(r));
     }
     if (buffer_->parts.plan || buffer_->parts.statistics) line.plan = engine.running_plan(line_);
     if (buffer_->parts.learnt && !poller.copy_learnt(t, line.learnt)) buffer_->too_small = true;

@@ -43,6 +43,23 @@ void CountRange<buckets>::add(std::size_t bucket, std::uint64_t times) {
     (*high_)[bucket - first_] += carry;
 }
 
+RequestTimes times_of(const CompactLatencyStatistics& times) {
+    RequestTimes result{.p50 = times.percentile(50), .p99 = times.percentile(99)};
+    const auto add = [](std::uint32_t count, std::uint64_t more) {
+        return static_cast<std::uint32_t>(std::min<std::uint64_t>(count + more, UINT32_MAX));
+    };
+    for (std::size_t i = 0; i < CompactHistogram::kBuckets; ++i) {
+        const auto bucket = times.histogram().bucket(i);
+        if (bucket.count == 0) continue;
+        const auto upper = std::chrono::ceil<std::chrono::microseconds>(std::min(bucket.upper, times.max()));
+        if (result.buckets.size() < result.buckets.capacity()) result.buckets.push_back({});
+        auto& last = result.buckets.back();
+        last.upper_us = static_cast<std::uint32_t>(std::min<std::int64_t>(upper.count(), UINT32_MAX));
+        last.count = add(last.count, bucket.count);
+    }
+    return result;
+}
+
 }  // namespace takt::poll
 
 namespace takt::timing {

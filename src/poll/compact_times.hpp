@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "heap_optional.hpp"
+#include "takt/poll/statistics.hpp"
 #include "takt/timing/latency_statistics.hpp"
 
 namespace takt::poll {
@@ -41,6 +42,9 @@ private:
 /// greatest sample.
 using CompactHistogram = timing::BasicHistogram<3, 26, 1000, CountRange>;
 using CompactLatencyStatistics = timing::BasicLatencyStatistics<CompactHistogram>;
+
+/// The percentiles and the buckets with a count.
+[[nodiscard]] RequestTimes times_of(const CompactLatencyStatistics& times);
 
 }  // namespace takt::poll
 

@@ -87,6 +87,8 @@ public:
     [[nodiscard]] std::optional<Instant> early_probe_at(Instant last, Duration period) const {
         return health_.early_probe_at(last, period);
     }
+    /// The next probe may be sent from `t` on. @returns false, and does nothing: it is not probed
+    bool probe_now(Instant t) { return probed() && enabled_ && health_.probe_now(t); }
     /// A read is sent. While the device does not answer, it is a probe.
     void read_started(Instant t, Duration period);
     /// The probe in flight is an early one.

@@ -131,6 +131,17 @@ DeviceStatistics LinePoller::device(std::size_t device) const {
     return {run.health.condition(), run.statistics, run.delay_learner.finding(), run.noise_meter.finding()};
 }
 
+bool LinePoller::probe_now(Instant t, std::size_t device) {
+    TAKT_ASSERT(device < run_->devices_.size());
+    return link_up() && run_->devices_[device].health.probe_now(t);
+}
+
+RequestTimes LinePoller::request_times(std::size_t request) const {
+    TAKT_ASSERT(request < run_->requests_.size());
+    const auto& times = run_->requests_[request].times;
+    return times ? times_of(*times) : RequestTimes{};
+}
+
 RequestStatistics LinePoller::request(std::size_t request) const {
     TAKT_ASSERT(request < run_->requests_.size());
     const auto& run = run_->requests_[request];

@@ -15,15 +15,23 @@ constexpr int kRecentResponses = 8;  // whose mean DeviceStatistics::recent_time
 
 }  // namespace
 
+void RequestRun::count(const bus::Outcome& outcome) {
+    const auto timed = counters.time.count();
+    counters.count(outcome);
+    if (counters.time.count() == timed) return;
+    if (!times) times = HeapOptional(CompactLatencyStatistics());
+    times->record(outcome.ended_at - outcome.sent_at);
+}
+
 // Counts the outcome and updates the health of the device. Called before the values are taken: it may degrade
 // or restart the whole device.
 OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::size_t index,
-                                           bus::TransactionCounters* counters) {
+                                           RequestRun* request) {
     auto& device = devices_[index];
     --device.in_flight;
     if (writes(kind_of(outcome.id))) device.writing = false;
     count_outcome(index, outcome);
-    if (counters) counters->count(outcome);
+    if (request) request->count(outcome);
     note_busy(outcome);
     const OutcomeClass outcome_class = classify(outcome);
     const Instant t = outcome.ended_at;
@@ -74,7 +82,7 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     reads_.ended(index);
     const bool probe = !devices_[request.device].health.answering();
     const bool whole = distinct_reads_.whole(index);
-    const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request.counters);
+    const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request);
     const Instant t = outcome.ended_at;
     if (outcome.sent) request.attempt_time.record(t - outcome.sent_at);
     if (outcome_class.reason == Reason::ok && whole && !reads_.by_trigger(index))

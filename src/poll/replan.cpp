@@ -79,6 +79,7 @@ void LinePoller::Run::carry_read(Instant t, const OldReads& before, std::size_t 
         const std::size_t rank = read.rank;
         request.counters = same->counters;
         request.attempt_time = same->attempt_time;
+        request.times = same->times;
         const auto found = static_cast<std::size_t>(same - old.begin());
         statuses_.carry(index, before.reasons[found]);
         periods_.carry_request(index, before.meters[found]);
@@ -112,7 +113,9 @@ void LinePoller::Run::carry_write(const std::vector<RequestRun>& old,
                                   const std::vector<std::unique_ptr<WriteGroup>>& old_groups,
                                   std::size_t index) {
     const auto before = write_groups_.carry(index, old_groups);
-    if (before && !requests_[index].read) requests_[index].counters = old[*before].counters;
+    if (!before || requests_[index].read) return;
+    requests_[index].counters = old[*before].counters;
+    requests_[index].times = old[*before].times;
 }
 
 void LinePoller::Run::carry_commands() {

@@ -174,8 +174,7 @@ private:
     void degrade_shifted(Instant t, const DeviceRun& device, const bus::AnswerShape& shape, Instant since);
 
     // outcomes.cpp
-    OutcomeClass note_outcome(const bus::Outcome& outcome, std::size_t device,
-                              bus::TransactionCounters* counters);
+    OutcomeClass note_outcome(const bus::Outcome& outcome, std::size_t device, RequestRun* request);
     void count_outcome(std::size_t device, const bus::Outcome& outcome);
     void note_busy(const bus::Outcome& outcome);
     void on_read(const bus::Outcome& outcome, std::size_t request);

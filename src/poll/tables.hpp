@@ -7,8 +7,10 @@
 #include <optional>
 #include <vector>
 
+#include "compact_times.hpp"
 #include "delay_learner.hpp"
 #include "device_health.hpp"
+#include "heap_optional.hpp"
 #include "noise_meter.hpp"
 #include "read_job.hpp"
 #include "takt/bus/unit_times.hpp"
@@ -28,7 +30,11 @@ struct RequestRun {
     std::vector<std::size_t> variables;  // indices into Run::variables_
     std::optional<ReadJob> read;
     bus::TransactionCounters counters;
-    bus::TimeStatistics attempt_time;  // of its reads, answered or not
+    bus::TimeStatistics attempt_time;              // of its reads, answered or not
+    HeapOptional<CompactLatencyStatistics> times;  // of its responses; made with the first one
+
+    /// Of a read, a write or both; `sent` or not.
+    void count(const bus::Outcome& outcome);
 };
 
 /// One device of the line, for as long as the poller lives.

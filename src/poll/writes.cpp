@@ -57,7 +57,7 @@ void LinePoller::Run::on_written(const bus::Outcome& outcome) {
     if (request && phase != WritePhase::verifying)
         commands_.end_carry(write.device(), outcome.sent && phase == WritePhase::writing);
     const OutcomeClass outcome_class =  // may end other writes of the device
-        note_outcome(outcome, write.device(), request ? &request->counters : nullptr);
+        note_outcome(outcome, write.device(), request);
     write.transaction_ended();
     if (phase == WritePhase::verifying) return on_read_back(outcome, outcome_class, write);
     const Instant t = outcome.ended_at;

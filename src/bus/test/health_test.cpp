@@ -52,5 +52,19 @@ TEST(Health, ProbesEarlyOncePerPeriodWhileTheBackOffIsLonger) {
     EXPECT_FALSE(health.read_started(at(0s), 500ms));
 }
 
+TEST(Health, ProbesAtOnceOnRequest) {
+    Health health(1);
+    EXPECT_FALSE(health.probe_now(at(0s)));
+    health.failed(at(0s));
+    health.failed(at(1s));
+    EXPECT_TRUE(health.probe_now(at(1500ms)));
+    EXPECT_EQ(health.probe_at(), at(1500ms));
+    EXPECT_TRUE(health.probe_now(at(2s)));  // it waits for the line
+    EXPECT_EQ(health.probe_at(), at(1500ms));
+    EXPECT_FALSE(health.read_started(at(2s), 500ms));
+    health.failed(at(3s));
+    EXPECT_EQ(health.probe_at(), at(7s));  // the back-off grows as before
+}
+
 }  // namespace
 }  // namespace takt::bus

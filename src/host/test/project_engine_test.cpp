@@ -46,6 +46,31 @@ TEST(ProjectEngine, PublishesLinksDevicesAndValues) {
     EXPECT_EQ(named, (std::set<std::string>{"Level", "Limit", "Setpoint", "Speed"}));
 }
 
+TEST(ProjectEngine, ProbesADeviceOnRequest) {
+    Rig rig(kPlant);
+    const auto session = rig.open();
+    rig.run(300ms);
+    const auto probe = [&](const char* name) {
+        EXPECT_TRUE(session->submit({.kind = Command::Kind::probe, .slot = rig.slot(name), .value = {}}));
+        rig.serve();
+        return only_outcome(*session);
+    };
+    EXPECT_EQ(probe("Speed").result, CommandResult::refused) << "it answers";
+    EXPECT_EQ(probe("go").error->code, Code::unsupported);
+    rig.devices(0).find(UnitId{2})->behaviour.dead = true;
+    rig.run(30s);
+    rig.devices(0).find(UnitId{2})->behaviour.dead = false;
+    const auto outcome = probe("Speed");
+    EXPECT_EQ(outcome.result, CommandResult::done);
+    EXPECT_EQ(outcome.kind, Command::Kind::probe);
+    rig.run(500ms);
+    const auto snapshot = rig.snapshot({.values = false, .statistics = true, .times = true});
+    const auto& line = snapshot->snapshot.lines[0];
+    EXPECT_EQ(line.devices[1].state, poll::DeviceState::answering);
+    ASSERT_EQ(line.request_times.size(), line.requests.size());
+    EXPECT_FALSE(line.request_times[0].buckets.empty());
+}
+
 TEST(ProjectEngine, LostEventsAreReportedBeforeThoseThatFollow) {
     Rig rig(kPlant);
     rig.run(300ms);

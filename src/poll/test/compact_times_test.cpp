@@ -64,6 +64,28 @@ TEST(CompactHistogram, CountsBeyond32Bits) {
     EXPECT_EQ(copy[121], 0U);
 }
 
+TEST(CompactLatencyStatistics, AreCopiedToAFixedSize) {
+    CompactLatencyStatistics times;
+    EXPECT_TRUE(times_of(times).buckets.empty());
+    for (int i = 1; i <= 100; ++i) times.record(i * 1ms);
+    const auto copy = times_of(times);
+    EXPECT_NEAR(static_cast<double>(copy.p50.count()), 50e6, 50e6 / 8);
+    EXPECT_NEAR(static_cast<double>(copy.p99.count()), 99e6, 99e6 / 8);
+    EXPECT_EQ(copy.buckets.back().upper_us, 100'000U);
+    for (int bits = 0; bits < 40; ++bits)
+        for (std::int64_t part = 8; part < 16; ++part) times.record(Duration(part << bits));
+    const auto full = times_of(times);
+    EXPECT_EQ(full.buckets.size(), full.buckets.capacity());
+    std::uint64_t count = 0;
+    for (const auto& bucket : full.buckets) count += bucket.count;
+    EXPECT_EQ(count, 420U);
+    EXPECT_EQ(full.buckets.back().upper_us, UINT32_MAX);
+}
+
+TEST(CompactLatencyStatistics, TakeLittleMemoryForEachRequest) {
+    EXPECT_LE(sizeof(CompactLatencyStatistics), std::size_t{72});
+}
+
 RC_GTEST_PROP(CompactHistogram, CountsEachSampleInItsBucket, ()) {
     const auto samples = *rc::gen::container<std::vector<Duration>>(durations());
     const auto others = *rc::gen::container<std::vector<Duration>>(durations());

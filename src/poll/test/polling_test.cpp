@@ -234,6 +234,39 @@ TEST(Polling, ADeviceThatDoesNotAnswerIsProbedMoreAndMoreRarely) {
     for (const char* name : {"a", "b", "d"}) EXPECT_EQ(bench.slot(name).quality, Quality::good);
 }
 
+TEST(Polling, ADeviceThatDoesNotAnswerIsProbedOnRequest) {
+    auto dying = device(1, {int16("a", 0).read(3).every(1s)});
+    dying.response_timeout = 900ms;  // leaves no gap for an early probe
+    Bench bench(project({dying, device(2, {int16("c", 0).read(3).every(200ms)})}));
+    bench.players[1].dead = true;
+    bench.run_until(100s);
+    auto& line = bench.master.line(0);
+    ASSERT_EQ(line.device(0).state, DeviceState::not_answering);
+    bench.players[1].dead = false;
+    bench.news();
+    EXPECT_FALSE(line.probe_now(bench.now, 1)) << "it answers";
+    EXPECT_TRUE(line.probe_now(bench.now, 0));
+    bench.run_until(101s);
+    EXPECT_EQ(line.device(0).state, DeviceState::answering);
+    bench.link(false);
+    EXPECT_FALSE(line.probe_now(bench.now, 0)) << "there is no link";
+}
+
+TEST(Polling, TheTimesOfEachRequestAreKept) {
+    Bench bench(project({device(1, {int16("a", 0).read(3).every(100ms)})}));
+    EXPECT_TRUE(bench.master.line(0).request_times(0).buckets.empty());
+    bench.run_until(10s);
+    const auto times = bench.master.line(0).request_times(0);
+    const auto& exact = bench.master.line(0).request(0).counters.time;
+    ASSERT_FALSE(times.buckets.empty());
+    std::uint64_t count = 0;
+    for (const auto& bucket : times.buckets) count += bucket.count;
+    EXPECT_EQ(count, exact.count());
+    EXPECT_GE(times.p50, exact.min());
+    EXPECT_LE(times.p50, times.p99);
+    EXPECT_LE(times.p99, exact.max());
+}
+
 TEST(Polling, ADeadDeviceCostsTheOthersOnlyItsProbes) {
     std::vector<model::Device> devices;
     for (int i = 1; i <= 5; ++i)

@@ -69,6 +69,9 @@ public:
     /// @returns whether it is an early one: its failure does not count
     [[nodiscard]] bool read_started(Instant t, Duration period);
 
+    /// The next probe may be sent from `t` on. @returns false, and does nothing: it answers
+    bool probe_now(Instant t);
+
 private:
     [[nodiscard]] Duration probe_period(Duration period) const;
 

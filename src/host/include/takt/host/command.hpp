@@ -24,9 +24,10 @@ struct Command {
         set,    ///< a local, or the value that a variable is to have: written on change or by its trigger
         write,  ///< the variable of a device, now
         get,    ///< the value as it is after the session's earlier commands were accepted
+        probe,  ///< the device of the variable, if it does not answer: its back-off ends
     };
     Kind kind = Kind::get;
-    value::SlotId slot;     ///< of the session's configuration
+    value::SlotId slot;     ///< of the session's configuration; of probe: any variable of the device
     value::Value value;     ///< of set and write: of the slot's type
     std::uint64_t tag = 0;  ///< handed back in the outcome
     /// Instead of `slot`: a service variable that the project does not use. It can only be read.
@@ -52,6 +53,7 @@ struct Outcome {
     std::optional<model::ServiceVariable> service;  ///< instead of `slot`
     Instant t;
     std::optional<Error> error;  ///< the host did not accept it; nothing was sent or changed
+    /// Of probe: refused if the device is in no back-off; the reason tells a link that is down.
     value::CommandResult result = value::CommandResult::done;
     value::Reason reason = value::Reason::ok;  ///< why it was refused or is unknown; get: of the quality
     Progress progress = Progress::settled;     ///< of a `set` with result done

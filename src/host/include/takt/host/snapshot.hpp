@@ -21,6 +21,7 @@ namespace takt::host {
 struct SnapshotParts {
     bool values = true;
     bool statistics = false;  ///< of lines, devices, requests and variables
+    bool times = false;       ///< of requests, with statistics
     bool plan = false;        ///< the plans that run
     bool learnt = false;      ///< of devices with `gaps: learn`
     bool endpoints = false;   ///< statistics of the project's servers
@@ -36,6 +37,7 @@ struct Snapshot {
         std::vector<poll::DeviceStatistics> devices;      ///< by index in the line
         std::vector<model::MeasuredTimes> times;          ///< likewise
         std::vector<poll::RequestStatistics> requests;    ///< by index in `plan`, which then is there too
+        std::vector<poll::RequestTimes> request_times;    ///< likewise
         std::vector<poll::VariableStatistics> variables;  ///< of all devices, in the order of the project
         std::shared_ptr<const plan::LinePlan> plan;       ///< that runs
         std::vector<model::Learnt> learnt;                ///< by index of the device

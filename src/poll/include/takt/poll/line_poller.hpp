@@ -122,6 +122,10 @@ public:
 
     [[nodiscard]] std::optional<value::CommandOutcome> take_outcome();
 
+    /// Ends the back-off of a device that does not answer: it is probed when the line is free.
+    /// @returns false, and does nothing: the link is down, the device answers, is switched off or not read
+    bool probe_now(Instant t, std::size_t device);
+
     /// Accepts a transaction of a client that shares the line (model::Line::relayed), one at a time. It is
     /// sent when no other request is due. If the last one ended Line::relay_interval ago, it is sent before
     /// polling, but after commands and triggers: this bounds its share of the line (docs/guarantees.md). It
@@ -196,6 +200,7 @@ public:
     [[nodiscard]] DeviceStatistics device(std::size_t device) const;
     /// By the index of the request in the plan.
     [[nodiscard]] RequestStatistics request(std::size_t request) const;
+    [[nodiscard]] RequestTimes request_times(std::size_t request) const;
     /// By its indices in the line.
     [[nodiscard]] VariableStatistics variable(std::size_t device, std::size_t variable) const;
     /// The plan that runs. Changes when it is replaced, in transmit().

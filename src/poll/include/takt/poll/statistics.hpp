@@ -7,6 +7,7 @@
 #include <span>
 #include <string_view>
 
+#include "takt/base/inplace_vector.hpp"
 #include "takt/base/time.hpp"
 #include "takt/bus/counters.hpp"
 #include "takt/bus/transaction.hpp"
@@ -39,6 +40,19 @@ struct RequestStatistics {
     Duration recent_period{};   ///< mean of about the last eight
     bool overrun = false;       ///< reads start later than the period says, beyond a tolerance of 5 %
     std::uint64_t skipped = 0;  ///< releases that passed while an earlier one was still waiting
+};
+
+/// The response times of one request, answered ones, within 12.5 % (from the start of the request to the end
+/// of its response). In memory of fixed size, so that a copy does not allocate.
+struct RequestTimes {
+    struct Bucket {
+        std::uint32_t upper_us = 0;  ///< the longest of them, rounded up
+        std::uint32_t count = 0;     ///< at most UINT32_MAX
+    };
+    Duration p50{};
+    Duration p99{};
+    /// Those with a count, ascending. The last one has all longer times where there are more.
+    InplaceVector<Bucket, 64> buckets;
 };
 
 /// How often one variable is read, by any request.
