@@ -20,7 +20,7 @@ using host::Command;
 using value::CommandResult;
 
 constexpr Duration kExpires = std::chrono::seconds(5);
-constexpr Duration kOutcomeLimit = std::chrono::seconds(8);
+constexpr Duration kOutcomeLimit = std::chrono::seconds(12);  // longer than a set waits
 constexpr Duration kSlice = std::chrono::milliseconds(100);
 constexpr std::size_t kMostBody = 64 << 10;
 
@@ -204,6 +204,44 @@ ApiResponse preview_response(const HostAccess& host, const ApiRequest& request) 
     return ApiResponse::json(object);
 }
 
+/// Any variable of a device.
+std::optional<value::SlotId> slot_of_device(const host::Configuration& configuration, const std::string& line,
+                                            const std::string& device) {
+    const auto& lines = configuration.project().lines;
+    for (std::size_t l = 0; l < lines.size(); ++l)
+        for (std::size_t d = 0; lines[l].name == line && d < lines[l].devices.size(); ++d)
+            if (lines[l].devices[d].name == device && !lines[l].devices[d].variables.empty())
+                return configuration.slots().variable({l, d, 0});
+    return std::nullopt;
+}
+
+ApiResponse probe_response(const HostAccess& host, const std::atomic<bool>& stopping,
+                           const ApiRequest& request) {
+    const auto body = file::Json::parse(request.body, kMostBody);
+    const auto line = body ? text_of(body->find("line")) : std::string();
+    const auto device = body ? text_of(body->find("device")) : std::string();
+    if (device.empty()) return malformed(request);
+    auto session = host.open_session({.events = false});
+    if (!session) return host_error(request, session.error());
+    Sender sender(*std::move(session), stopping);
+    const auto slot = slot_of_device(sender.configuration(), line, device);
+    if (!slot)
+        return ApiResponse::error(404, "device",
+                                  request.texts("web.error.device", {{"line", line}, {"device", device}}));
+    const auto outcome = sender.send({.kind = Command::Kind::probe, .slot = *slot, .value = {}});
+    if (!outcome) return host_error(request, outcome.error());
+    const bool begun = outcome->result == CommandResult::done && !outcome->error;
+    const bool no_link = outcome->reason == value::Reason::link_lost;
+    auto object = file::Json::object();
+    object.set("outcome", begun ? "done" : "refused");
+    object.set("reason", report::reason_word(outcome->reason));
+    object.set("text", request.texts(begun     ? "web.probe.started"
+                                     : no_link ? "web.probe.no_link"
+                                               : "web.probe.not_needed",
+                                     {{"device", device}, {"line", line}}));
+    return ApiResponse::json(object);
+}
+
 }  // namespace
 
 std::vector<ApiRoute> command_routes(const HostAccess& host, const std::atomic<bool>& stopping) {
@@ -213,6 +251,8 @@ std::vector<ApiRoute> command_routes(const HostAccess& host, const std::atomic<b
          [&](const ApiRequest& request) { return command_response(host, stopping, request); }},
         {post, "/commands/preview", false,
          [&](const ApiRequest& request) { return preview_response(host, request); }},
+        {post, "/devices/probe", true,
+         [&](const ApiRequest& request) { return probe_response(host, stopping, request); }},
     };
 }
 

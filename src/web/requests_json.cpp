@@ -1,6 +1,7 @@
 #include "requests_json.hpp"
 
 #include <optional>
+#include <utility>
 
 #include "takt/report/formatting.hpp"
 
@@ -21,7 +22,19 @@ file::Json names_of(const model::Device& device, const plan::Request& request) {
     return names;
 }
 
-void set_counters(file::Json& object, const poll::RequestStatistics& statistics) {
+file::Json histogram_json(const poll::RequestTimes& times) {
+    auto list = file::Json::array();
+    for (const auto& bucket : times.buckets) {
+        auto pair = file::Json::array();
+        pair.push_back(bucket.upper_us);
+        pair.push_back(bucket.count);
+        list.push_back(std::move(pair));
+    }
+    return list;
+}
+
+void set_counters(file::Json& object, const poll::RequestStatistics& statistics,
+                  const poll::RequestTimes& times) {
     const auto& counters = statistics.counters;
     object.set("period_ms",
                statistics.period ? file::Json(report::milliseconds(*statistics.period)) : file::Json());
@@ -35,14 +48,14 @@ void set_counters(file::Json& object, const poll::RequestStatistics& statistics)
     object.set("exceptions", counters.exceptions);
     const bool measured = counters.time.count() > 0;
     object.set("mean_us", microseconds_or_null(counters.time.mean(), measured));
-    object.set("p50_us", file::Json());
-    object.set("p99_us", file::Json());
+    object.set("p50_us", microseconds_or_null(times.p50, measured));
+    object.set("p99_us", microseconds_or_null(times.p99, measured));
     object.set("longest_us", microseconds_or_null(counters.time.max(), measured));
-    object.set("histogram", file::Json::array());
+    object.set("histogram", histogram_json(times));
 }
 
 file::Json request_json(const model::Line& line, const plan::Request& request,
-                        const poll::RequestStatistics& statistics) {
+                        const poll::RequestStatistics& statistics, const poll::RequestTimes& times) {
     const auto& device = line.devices[request.device];
     auto object = file::Json::object();
     object.set("device", device.name);
@@ -52,7 +65,7 @@ file::Json request_json(const model::Line& line, const plan::Request& request,
     object.set("start", request.start);
     object.set("quantity", request.quantity);
     object.set("variables", names_of(device, request));
-    set_counters(object, statistics);
+    set_counters(object, statistics, times);
     object.set("planned_us", report::whole_microseconds(request.bus_time));
     return object;
 }
@@ -71,8 +84,10 @@ file::Json requests_json(const host::Snapshot& snapshot) {
         object.set("measured_cycle_us", microseconds_or_null(line.statistics.measured_cycle,
                                                              line.statistics.measured_cycle > Duration{}));
         auto requests = file::Json::array();
-        for (std::size_t r = 0; line.plan && r < line.plan->requests.size() && r < line.requests.size(); ++r)
-            requests.push_back(request_json(project.lines[i], line.plan->requests[r], line.requests[r]));
+        for (std::size_t r = 0; line.plan && r < line.plan->requests.size() && r < line.request_times.size();
+             ++r)
+            requests.push_back(request_json(project.lines[i], line.plan->requests[r], line.requests[r],
+                                            line.request_times[r]));
         object.set("requests", std::move(requests));
         lines.push_back(std::move(object));
     }

@@ -6,7 +6,7 @@
 
 namespace takt::web {
 
-/// @param snapshot  with statistics and plan
+/// @param snapshot  with statistics, times and plan
 [[nodiscard]] file::Json requests_json(const host::Snapshot& snapshot);
 
 }  // namespace takt::web

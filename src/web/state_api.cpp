@@ -1,6 +1,10 @@
 #include "state_api.hpp"
 
+#include <utility>
+#include <variant>
+
 #include "live_hub.hpp"
+#include "live_values.hpp"
 #include "requests_json.hpp"
 #include "takt/report/state_report.hpp"
 #include "takt/report/value_json.hpp"
@@ -30,15 +34,31 @@ ApiResponse status_response(const HostAccess& host, const ApiRequest& request) {
     return ApiResponse::json(status_object(request.texts, *snapshot, host));
 }
 
+/// Sets `raw` of each value that is in registers.
+void add_registers(file::Json& object, const host::Snapshot& snapshot) {
+    const auto& configuration = *snapshot.configuration;
+    auto values = std::get<file::Json::Array>(object.find("values")->value());
+    for (auto& value : values) {
+        const auto slot = configuration.find(std::get<std::string>(value.find("name")->value()));
+        const auto* const variable = slot ? configuration.variable_of(*slot) : nullptr;
+        if (!variable) continue;
+        if (auto raw = raw_json(*variable, snapshot.values[slot->value].value); !raw.is_null())
+            value.set("raw", std::move(raw));
+    }
+    object.set("values", file::Json(std::move(values)));
+}
+
 ApiResponse values_response(const HostAccess& host, const ApiRequest& request) {
     const auto snapshot = take_snapshot(host, {.values = true, .statistics = true});
     if (!snapshot) return host_error(request, snapshot.error());
-    return ApiResponse::json(
-        report::values_json(*snapshot, utc_text(snapshot->t), request.parameter("pattern")));
+    auto object = report::values_json(*snapshot, utc_text(snapshot->t), request.parameter("pattern"));
+    if (request.parameter("raw") == "1") add_registers(object, *snapshot);
+    return ApiResponse::json(object);
 }
 
 ApiResponse requests_response(const HostAccess& host, const ApiRequest& request) {
-    const auto snapshot = take_snapshot(host, {.values = false, .statistics = true, .plan = true});
+    const auto snapshot =
+        take_snapshot(host, {.values = false, .statistics = true, .times = true, .plan = true});
     if (!snapshot) return host_error(request, snapshot.error());
     return ApiResponse::json(requests_json(*snapshot));
 }
