@@ -74,6 +74,15 @@ void HttpConnection::poke() const {
     if (poke_) poke_();
 }
 
+std::optional<Instant> HttpConnection::waits_since() const {
+    return state_ == State::receiving ? std::optional(last_received_) : std::nullopt;
+}
+
+void HttpConnection::drop() {
+    state_ = State::finished;
+    poke();
+}
+
 std::size_t HttpConnection::wants_bytes() const {
     return state_ == State::receiving || state_ == State::lingering || stream_ ? SIZE_MAX : 0;
 }

@@ -61,6 +61,10 @@ public:
 
     void answer(Instant t, HttpReply reply);
     [[nodiscard]] bool streams() const { return stream_ != nullptr; }
+    /// When its client sent something last; nothing: a request is executed or its answer is sent.
+    [[nodiscard]] std::optional<Instant> waits_since() const;
+    /// Closes it. Not from inside of a call of the engine; it is destroyed.
+    void drop();
     /// Fetches bytes and wake-up again. Not from inside of a call of the engine.
     void poke() const;
 

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <map>
@@ -19,8 +20,10 @@
 namespace takt::web {
 namespace {
 
-// Connections that are accepted beyond the limit, so that their requests are answered with 503.
+// Connections that are accepted beyond the limit, so that their requests are answered with 503 if no other
+// connection has been idle for so long.
 constexpr std::size_t kAnsweredWith503 = 64;
+constexpr Duration kEvictAfter = std::chrono::seconds(2);
 
 std::vector<std::string> machine_names() {
     std::array<char, 256> name{};
@@ -66,7 +69,7 @@ struct WebServer::Impl {
             .threads = options.threads, .queue = options.waiting, .at_end = os::Worker::AtEnd::discard});
         line::TcpServerOptions serving;
         serving.max_connections = options.connections + kAnsweredWith503;
-        serving.evict_after = std::chrono::seconds(2);
+        serving.evict_after = kEvictAfter;
         serving.log = options.log;
         TAKT_TRY(server, line::TcpServer::listen(
                              *loop, options.address,
@@ -89,7 +92,21 @@ struct WebServer::Impl {
             },
             [this, id] { connections.erase(id); });
         connections.emplace(id, connection.get());
+        // Not here: the server is in the middle of accepting.
+        if (connections.size() > options.connections) loop->post([this] { evict(); });
         return connection;
+    }
+
+    // Closes the connections beyond the limit that have been idle for the longest time.
+    void evict() {
+        if (connections.size() <= options.connections) return;
+        std::vector<std::pair<Instant, HttpConnection*>> idle;
+        for (const auto& [id, connection] : connections)
+            if (const auto since = connection->waits_since(); since && line::now() - *since >= kEvictAfter)
+                idle.emplace_back(*since, connection);
+        std::ranges::sort(idle);
+        idle.resize(std::min(idle.size(), connections.size() - options.connections));
+        for (const auto& [since, connection] : idle) connection->drop();
     }
 
     int execute(HttpConnection& /*connection*/, std::uint64_t id, HttpRequest request) {
