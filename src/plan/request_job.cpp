@@ -50,11 +50,11 @@ void set_event(const model::Project& project, const model::Device& device, const
     if (limited) job.period = job.admission->min_interval;
 }
 
-void set_polled(const model::Device& device, const Request& request, RequestJob& job) {
+void set_polled(const Request& request, RequestJob& job) {
     job.job_class = *request.period > Duration::zero() ? JobClass::polled : JobClass::best_effort;
     job.period = *request.period;
     job.phase = request.phase;
-    job.deadline = polling_deadline(device, request);
+    job.deadline = polling_deadline(request);
 }
 
 void set_write(const model::Device& device, const Request& request, RequestJob& job) {
@@ -76,7 +76,7 @@ std::optional<RequestJob> job_of(const model::Project& project, const model::Lin
     const TransactionCosts costs(project, line);
     RequestJob job{.cause = cause};
     if (cause == Cause::period)
-        set_polled(device, request, job);
+        set_polled(request, job);
     else
         set_event(project, device, request, job);
     if (cause == Cause::write) {
@@ -104,9 +104,9 @@ bool is_verified(const Request& request, const model::Variable& variable) {
     return request.write && variable.write && variable.verify && is_written(request, variable);
 }
 
-Duration polling_deadline(const model::Device& device, const Request& request) {
-    if (request.deadline) return *request.deadline;
-    return least_deadline(device, request).value_or(request.period.value_or(Duration::zero()));
+// Only a period of 0 leaves a planned request without a deadline (deadline_of in admission.hpp).
+Duration polling_deadline(const Request& request) {
+    return request.deadline.value_or(Duration::zero());
 }
 
 const model::Backoff& backoff_of(const model::Project& project, const model::Device& device) {

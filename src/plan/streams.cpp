@@ -52,7 +52,7 @@ Sets sharing_variables(const model::Line& line, const std::vector<Request>& requ
     return sets;
 }
 
-std::optional<Duration> least_deadline(const model::Device& device, const Request& request) {
+std::optional<Duration> least_deadline_or_period(const model::Device& device, const Request& request) {
     std::optional<Duration> least;
     for (const std::size_t index : request.variables) {
         const model::Variable& variable = device.variables[index];
@@ -69,7 +69,8 @@ void number_streams(const model::Line& line, std::vector<Request>& requests) {
     std::vector<std::optional<Duration>> deadlines;  // of each stream
     for (std::size_t i = 0; i < requests.size(); ++i) {
         Request& request = requests[i];
-        if (takes_turns(request)) request.deadline = least_deadline(line.devices[request.device], request);
+        if (takes_turns(request))
+            request.deadline = least_deadline_or_period(line.devices[request.device], request);
         const std::size_t first = sets.find(i);
         if (first == i) {
             request.stream = deadlines.size();

@@ -278,7 +278,7 @@ Result<void> Builder::add_entry(const plan::Request& request, const LineRecord& 
     entry.write_quantity = request.write_quantity;
     entry.period = request.period.value_or(Duration::zero()).count();
     entry.phase = request.phase.count();
-    entry.deadline = plan::polling_deadline(model, request).count();
+    entry.deadline = plan::polling_deadline(request).count();
     entry.stream = static_cast<std::uint32_t>(request.stream);
     entry.read_trigger = local_or_none(request.read_trigger);
     entry.write_trigger = local_or_none(request.write_trigger);

@@ -62,8 +62,8 @@ struct RequestJob {
 /// trigger in the range that it writes.
 [[nodiscard]] bool is_written(const Request& request, const model::Variable& variable);
 
-/// The deadline of a polled request: its own, else the least one of its variables, else its period.
-[[nodiscard]] Duration polling_deadline(const model::Device& device, const Request& request);
+/// The deadline by which the polled requests of a plan are ordered; zero: as fast as the line allows.
+[[nodiscard]] Duration polling_deadline(const Request& request);
 
 /// The back-off of a device: its own, else that of the project.
 [[nodiscard]] const model::Backoff& backoff_of(const model::Project& project, const model::Device& device);
