@@ -13,7 +13,11 @@ Result<std::optional<JournalEntry>> JournalReader::next() {
         if (scanner_.segment() != segment->number) scanner_.begin(segment->number);
         const StreamPosition end = segments_->end_of_segment(*segment);
         TAKT_TRY(const auto record, scanner_.peek(segment->readable));
-        if (!record || record->header.sequence > end.sequence) return gap_until(end, GapCause::damaged);
+        if (!record || record->header.sequence > end.sequence) {
+            // Behind a segment that is whole, others are gone: those before them could not be removed.
+            const bool whole = !record && scanner_.ended_with_a_record(segment->readable);
+            return gap_until(end, whole ? GapCause::quota : GapCause::damaged);
+        }
         if (record->header.sequence > expected) return gap_until(start_of(record->header), GapCause::damaged);
         scanner_.consume(*record);
         if (record->header.sequence == expected) return deliver(*record);

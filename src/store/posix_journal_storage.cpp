@@ -164,7 +164,7 @@ Result<void> PosixJournalStorage::create(std::uint64_t segment) {
     const auto size = static_cast<off_t>(segment_bytes_);
     if (::fallocate(file.get(), FALLOC_FL_KEEP_SIZE, 0, size) != 0 && errno != EOPNOTSUPP)
         return failed(path_of(segment));
-    TAKT_CHECK(sync_folder());
+    TAKT_CHECK(sync_folder());  // the removal of earlier segments too
     written_ = OpenSegment{segment, std::move(file)};
     return {};
 }

@@ -495,6 +495,25 @@ TEST_F(JournalTest, TurnsADamagedRecordIntoAnExactGap) {
     EXPECT_EQ(gaps[2].first_sequence, gaps[2].last_sequence);
 }
 
+TEST_F(JournalTest, ASegmentThatIsGoneBetweenOthersIsNotTakenForDamage) {
+    start();
+    for (int i = 0; i < 6; ++i) {
+        ASSERT_TRUE(append(30'000));
+        tick();
+    }
+    const auto segments = disk_.contents();
+    ASSERT_EQ(segments.size(), 3U);
+    ASSERT_TRUE(disk_.remove(std::next(segments.begin())->first));
+    start();
+    tick();
+    const auto entries = read_all(kCloud);
+    ASSERT_EQ(entries.size(), 7U);
+    ASSERT_TRUE(entries[3].gap);
+    EXPECT_EQ(entries[3].gap->cause, GapCause::quota);
+    EXPECT_EQ(entries[3].gap->samples, 2U);
+    EXPECT_EQ(entries[3].gap->first_sequence, 4U);
+}
+
 TEST_F(JournalTest, CutsATornTail) {
     start();
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(append(100));

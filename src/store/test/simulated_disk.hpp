@@ -85,7 +85,9 @@ public:
         const auto outcome = operate();
         if (crashed_before_) return outcome;
         segments_[segment] = {};  // after an error too
-        if (outcome) creating_.reset();
+        if (!outcome) return outcome;
+        creating_.reset();
+        removed_.clear();
         return outcome;
     }
     Result<void> append(std::uint64_t segment, Bytes bytes) override {

@@ -43,7 +43,8 @@ public:
     /// returns them: the system may have dropped the pages. A segment that was removed by another program is
     /// an error.
     [[nodiscard]] virtual Result<void> sync(std::uint64_t segment) = 0;
-    /// A removed segment may exist again after a power cut. Removing a segment that does not exist succeeds.
+    /// A removed segment may exist again after a power cut, until a later create() has succeeded. Removing a
+    /// segment that does not exist succeeds.
     [[nodiscard]] virtual Result<void> remove(std::uint64_t segment) = 0;
 
     /// Reads a slot (0 or 1) of the cursor file of a destination.
