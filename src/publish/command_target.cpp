@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "takt/model/nearest.hpp"
-#include "takt/publish/project_outputs.hpp"
+#include "takt/publish/output_slot.hpp"
 #include "takt/value/text.hpp"
 
 namespace takt::publish {

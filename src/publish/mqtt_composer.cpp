@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "takt/publish/project_outputs.hpp"
+#include "takt/publish/output_slot.hpp"
 
 namespace takt::publish {
 

@@ -12,7 +12,6 @@
 #include <fstream>
 #include <type_traits>
 #include <utility>
-#include <variant>
 
 #include "takt/model/output.hpp"
 #include "takt/os/rotating_file.hpp"
@@ -21,6 +20,7 @@
 #include "takt/publish/mosquitto_pipe.hpp"
 #include "takt/publish/mqtt_composer.hpp"
 #include "takt/publish/mqtt_work.hpp"
+#include "takt/publish/output_slot.hpp"
 #include "unusable_work.hpp"
 
 namespace takt::publish {
@@ -250,12 +250,6 @@ std::string settings_text(const model::Output& output, const host::Configuration
 }
 
 }  // namespace
-
-value::SlotId slot_of(const value::ProjectSlots& slots, const model::OutputSubject& subject) {
-    if (const auto* const local = std::get_if<model::LocalIndex>(&subject)) return slots.local(*local);
-    const auto& polled = std::get<model::PolledIndex>(subject);
-    return slots.variable({polled.line, polled.device, polled.variable});
-}
 
 std::string journal_folder(const std::string& project_file, const model::Output& output) {
     const auto& directory = output.journal.directory;

@@ -31,7 +31,4 @@ struct ProjectOutputsOptions {
 /// The history beside a project file: `plant.history.db` of `plant.yaml`.
 [[nodiscard]] std::string history_database(const std::string& project_file);
 
-/// The slot of a value that an output selects or a command may write.
-[[nodiscard]] value::SlotId slot_of(const value::ProjectSlots& slots, const model::OutputSubject& subject);
-
 }  // namespace takt::publish
