@@ -11,6 +11,9 @@ namespace {
 using file::Json;
 using publish::MqttMessage;
 
+/// Deliveries after which an id may be forgotten: the gateway remembers 1024 accepted and 1024 refused ones.
+constexpr std::uint64_t kRemembered = 1000;
+
 std::string content_of(const MqttMessage& message) {
     return message.topic + "\n" + message.payload;
 }
@@ -44,6 +47,8 @@ bool is_of_message(const std::string& reason) {
 void CommandJudge::on_run_begin() {
     fates_.clear();
     known_.clear();
+    ambiguous_.clear();
+    deliveries_ = 0;
 }
 
 void CommandJudge::on_sent(const SentCommand& command) {
@@ -80,11 +85,14 @@ void CommandJudge::on_delivered(const MqttMessage& message, bool subscribed) {
     const auto found = sent_.find(content_of(message));
     if (found == sent_.end()) return;
     complaints_.count("command_delivered");
+    ++deliveries_;
     const auto& command = found->second;
     auto delivery = judge(command, message, subscribed);
     if (!command.id.empty() && command.well_formed && subscribed && !message.retain) {
-        const auto [known, is_new] = known_.try_emplace(command.id, found->first);
-        delivery.permitted = delivery.permitted && known->second == found->first;
+        const auto [known, is_new] = known_.try_emplace(command.id, Known{found->first, deliveries_});
+        if (deliveries_ - known->second.delivery > kRemembered) ambiguous_.insert(command.id);
+        const bool same = known->second.content == found->first || is_ambiguous(command);
+        delivery.permitted = delivery.permitted && same;
     }
     fates_[found->first].deliveries.push_back(delivery);
 }
@@ -110,6 +118,7 @@ void CommandJudge::on_executed(std::uint32_t value, Instant ordered_at) {
              "one");
     else if (!in_time)
         fail("expired_not_executed", "no execution of " + name + " after its expiry", "one");
+    if (is_ambiguous(command)) return;
     // Without an id of its sender, each delivery is a command of its own.
     if (fate.executions > (command.id.empty() ? permitted : 1))
         fail("executed_once", "at most one execution of " + name, std::to_string(fate.executions));
@@ -123,7 +132,7 @@ bool CommandJudge::is_answer(const MqttMessage& message) const {
 
 const SentCommand* CommandJudge::find(const Json& answer) const {
     const auto id = text_of(answer, "id");
-    if (const auto known = known_.find(id); known != known_.end()) return &sent_.at(known->second);
+    if (const auto known = known_.find(id); known != known_.end()) return &sent_.at(known->second.content);
     if (const auto known = by_id_.find(id); known != by_id_.end()) return &sent_.at(known->second);
     const auto value = value_of(answer);
     if (!value) return nullptr;
@@ -142,8 +151,7 @@ void CommandJudge::on_answer(const MqttMessage& message) {
     if (command == nullptr) return;
     Fate& fate = fates_[content_of(command->message)];
     fate.answered = true;
-    if (is_of_message(reason)) return;
-    if (command->id.empty()) return;
+    if (is_of_message(reason) || command->id.empty() || is_ambiguous(*command)) return;
     if (fate.outcome && *fate.outcome != outcome)
         fail("one_outcome", "one outcome of command " + command->id + ": " + *fate.outcome, outcome);
     if (!fate.outcome) check_outcome(*command, fate, outcome, reason);
@@ -178,6 +186,7 @@ void CommandJudge::on_audit(std::string_view line) {
     const auto reason = text_of(*audit, "reason");
     const auto* command = find(*audit);
     if (command == nullptr || command->id.empty() || is_of_message(reason)) return;
+    if (is_ambiguous(*command)) return;
     Fate& fate = fates_[content_of(command->message)];
     if (fate.audited)
         fail("one_outcome", "one outcome of command " + command->id + " in the audit log: " + *fate.audited,
@@ -193,7 +202,7 @@ void CommandJudge::finish(Instant from, Instant until) {
         const auto& command = sent_[content];
         const auto* meant = &content;  // by an answer with this id
         if (const auto known = known_.find(command.id); known != known_.end())
-            meant = &known->second;
+            meant = &known->second.content;
         else if (const auto first = by_id_.find(command.id); first != by_id_.end())
             meant = &first->second;
         const bool other = *meant != content;

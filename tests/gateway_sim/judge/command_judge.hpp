@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,11 @@ private:
         bool permitted = false;    ///< it may be executed
         Instant expires = kNever;  ///< not later
     };
+    /// The content that an id means in the current run.
+    struct Known {
+        std::string content;
+        std::uint64_t delivery = 0;  ///< number of the first one
+    };
     /// A command in the current run. Those with the same content are one.
     struct Fate {
         std::vector<Delivery> deliveries;
@@ -57,6 +63,9 @@ private:
     /// Whether `done` means that the value was written or set.
     [[nodiscard]] bool is_executed_when_done(const SentCommand& command) const;
     [[nodiscard]] const SentCommand* find(const file::Json& answer) const;
+    [[nodiscard]] bool is_ambiguous(const SentCommand& command) const {
+        return ambiguous_.contains(command.id);
+    }
     void fail(std::string_view rule, std::string expected, std::string seen) {
         complaints_.add(rule, clock_.now, std::move(expected), std::move(seen));
     }
@@ -68,7 +77,9 @@ private:
     std::map<std::string, std::string> by_id_;       // the first content with an id
     std::map<std::uint32_t, std::string> by_value_;  // the content that has this value
     std::map<std::string, Fate> fates_;              // by content, of the current run
-    std::map<std::string, std::string> known_;       // by id: the content that it means in this run
+    std::map<std::string, Known> known_;             // by id
+    std::set<std::string> ambiguous_;                // ids that the gateway may have forgotten
+    std::uint64_t deliveries_ = 0;                   // in this run
 };
 
 }  // namespace takt::gatewaysim
