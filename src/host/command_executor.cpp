@@ -25,6 +25,7 @@ void CommandExecutor::execute(Instant t, std::unique_ptr<CommandRequest> command
     if (persistence_ && persistence_->keeps(command->command.slot) && persistence_->full())
         return refuse(t, std::move(command), fail(Code::queue_full, "retained values").error());
     if (kind == Command::Kind::set) return set(t, std::move(command));
+    if (kind == Command::Kind::pull) return pull(t, std::move(command));
     write(t, std::move(command));
 }
 
@@ -98,6 +99,19 @@ void CommandExecutor::set(Instant t, std::unique_ptr<CommandRequest> command) {
         keep(waiting);
     }
     part_done(*waiting);
+    surroundings_.on_changed(slot);
+}
+
+// It falls first: a local that was left at 1 would not rise.
+void CommandExecutor::pull(Instant t, std::unique_ptr<CommandRequest> command) {
+    const auto slot = command->command.slot;
+    const auto& info = configuration_.info(slot);
+    if (!info.local || info.type != DataType::boolean)
+        return refuse(t, std::move(command), fail(Code::unsupported, info.name).error());
+    for (const bool on : {false, true, false})
+        if (const auto done = master_.set(t, slot, on); !done)
+            return refuse(t, std::move(command), done.error());
+    end(std::move(command));
     surroundings_.on_changed(slot);
 }
 

@@ -119,6 +119,7 @@ private:
     using KeptCommands = std::vector<WaitingSetPtr>;
 
     void set(Instant t, std::unique_ptr<CommandRequest> command);
+    void pull(Instant t, std::unique_ptr<CommandRequest> command);
     void write(Instant t, std::unique_ptr<CommandRequest> command);
     [[nodiscard]] std::string service_name(const Command& command) const;
     void get(Instant t, std::unique_ptr<CommandRequest> command);

@@ -114,7 +114,7 @@ Target target_of(const CommandRequest& request, const CommandRights& rights) {
     if (!is_local(configuration, *slot) || configuration.info(*slot).type != DataType::boolean)
         return refuse(CommandRefusal::malformed,
                       "variable: " + request.subject + "; allowed for trigger: a local of type bool");
-    return host::Command{.kind = host::Command::Kind::set, .slot = *slot, .value = true};
+    return host::Command{.kind = host::Command::Kind::pull, .slot = *slot};
 }
 
 }  // namespace takt::publish

@@ -19,6 +19,7 @@ constexpr std::string_view word(Command::Kind kind) {
         case Command::Kind::set: return "set";
         case Command::Kind::write: return "write";
         case Command::Kind::get: return "get";
+        case Command::Kind::pull: return "trigger";
         case Command::Kind::probe: return "probe";
     }
     return "";

@@ -136,18 +136,6 @@ private:
     const std::atomic<bool>& stopping_;
 };
 
-/// A trigger fires when it goes from false to true; it is put back, so that it can fire again.
-Result<host::Outcome> fire(Sender& sender, value::SlotId slot) {
-    const auto set = [&](bool on) {
-        return sender.send({.kind = Command::Kind::set, .slot = slot, .value = on});
-    };
-    TAKT_TRY(const auto before, sender.send({.kind = Command::Kind::get, .slot = slot, .value = {}}));
-    if (value::same(before.value, true)) TAKT_CHECK(set(false));
-    TAKT_TRY(auto fired, set(true));
-    if (!fired.error) TAKT_CHECK(set(false));
-    return fired;
-}
-
 ApiResponse command_response(const HostAccess& host, const std::atomic<bool>& stopping,
                              const ApiRequest& request) {
     const auto asked = asked_of(request);
@@ -163,7 +151,7 @@ ApiResponse command_response(const HostAccess& host, const std::atomic<bool>& st
     if (trigger && (!info.local || info.type != DataType::boolean)) return malformed(request);
     Result<host::Outcome> outcome = fail(Code::unsupported);
     if (trigger) {
-        outcome = fire(sender, *slot);
+        outcome = sender.send({.kind = Command::Kind::pull, .slot = *slot, .value = {}});
     } else {
         auto value = value::parse(info.type, info.scaled, asked->value);
         if (!value) return wrong_value(request, value.error());

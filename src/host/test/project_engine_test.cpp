@@ -46,6 +46,30 @@ TEST(ProjectEngine, PublishesLinksDevicesAndValues) {
     EXPECT_EQ(named, (std::set<std::string>{"Level", "Limit", "Setpoint", "Speed"}));
 }
 
+TEST(ProjectEngine, ATriggerActsEachTimeItIsPulled) {
+    Rig rig(kPlant);
+    const auto session = rig.open();
+    rig.run(300ms);
+    const auto pull = [&](const char* name) {
+        EXPECT_TRUE(session->submit({.kind = Command::Kind::pull, .slot = rig.slot(name), .value = {}}));
+        rig.serve();
+        return only_outcome(*session);
+    };
+    const auto rises = [&] {
+        std::size_t count = 0;
+        while (const auto event = session->next_event())
+            if (const auto* const changed = std::get_if<ValueChanged>(&event->body))
+                count += changed->slot == rig.slot("go") && value::same(changed->value, true) ? 1U : 0U;
+        return count;
+    };
+    for (int i = 0; i < 2; ++i) {
+        (void)rises();
+        EXPECT_EQ(pull("go").result, CommandResult::done);
+        EXPECT_EQ(rises(), 1U) << i;
+    }
+    EXPECT_EQ(pull("Speed").error->code, Code::unsupported);
+}
+
 TEST(ProjectEngine, ProbesADeviceOnRequest) {
     Rig rig(kPlant);
     const auto session = rig.open();

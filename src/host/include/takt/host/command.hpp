@@ -24,6 +24,8 @@ struct Command {
         set,    ///< a local, or the value that a variable is to have: written on change or by its trigger
         write,  ///< the variable of a device, now
         get,    ///< the value as it is after the session's earlier commands were accepted
+        pull,   ///< a local of type bool: it rises from 0 to 1 and falls again, for the requests that it
+                ///< triggers
         probe,  ///< the device of the variable, if it does not answer: its back-off ends
     };
     Kind kind = Kind::get;
