@@ -112,6 +112,7 @@ void MqttWork::publish_answers(Instant now) {
 
 void MqttWork::on_connected(Instant now, MqttConnectionId) {
     status_at_ = now;
+    retained_wanted_ = std::exchange(connected_before_, true);
 }
 
 void MqttWork::on_disconnected(Instant, MqttConnectionId) {

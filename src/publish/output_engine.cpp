@@ -130,6 +130,9 @@ void OutputEngine::work(Instant now) {
     take_queue(now);
     if (journal_->next_wakeup() <= now) journal_->on_tick(now, options_.wall_ns(now));
     work_->work(now);
+    if (!work_->take_retained_request()) return;
+    queue_.request_retained();
+    if (options_.wake_sampler) options_.wake_sampler();
 }
 
 void OutputEngine::find_oldest(Instant now) {

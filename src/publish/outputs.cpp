@@ -30,9 +30,14 @@ void Outputs::stop() {
     const std::lock_guard lock(stop_mutex_);
     if (!thread_.joinable()) return;
     stopping_ = true;
+    ring();
+    thread_.join();
+}
+
+// EAGAIN means that a wake-up is already pending.
+void Outputs::ring() {
     const std::uint64_t one = 1;
     [[maybe_unused]] const auto written = ::write(bell_.get(), &one, sizeof one);
-    thread_.join();
 }
 
 std::vector<OutputStatus> Outputs::status() const {
@@ -70,6 +75,8 @@ void Outputs::wait(Instant until) {
                             {.fd = bell_.get(), .events = POLLIN, .revents = 0}};
     (void)::poll(descriptors, std::size(descriptors),
                  static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(left).count()));
+    std::uint64_t rings = 0;
+    [[maybe_unused]] const auto drained = ::read(bell_.get(), &rings, sizeof rings);
 }
 
 // Outputs that are not in the new project, or have other settings, end before their successors begin: they
@@ -87,6 +94,7 @@ std::vector<SampleFeed*> Outputs::on_configuration(Instant now, const host::Conf
     std::vector<SampleFeed*> feeds;
     for (std::size_t i = 0; i < setups.size(); ++i) {
         auto& setup = setups[i];
+        setup.thread.wake_sampler = [this] { ring(); };
         auto thread = continued[i];
         if (!thread) thread = std::make_shared<OutputThread>(std::move(setup.thread), setup.make_work());
         auto feed = std::make_unique<SampleFeed>(series, setup.selected, thread->queue(), now);

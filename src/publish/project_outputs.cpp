@@ -184,12 +184,14 @@ std::unique_ptr<OutputWork> history_work(const ProjectOutputsOptions& options, c
                                          journal_folder(options.project_file, output), history);
 }
 
-SamplePolicy policy_of(const model::SamplingPolicy& policy) {
+SamplePolicy policy_of(const model::OutputSelection& selection) {
+    const auto& policy = selection.policy;
     return {.on_change = policy.on_change,
             .period = policy.period,
             .heartbeat = policy.heartbeat,
             .dead_band = policy.dead_band,
-            .skip_bad = policy.skip_bad};
+            .skip_bad = policy.skip_bad,
+            .retained = selection.retain};
 }
 
 // A history keeps its values itself.
@@ -277,7 +279,7 @@ std::vector<OutputSetup> project_outputs(const ProjectOutputsOptions& options,
                         .log = options.log ? options.log("publish") : Log()};
         for (const auto& value : output.values)
             setup.selected.push_back({slot_of(configuration->slots(), value.subject),
-                                      policy_of(output.selections.at(value.selection).policy)});
+                                      policy_of(output.selections.at(value.selection))});
         setup.make_work = [options, configuration, &output] {
             return output.transport == model::OutputTransport::history
                        ? history_work(options, output)

@@ -120,8 +120,10 @@ void SampleSelector::on_due(Instant t, std::size_t index, const value::Slot& slo
     }
 }
 
-void SampleSelector::deliver_current(Instant t, std::span<const value::Slot> slots, const Sink& sink) {
+void SampleSelector::deliver_current(Instant t, std::span<const value::Slot> slots, const Sink& sink,
+                                     bool retained_only) {
     for (auto& entry : entries_) {
+        if (retained_only && !entry.policy.retained) continue;
         TAKT_ASSERT(entry.slot.value < slots.size());
         see(entry, t, slots[entry.slot.value]);
         if (entry.seen.quality == value::Quality::never_read) continue;

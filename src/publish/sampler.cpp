@@ -18,6 +18,7 @@ void Sampler::step(Instant now) {
     follow_configuration(now);
     read_events(now);
     if (current_at_ <= now) deliver_current(now);
+    if (retained_at() <= now) deliver_retained(now);
     sample_due(now);
     if (flush_at_ <= now) flush();
 }
@@ -28,7 +29,7 @@ void Sampler::finish(Instant now) {
 }
 
 Instant Sampler::next_wakeup() const {
-    Instant next = std::min(flush_at_, current_at_);
+    Instant next = std::min({flush_at_, current_at_, retained_at()});
     for (const auto* feed : feeds_) next = std::min(next, feed->next_due());
     return next;
 }
@@ -104,6 +105,21 @@ void Sampler::deliver_current(Instant now) {
     // Unless events were lost again meanwhile.
     if (current_at_ > now) current_at_ = kNever;
     for (auto* feed : feeds_) feed->deliver_current(snapshot->t, snapshot->values);
+    flush();
+}
+
+Instant Sampler::retained_at() const {
+    const bool requested =
+        std::ranges::any_of(feeds_, [](const auto* feed) { return feed->retained_requested(); });
+    return requested ? retained_again_ : kNever;
+}
+
+void Sampler::deliver_retained(Instant now) {
+    retained_again_ = now + kSnapshotAgain;
+    const auto snapshot = take_snapshot(now);
+    if (!snapshot) return;
+    retained_again_ = Instant::min();
+    for (auto* feed : feeds_) feed->deliver_retained(snapshot->t, snapshot->values);
     flush();
 }
 

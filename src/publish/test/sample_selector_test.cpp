@@ -177,5 +177,15 @@ TEST_F(Selector, TheCurrentStateIsDeliveredOnRequest) {
     EXPECT_EQ(samples[0].cause, SampleCause::current);
 }
 
+TEST_F(Selector, OnlyRetainedValuesAreDeliveredToADestinationThatHasLostThem) {
+    for (const bool retained : {false, true}) {
+        begin({.retained = retained});
+        change(1s, 1.0);
+        take();
+        selector_->deliver_current(at(2s), slots_, sink(), true);
+        EXPECT_EQ(take().size(), retained ? 1U : 0U);
+    }
+}
+
 }  // namespace
 }  // namespace takt::publish

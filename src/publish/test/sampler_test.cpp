@@ -129,6 +129,17 @@ TEST_F(SamplerTest, ALossIsBeforeTheEventsThatFollowIt) {
     EXPECT_GT(queued[1].samples, 2U) << "the changes of a second";
 }
 
+TEST_F(SamplerTest, DeliversRetainedValuesAgainOnRequest) {
+    policy_.retained = true;
+    run(1s);
+    (void)take();
+    queue_.request_retained();
+    EXPECT_LE(sampler_->next_wakeup(), rig_.now);
+    run(1s);
+    EXPECT_EQ(current_samples(take()), 2U) << "once: Level and Setpoint";
+    EXPECT_FALSE(queue_.retained_requested());
+}
+
 TEST_F(SamplerTest, TriesAgainWhenThereIsNoSnapshot) {
     rig_.run(1s);
     rig_.link->stopped = true;

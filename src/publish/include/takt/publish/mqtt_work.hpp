@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "takt/host/session.hpp"
 #include "takt/publish/command_desk.hpp"
@@ -43,6 +44,9 @@ public:
     void begin(Instant now, store::Journal& journal, store::DestinationId destination) override;
     void work(Instant now) override;
     [[nodiscard]] Instant next_wakeup() const override;
+    /// After each connection but the first: another broker, or one that was restarted, does not have the
+    /// retained values. Before the first connection all samples of the run are in the journal.
+    [[nodiscard]] bool take_retained_request() override { return std::exchange(retained_wanted_, false); }
     [[nodiscard]] std::span<const int> descriptors() const override { return descriptors_; }
     void on_state_changed(Instant now) override;
     [[nodiscard]] bool takes_records() const override;
@@ -69,7 +73,9 @@ private:
     std::optional<JournalMessages> messages_;
     std::optional<MqttSession> session_;
     host::ConfigurationPtr rights_of_;  // the configuration whose rights the desk has
-    Instant status_at_ = kNever;        // when the status is published next; kNever: not connected
+    bool connected_before_ = false;
+    bool retained_wanted_ = false;
+    Instant status_at_ = kNever;  // when the status is published next; kNever: not connected
     Instant status_sent_at_{};
 };
 

@@ -35,6 +35,8 @@ public:
         Duration stop_limit = std::chrono::seconds(2);  ///< for the destination, from stop() on
         /// Called again until it succeeds.
         std::function<Result<std::unique_ptr<store::JournalStorage>>()> open_storage;
+        /// The queue has a request for the thread that fills it; may be empty.
+        std::function<void()> wake_sampler;
         WallClock wall_ns = system_wall_ns;
         Log log;
     };

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -26,6 +27,7 @@ public:
         store::JournalOptions journal;
         std::size_t queue_bytes = 4U << 20;
         Duration stop_limit = std::chrono::seconds(2);  ///< for the destination, from ask_to_stop() on
+        std::function<void()> wake_sampler;             ///< as OutputEngine::Options
         Log log;
     };
 

@@ -22,6 +22,9 @@ public:
     /// Called when records became durable, when a descriptor is readable, at next_wakeup(), and now and then.
     virtual void work(Instant now) = 0;
     [[nodiscard]] virtual Instant next_wakeup() const = 0;
+    /// Called after work(): whether the destination may have lost the values that it keeps. They are then
+    /// sampled again.
+    [[nodiscard]] virtual bool take_retained_request() { return false; }
     /// Descriptors to wait for. Valid until the next work().
     [[nodiscard]] virtual std::span<const int> descriptors() const = 0;
 

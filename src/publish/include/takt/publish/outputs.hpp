@@ -64,6 +64,7 @@ private:
     void on_state_changed() override;
 
     void run();
+    void ring();
     void wait(Instant until);
     void end_others(const std::vector<std::shared_ptr<OutputThread>>& continued);
 

@@ -37,6 +37,12 @@ public:
     void deliver_current(Instant t, std::span<const value::Slot> slots) {
         selector_.deliver_current(t, slots, sink_);
     }
+    /// The destination has lost the values that it kept.
+    [[nodiscard]] bool retained_requested() const { return queue_.retained_requested(); }
+    /// Delivers them again, if it has.
+    void deliver_retained(Instant t, std::span<const value::Slot> slots) {
+        if (queue_.take_retained_request()) selector_.deliver_current(t, slots, sink_, true);
+    }
 
     /// Events that were lost before they could be read. Each may have been a sample.
     void lose(std::uint64_t events, Instant first, Instant last);

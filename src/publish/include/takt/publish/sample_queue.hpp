@@ -1,6 +1,7 @@
 // Samples on their way from the sampling thread to the thread of an output.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -34,6 +35,13 @@ public:
 
     [[nodiscard]] std::optional<QueuedSamples> take();
 
+    /// The way back: the thread that takes asks the one that pushes for the values that the destination
+    /// keeps.
+    void request_retained() { retained_requested_ = true; }
+    [[nodiscard]] bool retained_requested() const { return retained_requested_; }
+    /// @returns whether they were requested since the last call
+    [[nodiscard]] bool take_retained_request() { return retained_requested_.exchange(false); }
+
     [[nodiscard]] std::size_t bytes() const;
     /// Samples and losses that were pushed, since the queue was made.
     [[nodiscard]] std::uint64_t pushed() const;
@@ -46,6 +54,7 @@ private:
     std::deque<QueuedSamples> waiting_;
     std::size_t bytes_ = 0;
     std::uint64_t pushed_ = 0;
+    std::atomic<bool> retained_requested_ = false;
 };
 
 }  // namespace takt::publish

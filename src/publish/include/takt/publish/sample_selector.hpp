@@ -21,6 +21,7 @@ struct SamplePolicy {
     Duration heartbeat{};   ///< a sample when the last one is that old; zero: none
     double dead_band = 0;   ///< a number that differs by at most this from the last sample is no change
     bool skip_bad = false;  ///< only values of good quality are delivered
+    bool retained = false;  ///< the destination keeps the last value, and may lose it
 };
 
 struct SelectedSlot {
@@ -58,7 +59,9 @@ public:
     void on_snapshot(Instant t, std::span<const value::Slot> slots, const Sink& sink);
     /// Delivers the current state of all selected slots that were ever read: at the start, and after lost
     /// events.
-    void deliver_current(Instant t, std::span<const value::Slot> slots, const Sink& sink);
+    /// @param retained_only  of those with SamplePolicy::retained, because the destination has lost them
+    void deliver_current(Instant t, std::span<const value::Slot> slots, const Sink& sink,
+                         bool retained_only = false);
 
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
 

@@ -29,7 +29,8 @@ protected:
 };
 
 /// Reads the events of a host for all outputs, samples what is due, and collects samples for 50 ms. Events
-/// that were lost are counted in every feed, and the current state of all values follows them.
+/// that were lost are counted in every feed, and the current state of all values follows them. A feed whose
+/// destination has lost the values that it keeps gets these again (SampleQueue::request_retained()).
 ///
 /// Reads no clock and waits for snapshots only, so that tests and the simulation drive it by hand. One
 /// thread.
@@ -55,6 +56,9 @@ private:
     void count_lost(Instant now, Instant next_event);
     void sample_due(Instant now);
     void deliver_current(Instant now);
+    /// When values that a destination has lost are to be delivered again; kNever: none has lost them.
+    [[nodiscard]] Instant retained_at() const;
+    void deliver_retained(Instant now);
     [[nodiscard]] std::optional<host::Snapshot> take_snapshot(Instant now);
     void flush();
     void set_clocks(Instant now);
@@ -65,10 +69,11 @@ private:
     host::ConfigurationPtr configuration_;
     std::vector<SampleFeed*> feeds_;
     Instant flush_at_ = kNever;
-    Instant current_at_ = kNever;  // when the current state of all values is to be delivered
-    Instant last_event_;           // time of the last event that was read
-    std::uint64_t missed_ = 0;     // of the session, counted so far
-    std::uint64_t lost_ = 0;       // reported by the host, not counted yet
+    Instant current_at_ = kNever;              // when the current state of all values is to be delivered
+    Instant retained_again_ = Instant::min();  // of deliver_retained(), after a snapshot that failed
+    Instant last_event_;                       // time of the last event that was read
+    std::uint64_t missed_ = 0;                 // of the session, counted so far
+    std::uint64_t lost_ = 0;                   // reported by the host, not counted yet
 };
 
 }  // namespace takt::publish
