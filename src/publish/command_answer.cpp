@@ -125,6 +125,15 @@ std::string answer_message(const CommandAnswer& answer) {
     return object.dump();
 }
 
+std::string missing_lines_text(std::string_view output, std::uint64_t count, std::int64_t wall_ns) {
+    auto object = Json::object();
+    object.set("time", time_text(wall_ns));
+    object.set("event", "lines_missing");
+    object.set("output", output);
+    object.set("count", count);
+    return object.dump() + '\n';
+}
+
 std::string audit_line(const CommandOrigin& origin, const CommandAnswer& answer) {
     auto object = Json::object();
     object.set("time", time_text(answer.wall_ns));

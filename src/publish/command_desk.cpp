@@ -62,6 +62,7 @@ struct CommandDesk::State {
     std::uint64_t last_id = 0;
     std::deque<MqttMessage> answers;
     CommandCounters counters;
+    std::uint64_t missing_lines = 0;  // of the audit log, since the last one
     bool stopped = false;
 
     std::optional<ParsedCommand> parse(const MqttMessage& message);
@@ -72,7 +73,7 @@ struct CommandDesk::State {
     bool is_repeated(const CommandRequest& request, std::uint64_t content, const ReplyAddress& reply,
                      std::optional<CommandRefused>& refused);
     void answer(const ReplyAddress& reply, const CommandAnswer& answer);
-    void audit(const CommandOrigin& origin, const CommandAnswer& answer) const;
+    void audit(const CommandOrigin& origin, const CommandAnswer& answer);
     void end(std::map<std::uint64_t, OpenCommand>::iterator command, CommandAnswer&& with);
 };
 
@@ -142,8 +143,16 @@ void CommandDesk::State::answer(const ReplyAddress& reply, const CommandAnswer& 
     answers.push_back(std::move(message));
 }
 
-void CommandDesk::State::audit(const CommandOrigin& origin, const CommandAnswer& with) const {
-    if (options.audit) options.audit(audit_line(origin, with));
+void CommandDesk::State::audit(const CommandOrigin& origin, const CommandAnswer& with) {
+    if (!options.audit) return;
+    std::string lines;
+    if (missing_lines > 0) lines = missing_lines_text(origin.output, missing_lines, with.wall_ns);
+    if (options.audit(lines + audit_line(origin, with))) {
+        missing_lines = 0;
+        return;
+    }
+    ++missing_lines;
+    ++counters.unrecorded;
 }
 
 void CommandDesk::State::end(std::map<std::uint64_t, OpenCommand>::iterator command, CommandAnswer&& with) {

@@ -55,6 +55,7 @@ Result<void> HistoryWork::open() {
     TAKT_TRY(identity_, identity_in(journal_folder_));
     TAKT_TRY(auto opened, store::History::open(path_, options_));
     history_ = std::move(opened.history);
+    if (!opened.set_aside.empty()) set_aside_ = opened.set_aside;
     series_.clear();
     records_ = 0;
     journal_->rewind(destination_);
@@ -145,6 +146,7 @@ void HistoryWork::report(Instant, OutputStatus& status) const {
     status.state = failure_ ? OutputState::waiting : OutputState::delivering;
     status.destination = path_;
     if (failure_) status.failure = text_of(*failure_);
+    status.set_aside = set_aside_;
 }
 
 }  // namespace takt::publish

@@ -160,6 +160,7 @@ void MqttWork::report(Instant, OutputStatus& status) const {
     status.commands = counters.received;
     status.commands_refused = counters.refused;
     status.answers_dropped = counters.answers_dropped;
+    status.commands_unrecorded = counters.unrecorded;
 }
 
 }  // namespace takt::publish

@@ -16,6 +16,8 @@ void OutputLog::note(const OutputStatus& status) {
     if (!log_.enabled()) return;
     note_destination(status);
     note_journal(status);
+    note_unrecorded(status);
+    note_set_aside(status);
 }
 
 void OutputLog::note_destination(const OutputStatus& status) {
@@ -31,6 +33,24 @@ void OutputLog::note_destination(const OutputStatus& status) {
         log_.message(LogLevel::info, "log.output.state", arguments);
     else
         log_.message(LogLevel::warning, "log.output.failed", arguments);
+}
+
+// The first of a series; their number is in the status.
+void OutputLog::note_unrecorded(const OutputStatus& status) {
+    if (status.commands_unrecorded == unrecorded_) return;
+    const bool first = unrecorded_ == 0;
+    unrecorded_ = status.commands_unrecorded;
+    if (!first) return;
+    const LogArgument name{.name = "name", .text = status.name};
+    log_.message(LogLevel::error, "log.output.unrecorded", std::array{name});
+}
+
+void OutputLog::note_set_aside(const OutputStatus& status) {
+    if (status.set_aside == set_aside_) return;
+    set_aside_ = status.set_aside;
+    const std::array arguments{LogArgument{.name = "name", .text = status.name},
+                               LogArgument{.name = "file", .text = set_aside_}};
+    log_.message(LogLevel::error, "log.output.set_aside", arguments);
 }
 
 // The error of each further attempt names another file: only the first one is logged.

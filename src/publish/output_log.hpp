@@ -19,11 +19,15 @@ public:
 private:
     void note_destination(const OutputStatus& status);
     void note_journal(const OutputStatus& status);
+    void note_unrecorded(const OutputStatus& status);
+    void note_set_aside(const OutputStatus& status);
 
     Log log_;
     OutputState state_ = OutputState::starting;  // that was logged
     std::string failure_;
     bool journal_failed_ = false;
+    std::uint64_t unrecorded_ = 0;
+    std::string set_aside_;
 };
 
 }  // namespace takt::publish

@@ -119,19 +119,19 @@ MqttSessionOptions session_options(const model::Output& output, const MqttCompos
     return options;
 }
 
-/// Writes to commands.log beside the journal. Without the file commands are not recorded: the log says so.
-std::function<void(std::string_view)> audit_of(const ProjectOutputsOptions& options,
+/// Writes to commands.log beside the journal. A file that cannot be opened is tried again with each line.
+std::function<bool(std::string_view)> audit_of(const ProjectOutputsOptions& options,
                                                const model::Output& output) {
-    const auto folder = journal_folder(options.project_file, output);
-    std::error_code ignored;
-    fs::create_directories(folder, ignored);
-    auto opened = os::RotatingFile::open(folder + "/commands.log", {});
-    if (!opened) {
-        if (options.log) options.log("publish")(LogLevel::error, "commands not recorded", output.name);
-        return {};
-    }
-    return [file = std::shared_ptr<os::RotatingFile>(*std::move(opened))](std::string_view line) {
-        static_cast<void>(file->write(line));
+    return [folder = journal_folder(options.project_file, output),
+            file = std::shared_ptr<os::RotatingFile>()](std::string_view lines) mutable {
+        if (!file) {
+            std::error_code ignored;
+            fs::create_directories(folder, ignored);
+            auto opened = os::RotatingFile::open(folder + "/commands.log", {});
+            if (!opened) return false;
+            file = *std::move(opened);
+        }
+        return file->write(lines).error == 0;
     };
 }
 
@@ -246,8 +246,8 @@ std::string settings_text(const model::Output& output, const host::Configuration
         add(static_cast<int>(selection.message));
         add(selection.retain ? 1 : 0);
     }
-    // Commands have the slots of one configuration.
-    if (!output.commandable.empty()) add(configuration.generation());
+    // Which variables are commandable is read anew with each configuration (CommandRights).
+    add(output.commandable.empty() ? 0 : 1);
     return text;
 }
 

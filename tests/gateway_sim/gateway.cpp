@@ -128,7 +128,10 @@ std::unique_ptr<publish::OutputWork> Gateway::make_work() {
             .control_topic = topic,
             .expiry = output.command_expiry,
             .id_prefix = "run" + std::to_string(run_) + "-",
-            .audit = [this](std::string_view line) { observer_.on_audit(line); }};
+            .audit = [this](std::string_view line) {
+                observer_.on_audit(line);
+                return true;
+            }};
         work.commands.emplace(publish::MqttWork::Commands{
             .desk = publish::CommandDesk(std::move(desk)),
             .rights = [](const host::ConfigurationPtr& configuration) {

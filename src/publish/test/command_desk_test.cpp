@@ -78,11 +78,15 @@ struct Desk {
 
     CommandTime now{Instant{100s}, kWall};
     std::vector<std::string> audit;
+    bool disk_full = false;
     host::ConfigurationPtr configuration;
     CommandDesk desk{{.output = "cloud",
                       .control_topic = "takt/cloud",
                       .id_prefix = "t1-",
-                      .audit = [this](std::string_view line) { audit.emplace_back(line); }}};
+                      .audit = [this](std::string_view line) {
+                          if (!disk_full) audit.emplace_back(line);
+                          return !disk_full;
+                      }}};
 };
 
 std::string request(const std::string& id, const std::string& rest) {
@@ -113,6 +117,29 @@ TEST(CommandDesk, AnswersACommandThatTheHostHasDone) {
               R"("broker":"mqtt://broker:1883","topic":"takt/cloud/command","id":"a","command":"set",)"
               R"("variable":"Setpoint","value":5,"outcome":"done"})"
               "\n");
+}
+
+TEST(CommandDesk, CountsCommandsThatCannotBeRecorded) {
+    Desk desk;
+    const auto execute = [&](const char* id) {
+        ASSERT_TRUE(desk.give(request(id, kSet)));
+        desk.done(*desk.next());
+    };
+    desk.disk_full = true;
+    execute("1");
+    execute("2");
+    EXPECT_TRUE(desk.audit.empty());
+    EXPECT_EQ(desk.desk.counters().unrecorded, 2U);
+    desk.disk_full = false;
+    execute("3");
+    execute("4");
+    ASSERT_EQ(desk.audit.size(), 2U);
+    EXPECT_TRUE(desk.audit[0].starts_with(
+        R"({"time":"2026-11-24T02:30:00.000Z","event":"lines_missing","output":"cloud","count":2})"
+        "\n{"))
+        << desk.audit[0];
+    EXPECT_EQ(desk.audit[1].find("lines_missing"), std::string::npos) << "reported once";
+    EXPECT_EQ(desk.desk.counters().unrecorded, 2U);
 }
 
 TEST(CommandDesk, RefusesByReason) {
@@ -257,7 +284,7 @@ TEST(CommandDesk, OtherCommandsBecomeCommandsOfTheHost) {
         Command::Kind kind;
         const char* slot;
         value::Value value;
-    } cases[] = {{R"("command":"trigger","variable":"go")", Command::Kind::set, "go", true},
+    } cases[] = {{R"("command":"trigger","variable":"go")", Command::Kind::pull, "go", {}},
                  {R"("command":"enable","device":"Pump")", Command::Kind::set, "run", true},
                  {R"("command":"disable","device":"Pump")", Command::Kind::set, "run", false},
                  {R"("command":"get","variable":"Level")", Command::Kind::get, "Level", {}},

@@ -53,6 +53,10 @@ struct CommandOrigin {
 /// The payload: JSON.
 [[nodiscard]] std::string answer_message(const CommandAnswer& answer);
 
+/// The line of JSON, with its end, in the place of lines that could not be written.
+[[nodiscard]] std::string missing_lines_text(std::string_view output, std::uint64_t count,
+                                             std::int64_t wall_ns);
+
 /// A JSON object in one line, with its line feed.
 [[nodiscard]] std::string audit_line(const CommandOrigin& origin, const CommandAnswer& answer);
 

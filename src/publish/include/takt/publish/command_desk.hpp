@@ -27,13 +27,15 @@ struct CommandDeskOptions {
     std::string control_topic;  ///< commands arrive at <control_topic>/command and /set/<variable>
     Duration expiry = std::chrono::seconds(10);  ///< of a command that has no other; > 0
     std::string id_prefix;                       ///< of ids that the desk makes; another one in each run
-    std::function<void(std::string_view line)> audit;  ///< one line for each command; may be empty
+    /// Writes one line for each command. @returns whether it was written. May be empty
+    std::function<bool(std::string_view line)> audit;
 };
 
 struct CommandCounters {
     std::uint64_t received = 0;  ///< messages; repeated ones included
     std::uint64_t refused = 0;   ///< of them, before the host got them
     std::uint64_t answers_dropped = 0;
+    std::uint64_t unrecorded = 0;  ///< without a line in the audit log
 };
 
 /// Checks each command, hands it to the host and answers it.
@@ -41,6 +43,9 @@ struct CommandCounters {
 ///   - Each command has exactly one outcome. The same id with the same content gets the same answer again and
 ///     is not executed again, within CommandMemory::kMost accepted commands.
 ///   - Retained commands, commands of an earlier connection, and expired ones are not executed.
+///   - Each command has a line in the audit log. Lines that could not be written are counted; the next one
+///   that
+///     can be written is preceded by their number.
 ///   - Answers wait for the connection: at most kMostAnswers, the oldest are dropped and counted.
 ///
 /// No clock, thread or socket. After each call the owner submits next_command() to the host until there is

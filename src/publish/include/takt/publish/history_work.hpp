@@ -58,6 +58,7 @@ private:
     std::uint64_t unreadable_ = 0;  // samples of records of another version
     Instant next_{};
     std::optional<Error> failure_;
+    std::string set_aside_;  // where a damaged file was moved
     bool stopped_ = false;
 };
 

@@ -42,9 +42,11 @@ struct OutputStatus {
     store::JournalStatus journal;
     std::optional<MqttStatus> mqtt;  ///< of an MQTT output
     // Of this run.
-    std::uint64_t commands = 0;          ///< received
-    std::uint64_t commands_refused = 0;  ///< of them, before the host got them
-    std::uint64_t answers_dropped = 0;   ///< too many waited for the broker
+    std::uint64_t commands = 0;             ///< received
+    std::uint64_t commands_refused = 0;     ///< of them, before the host got them
+    std::uint64_t answers_dropped = 0;      ///< too many waited for the broker
+    std::uint64_t commands_unrecorded = 0;  ///< without a line in commands.log, which could not be written
+    std::string set_aside;  ///< of a history: where a damaged file was moved; empty: there was none
 };
 
 }  // namespace takt::publish
