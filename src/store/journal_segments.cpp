@@ -12,11 +12,13 @@ constexpr std::size_t kFirstWindowBytes = 64 * 1024;  // of most segments, a sta
 static_assert(kFirstWindowBytes >= kMaxRecordBytes);
 
 /// The start of a segment, of whose file only the first records are read.
-Result<std::optional<StreamPosition>> find_start(SegmentScanner& scanner, const Segment& segment) {
+Result<void> find_start(SegmentScanner& scanner, Segment& segment) {
     scanner.begin(segment.number);
     TAKT_TRY(const auto record, scanner.peek(segment.readable));
-    if (!record) return std::nullopt;
-    return start_of(record->header);
+    if (!record) return {};
+    segment.start = start_of(record->header);
+    segment.damaged_start = scanner.skipped();
+    return {};
 }
 
 /// Reads a whole segment. @returns the end of its last record and the bytes after it
@@ -50,10 +52,16 @@ const Segment* SegmentList::holding(std::uint64_t sequence) const {
     return nullptr;
 }
 
+const Segment* SegmentList::after(const Segment& segment) const {
+    const auto found = std::ranges::find_if(segments, [&](const Segment& later) {
+        return later.number > segment.number && later.start.has_value();
+    });
+    return found == segments.end() ? nullptr : &*found;
+}
+
 StreamPosition SegmentList::end_of_segment(const Segment& segment) const {
-    for (const Segment& later : segments)
-        if (later.number > segment.number && later.start) return *later.start;
-    return durable;
+    const Segment* const next = after(segment);
+    return next != nullptr ? *next->start : durable;
 }
 
 const Segment* SegmentList::first() const {
@@ -116,8 +124,8 @@ Result<RecoveredSegments> recover_segments(JournalStorage& storage) {
     RecoveredSegments found;
     SegmentScanner scanner(storage);
     for (const SegmentFile& file : files) {
-        Segment segment{file.number, file.bytes, file.bytes, {}};
-        TAKT_TRY(segment.start, find_start(scanner, segment));
+        Segment segment{.number = file.number, .bytes = file.bytes, .readable = file.bytes};
+        TAKT_CHECK(find_start(scanner, segment));
         found.list.segments.push_back(segment);
         found.next_number = file.number + 1;
     }

@@ -29,6 +29,7 @@ struct Segment {
     std::uint64_t bytes = 0;              ///< size of the file
     std::uint64_t readable = 0;           ///< durable bytes
     std::optional<StreamPosition> start;  ///< before its first good durable record; none: it has no record
+    bool damaged_start = false;           ///< bytes before that record are no record
 };
 
 /// The segments in the order of their numbers. The invariant: the records of a segment from the first record
@@ -39,6 +40,8 @@ struct SegmentList {
 
     /// The segment in which the record is, if it was not damaged. Null: the first segment begins after it.
     [[nodiscard]] const Segment* holding(std::uint64_t sequence) const;
+    /// The next segment with a record; null: there is none.
+    [[nodiscard]] const Segment* after(const Segment& segment) const;
     /// The end of the records of a segment.
     [[nodiscard]] StreamPosition end_of_segment(const Segment& segment) const;
     /// The first segment with a record; null: there is no record.
@@ -64,6 +67,8 @@ public:
         offset_ += record.bytes;
         skipped_ = false;
     }
+    /// Whether bytes before the record of the last peek() are no record.
+    [[nodiscard]] bool skipped() const { return skipped_; }
     /// Whether the last record was followed by nothing else in the first `readable` bytes.
     [[nodiscard]] bool ended_with_a_record(std::uint64_t readable) const {
         return offset_ >= readable && !skipped_;

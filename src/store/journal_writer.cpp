@@ -146,7 +146,7 @@ Result<void> JournalWriter::open_segment() {
     TAKT_CHECK(limit_empty_segments());
     make_room_on_disk();
     const std::uint64_t number = next_number_++;
-    list_.segments.push_back({number, 0, 0, {}});
+    list_.segments.push_back({.number = number});
     has_active_ = true;
     return storage_->create(number);
 }

@@ -61,6 +61,11 @@ protected:
         EXPECT_TRUE(std::all_of(first, entries.end(), is_new));
         return static_cast<std::size_t>(first - entries.begin());
     }
+    /// Reads all. @returns the gap at this place; without samples: there is none
+    Gap gap_at(DestinationId id, std::size_t index) {
+        const auto entries = read_all(id);
+        return index < entries.size() && entries[index].gap ? *entries[index].gap : Gap{};
+    }
     void acknowledge_all(DestinationId id) {
         const auto entries = read_all(id);
         if (!entries.empty()) {
@@ -512,6 +517,31 @@ TEST_F(JournalTest, ASegmentThatIsGoneBetweenOthersIsNotTakenForDamage) {
     EXPECT_EQ(entries[3].gap->cause, GapCause::quota);
     EXPECT_EQ(entries[3].gap->samples, 2U);
     EXPECT_EQ(entries[3].gap->first_sequence, 4U);
+}
+
+TEST_F(JournalTest, ADamagedBeginningOfASegmentIsNotTakenForTheQuota) {
+    start();
+    for (int i = 0; i < 6; ++i) {
+        ASSERT_TRUE(append(30'000));
+        tick();
+    }
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(journal_->read(kCloud));
+    ASSERT_TRUE(journal_->acknowledge(now_, kCloud, 3));
+    tick(10s);
+    const auto segments = disk_.contents();
+    ASSERT_EQ(segments.size(), 3U);
+    disk_.flip(std::next(segments.begin())->first, 10);
+    start();
+    // Behind a segment that is whole, and as the beginning of all that is there.
+    EXPECT_EQ(gap_at(kSite, 3).cause, GapCause::damaged);
+    EXPECT_EQ(gap_at(kCloud, 0).cause, GapCause::damaged);
+    ASSERT_TRUE(disk_.remove(segments.begin()->first));
+    start();
+    const Gap gap = gap_at(kCloud, 0);
+    EXPECT_EQ(gap.cause, GapCause::damaged);
+    EXPECT_EQ(gap.samples, 1U);
+    EXPECT_EQ(gap.first_sequence, 4U);
+    EXPECT_EQ(gap.last_sequence, 4U);
 }
 
 TEST_F(JournalTest, CutsATornTail) {
