@@ -120,6 +120,7 @@ void World::add_timers() {
         if (!gateway_) return;
         note("orderly_stop");
         failures_at_stop_ = disk_.failures();
+        judge_.on_stopping();
         gateway_->begin_stop();
     });
     add(means.clock_jump, [this] {

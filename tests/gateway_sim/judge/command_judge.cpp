@@ -47,8 +47,11 @@ bool is_of_message(const std::string& reason) {
 void CommandJudge::on_run_begin() {
     fates_.clear();
     known_.clear();
+    duplicates_.clear();
     ambiguous_.clear();
+    unsure_.clear();
     deliveries_ = 0;
+    stopping_ = false;
 }
 
 void CommandJudge::on_sent(const SentCommand& command) {
@@ -89,12 +92,27 @@ void CommandJudge::on_delivered(const MqttMessage& message, bool subscribed) {
     const auto& command = found->second;
     auto delivery = judge(command, message, subscribed);
     if (!command.id.empty() && command.well_formed && subscribed && !message.retain) {
-        const auto [known, is_new] = known_.try_emplace(command.id, Known{found->first, deliveries_});
+        const auto [known, is_new] =
+            known_.try_emplace(command.id, Known{found->first, deliveries_, clock_.now});
         if (deliveries_ - known->second.delivery > kRemembered) ambiguous_.insert(command.id);
-        const bool same = known->second.content == found->first || is_ambiguous(command);
+        const bool same = known->second.content == found->first || is_unsure(command);
         delivery.permitted = delivery.permitted && same;
+        delivery.conflicts = !same;
     }
     fates_[found->first].deliveries.push_back(delivery);
+}
+
+// The session ignores messages from the moment on at which it decides to leave, which is in the same step.
+void CommandJudge::on_left() {
+    for (auto& [content, fate] : fates_) {
+        const auto& id = sent_[content].id;
+        for (auto& delivery : fate.deliveries) {
+            if (delivery.at != clock_.now) continue;
+            delivery.may_be_ignored = true;
+            const auto known = known_.find(id);
+            if (known != known_.end() && known->second.at == clock_.now) unsure_.insert(id);
+        }
+    }
 }
 
 void CommandJudge::on_executed(std::uint32_t value, Instant ordered_at) {
@@ -146,12 +164,13 @@ void CommandJudge::on_answer(const MqttMessage& message) {
     const auto outcome = text_of(*answer, "outcome");
     const auto reason = text_of(*answer, "reason");
     complaints_.count("answer_" + outcome);
+    if (reason == "duplicate_id") duplicates_[text_of(*answer, "id")] = clock_.now;
     if (!reason.empty()) complaints_.count("reason_" + reason);
     const auto* command = find(*answer);
     if (command == nullptr) return;
     Fate& fate = fates_[content_of(command->message)];
     fate.answered = true;
-    if (is_of_message(reason) || command->id.empty() || is_ambiguous(*command)) return;
+    if (is_of_message(reason) || command->id.empty() || is_unsure(*command)) return;
     if (fate.outcome && *fate.outcome != outcome)
         fail("one_outcome", "one outcome of command " + command->id + ": " + *fate.outcome, outcome);
     if (!fate.outcome) check_outcome(*command, fate, outcome, reason);
@@ -164,6 +183,10 @@ void CommandJudge::check_outcome(const SentCommand& command, Fate& fate, const s
     if (outcome == "done" && is_executed_when_done(command) && settled && fate.executions != 1)
         fail("outcome_true", "an execution of command " + command.id + ", which is done",
              std::to_string(fate.executions));
+    const auto is_over = [this](const Delivery& delivery) { return delivery.expires <= clock_.now; };
+    if (outcome == "expired" && !stopping_ && std::ranges::none_of(fate.deliveries, is_over))
+        fail("outcome_true", "not the outcome expired of command " + command.id + " before its expiry",
+             outcome);
     if ((outcome == "refused" || outcome == "expired") && fate.executions != 0)
         fail("outcome_true", "no execution of command " + command.id + ", which is " + outcome,
              std::to_string(fate.executions));
@@ -186,7 +209,7 @@ void CommandJudge::on_audit(std::string_view line) {
     const auto reason = text_of(*audit, "reason");
     const auto* command = find(*audit);
     if (command == nullptr || command->id.empty() || is_of_message(reason)) return;
-    if (is_ambiguous(*command)) return;
+    if (is_unsure(*command)) return;
     Fate& fate = fates_[content_of(command->message)];
     if (fate.audited)
         fail("one_outcome", "one outcome of command " + command->id + " in the audit log: " + *fate.audited,
@@ -194,12 +217,23 @@ void CommandJudge::on_audit(std::string_view line) {
     fate.audited = outcome;
 }
 
+/// The answer to the command that its id means is not that of another one.
+void CommandJudge::check_refusal(const SentCommand& command, const Delivery& delivery) {
+    if (!delivery.conflicts || is_unsure(command)) return;
+    const auto refused = duplicates_.find(command.id);
+    if (refused == duplicates_.end() || refused->second < delivery.at)
+        fail("outcome_true", "the refusal `duplicate_id` of another command " + command.id, "none");
+}
+
 void CommandJudge::finish(Instant from, Instant until) {
     for (const auto& [content, fate] : fates_) {
-        const bool due = std::ranges::any_of(fate.deliveries, [&](const Delivery& delivery) {
-            return delivery.at >= from && delivery.at <= until;
-        });
         const auto& command = sent_[content];
+        bool due = false;
+        for (const auto& delivery : fate.deliveries) {
+            if (delivery.at < from || delivery.at > until || delivery.may_be_ignored) continue;
+            due = true;
+            check_refusal(command, delivery);
+        }
         const auto* meant = &content;  // by an answer with this id
         if (const auto known = known_.find(command.id); known != known_.end())
             meant = &known->second.content;

@@ -48,28 +48,38 @@ void StreamJudge::check_written_gap(const SeenMessage& message) {
         fail("gap_true", "the times that were written", text(gap));
 }
 
-// A gap that was found while reading. All of its records are gone, and the next one is there.
+// A gap that was found while reading. All of its records are gone, and the next one is there. Where both the
+// quota and damage took some of them, either is a true cause.
 void StreamJudge::check_found_gap(const SeenMessage& message) {
     const auto& gap = *message.gap;
+    // Records without samples end before the number of a gap in their place.
+    const auto is_before = [&](const RecordFacts& facts) {
+        return gap.samples == 0 ? facts.samples_before + 1 < gap.number : facts.end() < gap.number;
+    };
     std::uint64_t sequence = 1;
-    while (sequence <= journal_.last_sequence() && journal_.record(sequence)->facts.end() < gap.number)
-        ++sequence;
+    while (sequence <= journal_.last_sequence() && is_before(journal_.record(sequence)->facts)) ++sequence;
     // Gaps without samples that are in this place may have been delivered.
     while (sequence <= journal_.last_sequence() && journal_.record(sequence)->facts.samples == 0 &&
            journal_.record(sequence)->present)
         ++sequence;
     const auto first = sequence;
-    const auto is_gone = [&](const JournalJudge::Entry& entry) {
-        return gap.cause == "quota" ? !entry.present : entry.unreadable;
-    };
     std::uint64_t samples = 0;
-    while (sequence <= journal_.durable_sequence() && is_gone(*journal_.record(sequence)))
-        samples += journal_.record(sequence++)->facts.samples;
+    bool has_cause = false;
+    for (; sequence <= journal_.durable_sequence() && !journal_.record(sequence)->present; ++sequence) {
+        const auto& gone = *journal_.record(sequence);
+        samples += gone.facts.samples;
+        has_cause = has_cause || journal_.may_be_cause(gone, gap.cause);
+    }
     if (sequence == first || samples != gap.samples)
         return fail("gap_true",
                     std::to_string(samples) + " samples are gone there, in " +
                         std::to_string(sequence - first) + " records",
                     text(gap));
+    // The rest of a failed write looks like damage: what was behind it may have been in the same segment.
+    has_cause = has_cause || (gap.cause == "damaged" && journal_.is_torn(first - 1));
+    if (!has_cause)
+        fail("gap_true", "the other cause: damage has taken records that are there, the quota has not",
+             text(gap));
     for (const Run& run : account_.runs())
         if (run.epoch != 0 && run.first_sequence >= first && run.first_sequence < sequence)
             restarts_.push_back(run.number);

@@ -18,9 +18,12 @@ void JournalJudge::on_run_begin(Disk& disk, bool damaged) {
     damaged_ = damaged_ || damaged;
     for (Entry& entry : entries_) entry.present = false;  // until it is found
     segments_.clear();
+    torn_.clear();
     for (const auto& [segment, bytes] : disk.contents()) {
         segments_[segment] = bytes.size();
+        std::uint64_t of_records = 0;
         for (const auto& read : read_records(bytes)) {
+            of_records += read.payload.size() + kOverhead;
             const auto sequence = read.facts.sequence;
             if (sequence == 0 || sequence > entries_.size()) continue;
             Entry& entry = entries_[sequence - 1];
@@ -28,6 +31,7 @@ void JournalJudge::on_run_begin(Disk& disk, bool damaged) {
             entry.segment = segment;
             entry.present = true;
         }
+        if (of_records != bytes.size()) torn_.insert(segment);
     }
     find_recovered();
     cursor_ = {};
@@ -105,10 +109,11 @@ void JournalJudge::take(const ReadRecord& read, std::uint64_t segment) {
                     text(facts));
     if (facts.epoch != account_.current().epoch)
         return fail("sequence_unique", "epoch " + std::to_string(account_.current().epoch), text(facts));
-    if (!facts.gap)
-        check_samples(facts, read.payload);
-    else if (facts.gap->cause == kRestart)
+    const bool restart = facts.gap && facts.gap->cause == kRestart;
+    if (restart || facts.sequence == account_.current().first_sequence)
         check_restart(facts);
+    else if (!facts.gap)
+        check_samples(facts, read.payload);
     else
         check_gap(facts);
     entries_.push_back({.facts = facts, .segment = segment});
@@ -226,6 +231,13 @@ void JournalJudge::on_cursor_synced(int error) {
         return;
     }
     if (written_cursor_.counter >= cursor_.counter) cursor_ = written_cursor_;
+}
+
+// What a failed sync has dropped is gone without a trace. Where a segment was removed, nothing shows that its
+// bytes had changed before.
+bool JournalJudge::may_be_cause(const Entry& gone, const std::string& cause) const {
+    if (gone.doubtful) return true;
+    return cause == "damaged" ? gone.unreadable : !gone.unreadable || !segments_.contains(gone.segment);
 }
 
 const JournalJudge::Entry* JournalJudge::record(std::uint64_t sequence) const {

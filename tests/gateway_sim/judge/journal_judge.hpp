@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,12 @@ public:
     /// The record with this sample, or with this sample after it if it has none; nullptr: there is none.
     [[nodiscard]] const Entry* record_of_sample(std::uint64_t number) const;
     [[nodiscard]] std::uint64_t last_sequence() const { return entries_.size(); }
+    /// Whether a gap in the place of a record that is not present may have this cause.
+    [[nodiscard]] bool may_be_cause(const Entry& gone, const std::string& cause) const;
+    /// Whether the segment of a record had bytes that are no record when the run began.
+    [[nodiscard]] bool is_torn(std::uint64_t sequence) const {
+        return record(sequence) != nullptr && torn_.contains(record(sequence)->segment);
+    }
     /// Samples of the stream that are durable.
     [[nodiscard]] std::uint64_t durable_samples() const { return durable_samples_; }
     [[nodiscard]] std::uint64_t durable_sequence() const { return durable_sequence_; }
@@ -90,6 +97,7 @@ private:
 
     std::vector<Entry> entries_;                       // by sequence number, from 1 on
     std::map<std::uint64_t, std::uint64_t> segments_;  // number to bytes
+    std::set<std::uint64_t> torn_;                     // with other bytes than records
     std::uint64_t durable_sequence_ = 0;
     std::uint64_t durable_samples_ = 0;
     std::uint64_t kept_sequence_ = 0;  // durable without a doubt

@@ -16,7 +16,8 @@ std::string times(std::int64_t first, std::int64_t last) {
 
 void JournalJudge::check_restart(const RecordFacts& first) {
     const Run& run = account_.current();
-    if (first.sequence != run.first_sequence || first.samples != 0)
+    const bool restart = first.gap && first.gap->cause == kRestart;
+    if (!restart || first.sequence != run.first_sequence || first.samples != 0)
         return fail("gap_true", "a gap `restart` without samples, as the first record of a run", text(first));
     if (damaged_) return;
     const std::int64_t before = entries_.empty() ? run.opened_wall_ns : entries_.back().facts.wall_ns;

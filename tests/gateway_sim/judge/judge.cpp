@@ -128,6 +128,7 @@ void Judge::on(const MqttSubscribe& subscribe) {
 
 void Judge::on(const MqttDisconnect& /*disconnect*/) {
     connection_.left = true;
+    commands_.on_left();
 }
 
 void Judge::on(const MqttPublish& publish) {

@@ -23,6 +23,7 @@ public:
     void on_run_begin(Disk& disk, bool damaged);
     void on_status(const publish::OutputStatus& status);
     void on_sent(const SentCommand& command) { commands_.on_sent(command); }
+    void on_stopping() { commands_.on_stopping(); }
     void on_written(std::uint32_t value, Instant ordered_at);
     /// @param orderly  the program has ended by itself
     void on_run_end(bool orderly);

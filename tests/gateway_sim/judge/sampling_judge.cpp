@@ -96,6 +96,9 @@ void SamplingJudge::on_sample(const publish::Series& series, const publish::Samp
                                "a sample with cause " + std::string(publish::name(sample.cause)) + " at " +
                                    std::to_string(sample.wall_ns));
     pass(selected, series.variable, passed);
+    if (!selected.state)
+        selected.state = host::ValueChanged{
+            .slot = {}, .value = sample.value, .quality = sample.quality, .reason = sample.reason};
     if (of_change && !selected.policy.on_change)
         complaints_.add("sample_true", clock_.now, "no sample on change of " + series.variable, "one");
     if (selected.policy.skip_bad && sample.quality != value::Quality::good)
@@ -119,7 +122,8 @@ std::size_t SamplingJudge::last_match(const Selected& selected, const publish::S
     return 0;
 }
 
-/// The state after the changes that were passed. A local has its first one without an event.
+/// The state after the changes that were passed. A local has its first one without an event: the first sample
+/// shows it.
 bool SamplingJudge::shows_state(const Selected& selected, const publish::Series& series,
                                 const publish::Sample& sample) {
     if (!selected.state) return series.device.empty();
