@@ -38,7 +38,8 @@ private:
         tcp_ = chance(40);
         made_.text += "  - name: L" + std::to_string(index) + "\n    transport: simulated\n";
         add("    ", "framing", tcp_ ? "tcp" : "rtu");
-        if (!tcp_) add("    ", "baud", chance(80) ? "115200" : "19200");
+        const bool fast = chance(80) || made_.heavy;
+        if (!tcp_) add("    ", "baud", fast ? "115200" : "19200");
         made_.text += "    devices:\n";
         const auto devices = between(1, made_.heavy ? 2 : 3);
         for (std::uint32_t i = 0; i < devices; ++i) add_device("D" + std::to_string(++devices_), i + 1);
@@ -51,16 +52,20 @@ private:
         add("        ", "poll_period",
             std::string(kPeriods[random_.below(made_.heavy ? 2 : kPeriods.size())]));
         add("        ", tcp_ ? "round_trip" : "turnaround", std::to_string(between(1, 8)) + "ms");
-        add("        ", "response_timeout", "60ms");
+        // Behind a device that does not answer, commands wait until they expire.
+        add("        ", "response_timeout", chance(20) ? std::to_string(between(1, 4)) + "s" : "60ms");
         add("        ", "backoff", "1500ms");
         if (chance(30)) {
             add("        ", "poll_enable", name + "on");
             locals_ += "  - {name: " + name + "on, type: bool, default: true}\n";
         }
         made_.text += "        variables:\n";
-        const auto variables = between(2, 5);
+        const auto variables = made_.heavy ? between(5, 8) : between(2, 5);
         for (std::uint32_t i = 0; i < variables; ++i) add_measured(name, i);
-        add_written(name + "set", 0, chance(80) ? ", write_on_change: true" : "");
+        std::string on_change = chance(80) ? ", write_on_change: true" : "";
+        if (!on_change.empty() && chance(30))
+            on_change += ", min_interval: " + std::to_string(between(1, 20)) + "s";
+        add_written(name + "set", 0, on_change);
         add_written(name + "order", 2, "");
         if (chance(50)) add_written(name + "hidden", 4, "");
     }
@@ -68,11 +73,11 @@ private:
     void add_measured(const std::string& device, std::uint32_t index) {
         constexpr std::array kUses{RegisterUse::fast, RegisterUse::slow, RegisterUse::constant,
                                    RegisterUse::noise};
-        const bool text = made_.heavy ? index < 4 : chance(10);
+        const bool text = made_.heavy ? index < 6 : chance(10);
         const auto use = text ? RegisterUse::text : kUses[random_.below(kUses.size())];
         const auto start =
             static_cast<std::uint32_t>(use) * kRegistersOfAUse + (text ? 64 * index : 4 * index);
-        std::string type = "string, length: " + std::to_string(made_.heavy ? between(30, 60) : 4);
+        std::string type = "string, length: " + std::to_string(made_.heavy ? between(60, 120) : 4);
         constexpr std::array<std::string_view, 4> kTypes{"uint16", "int16", "uint32", "float"};
         if (!text) type = kTypes[random_.below(use == RegisterUse::fast ? kTypes.size() : 2)];
         std::string more;
