@@ -14,7 +14,34 @@ namespace takt::gatewaysim {
 namespace {
 
 /// What many seeds must have seen.
-constexpr std::array<std::string_view, 3> kKinds{"killed", "power_cut", "orderly_stop"};
+constexpr std::array<std::string_view, 28> kKinds{"killed",
+                                                  "power_cut",
+                                                  "orderly_stop",
+                                                  "crashed_at_operation",
+                                                  "clock_jump",
+                                                  "disk_failed",
+                                                  "disk_full",
+                                                  "disk_slow",
+                                                  "sampler_stalls",
+                                                  "output_stalls",
+                                                  "broker_away",
+                                                  "broker_forgets",
+                                                  "half_open",
+                                                  "cut",
+                                                  "cut_at_message",
+                                                  "cut_early",
+                                                  "taken_over",
+                                                  "connect_refused",
+                                                  "connect_unanswered",
+                                                  "message_refused",
+                                                  "puback_late",
+                                                  "puback_lost",
+                                                  "puback_repeated",
+                                                  "suback_failed",
+                                                  "command_after_outage",
+                                                  "command_repeated",
+                                                  "command_before_suback",
+                                                  "published_gap_quota"};
 
 std::string replay(const Options& options, std::uint64_t seed) {
     return "takt-gateway-sim " + seeds::replay_arguments(options, seed);
@@ -70,8 +97,7 @@ int run_program(std::span<char*> arguments) {
                                       .run = [&](std::uint64_t seed) { return run_seed(options, seed); },
                                       .replay = [&](std::uint64_t seed) { return replay(options, seed); },
                                       .missing_kinds = missing_kinds,
-                                      .shown = "samples_published",
-                                      .many_seeds = 300});
+                                      .shown = "samples_published"});
 }
 
 }  // namespace
