@@ -11,13 +11,13 @@ Result<void> JournalDestination::load() {
 }
 
 Result<void> JournalDestination::start(const StreamPosition& end) {
-    if (found_ == JournalCursor::Found::damaged) {
+    if (found_ != JournalCursor::Found::state) {
         const Segment* oldest = segments_->first();
         state_.position = oldest != nullptr ? *oldest->start : end;
-    } else if (found_ == JournalCursor::Found::nothing) {
-        state_.position = end;
+    }
+    if (found_ == JournalCursor::Found::nothing) {
         state_.handed_out = end.sequence;
-        // Without a durable cursor the next start would begin with a later record.
+        // Without a durable cursor the next start would begin with the oldest record again.
         TAKT_CHECK(cursor_.save(state_));
     }
     highest_read_ =

@@ -21,7 +21,8 @@ public:
 
     /// Loads the cursor, to be called first. @returns the errors of the storage
     Result<void> load();
-    /// To be called after load(). Creates a cursor that does not exist at `end`, the end of the stream.
+    /// To be called after load(). A cursor that is missing or damaged begins with the oldest record.
+    /// @param end  of the stream
     Result<void> start(const StreamPosition& end);
 
     [[nodiscard]] Result<std::optional<JournalEntry>> read(std::size_t max_in_flight);

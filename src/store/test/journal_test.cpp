@@ -568,6 +568,23 @@ TEST_F(JournalTest, BeginsWithTheOldestRecordIfACursorIsDamaged) {
     EXPECT_EQ(read_all(kCloud).size(), 4U);
 }
 
+TEST_F(JournalTest, DeliversWhatWaitsIfACursorFileIsMissing) {
+    start();
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(append(100));
+    tick();
+    ASSERT_TRUE(journal_->close(now_));
+    disk_.remove_cursor("cloud");
+    for (int restart = 0; restart < 2; ++restart) {
+        start();
+        EXPECT_EQ(journal_->counters(kCloud).waiting, 3U);
+        tick();
+    }
+    EXPECT_EQ(repeated(kCloud), 4U) << "the gap of the first start, and three records";
+    EXPECT_EQ(repeated(kSite), 0U);
+    acknowledge_all(kCloud);
+    EXPECT_EQ(journal_->counters(kCloud).waiting, 0U);
+}
+
 TEST_F(JournalTest, DoesNotUseANumberAgainIfTheSegmentsAreGone) {
     start();
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(append(100));

@@ -44,6 +44,7 @@ public:
         segments_.at(segment).seen.at(offset) ^= 0x10;
         segments_.at(segment).durable.at(offset) ^= 0x10;
     }
+    void remove_cursor(const std::string& name) { cursors_.erase(name); }
     void flip_cursor(const std::string& name, std::size_t offset) {
         cursors_.at(name).seen.at(offset) ^= 0x10;
     }
