@@ -12,6 +12,12 @@ constexpr Duration kLongestBackOff = std::chrono::seconds(5);
 constexpr std::size_t kLongestWrite = 1U << 20;
 constexpr std::ptrdiff_t kMostEmptySegments = 4;
 
+// A journal that begins again after its files were removed must not use the numbers of the former one: a
+// receiver drops a pair of epoch and number that it knows. Starts are rarer than one a second.
+std::uint64_t first_epoch(std::int64_t wall_ns) {
+    return static_cast<std::uint64_t>(std::max<std::int64_t>(1, wall_ns / 1'000'000'000));
+}
+
 }  // namespace
 
 JournalWriter::JournalWriter(JournalStorage& storage, const JournalOptions& options,
@@ -26,7 +32,7 @@ JournalWriter::JournalWriter(JournalStorage& storage, const JournalOptions& opti
 void JournalWriter::begin_epoch(Instant now, std::int64_t wall_ns, const StreamPosition& last) {
     // A cursor ahead of the segments shows that durable records were lost: their numbers are not used again.
     if (last.sequence > end_.sequence) end_ = list_.durable = last;
-    epoch_ = end_.epoch + 1;
+    epoch_ = end_.sequence == 0 ? first_epoch(wall_ns) : end_.epoch + 1;
     const std::int64_t first = end_.sequence == 0 ? wall_ns : end_.wall_ns;
     push_gap({.cause = GapCause::restart, .first_wall_ns = first, .last_wall_ns = wall_ns});
     schedule(now);

@@ -109,7 +109,8 @@ class Ledger:
             return  # the power cut took the beginning of the epoch
         gap = record.gap
         require(gap and gap.cause == "restart" and gap.samples == 0, "a start has no gap of cause restart", record)
-        require(record.epoch == (before.epoch + 1 if before else 1), "an epoch does not follow the one before", record)
+        require(record.epoch == (before.epoch + 1 if before else gap.last_ns // 1_000_000_000),
+                "an epoch does not follow the one before", record)
         require(any(begin <= gap.last_ns <= end for begin, end in self.starts), "a gap ends at no start", gap)
         if not before:
             require(gap.first_ns == gap.last_ns, "the first gap has a length", gap)

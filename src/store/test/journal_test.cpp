@@ -585,6 +585,22 @@ TEST_F(JournalTest, DeliversWhatWaitsIfACursorFileIsMissing) {
     EXPECT_EQ(journal_->counters(kCloud).waiting, 0U);
 }
 
+TEST_F(JournalTest, AJournalWhoseFilesWereRemovedUsesNoPairOfEpochAndNumberAgain) {
+    start();
+    ASSERT_TRUE(append(10));
+    tick();
+    const auto former = journal_->status().epoch;
+    now_ += 5s;
+    start();
+    EXPECT_EQ(journal_->status().epoch, former + 1);
+    tick();
+    now_ += 5s;
+    disk_ = SimulatedDisk{};
+    start();
+    EXPECT_GT(journal_->status().epoch, former + 1);
+    EXPECT_EQ(journal_->status().epoch, static_cast<std::uint64_t>(wall() / kSecond));
+}
+
 TEST_F(JournalTest, DoesNotUseANumberAgainIfTheSegmentsAreGone) {
     start();
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(append(100));

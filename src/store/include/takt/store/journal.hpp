@@ -58,11 +58,13 @@ struct JournalStatus {
     std::uint64_t samples = 0;           ///< written and missing, since the journal was created
     std::uint64_t last_sequence = 0;     ///< of the last record that was accepted
     std::uint64_t durable_sequence = 0;  ///< of the last record that can be read
-    std::uint64_t epoch = 0;             ///< of this run
-    std::uint64_t disk_bytes = 0;        ///< size of all segments
-    std::size_t segments = 0;            ///< files
-    std::size_t buffer_bytes = 0;        ///< records that are not durable
-    std::uint64_t torn_bytes = 0;        ///< cut at the start: bytes after the last good record
+    /// Of this run: one more than that of the run before. The first one of a journal is the second of its
+    /// creation since 1970.
+    std::uint64_t epoch = 0;
+    std::uint64_t disk_bytes = 0;  ///< size of all segments
+    std::size_t segments = 0;      ///< files
+    std::size_t buffer_bytes = 0;  ///< records that are not durable
+    std::uint64_t torn_bytes = 0;  ///< cut at the start: bytes after the last good record
     // Counters of this run.
     std::uint64_t samples_lost = 0;    ///< they did not fit the buffer, or the source lost them
     std::uint64_t syncs = 0;           ///< successful, of segments

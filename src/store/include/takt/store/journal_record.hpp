@@ -39,7 +39,7 @@ struct RecordHeader {
     std::uint64_t samples_before = 0;  ///< samples (written and missing) of all records before this one
     std::int64_t wall_ns = 0;          ///< wall-clock time of the newest sample, ns since 1970 UTC
     std::int64_t monotonic_ns = 0;     ///< monotonic time of the newest sample; comparable within an epoch
-    std::uint64_t epoch = 0;           ///< start of the program that wrote the record, from 1 on
+    std::uint64_t epoch = 0;           ///< start of the program that wrote the record; never reused
 
     friend bool operator==(const RecordHeader&, const RecordHeader&) = default;
 };
