@@ -48,9 +48,14 @@ Result<void> check(std::span<const std::string_view> names) {
 
 struct Journal::State {
     State(JournalStorage& port, const JournalOptions& given, RecoveredSegments recovered)
-        : storage(port), options(given), writer(port, given, std::move(recovered)) {}
+        : storage(port), options(given), writer(port, given, std::move(recovered)) {
+        writer.on_quota_end([this] { save_quota_end(); });
+    }
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
 
     void save_cursors(Instant now);
+    void save_quota_end();
     [[nodiscard]] bool has_unsaved_cursor() const {
         return std::ranges::any_of(destinations, &JournalDestination::has_unsaved);
     }
@@ -77,6 +82,12 @@ void Journal::State::save_cursors(Instant now) {
         ++cursor_failures;
         cursors_due = after(now, options.cursor_interval);
     }
+}
+
+// After an error it is saved with the next state of the cursor.
+void Journal::State::save_quota_end() {
+    for (JournalDestination& destination : destinations)
+        if (destination.needs_quota_end() && !destination.save()) ++cursor_failures;
 }
 
 std::uint64_t Journal::State::acknowledged() const {
@@ -110,11 +121,14 @@ Result<Journal> Journal::open(JournalStorage& storage, const JournalOptions& opt
     State& state = *journal.state_;
     StreamPosition last = state.writer.segments().durable;
     if (last.sequence == 0) last.wall_ns = wall_ns;  // no sample is older
+    StreamPosition quota_end;
     for (const std::string_view name : destinations) {
         auto& added = state.destinations.emplace_back(state.writer.segments(), storage, std::string(name));
         TAKT_CHECK(added.load());
         if (added.state().position.sequence > last.sequence) last = added.state().position;
+        if (added.state().quota_end.sequence > quota_end.sequence) quota_end = added.state().quota_end;
     }
+    state.writer.set_quota_end(quota_end);
     state.writer.begin_epoch(now, wall_ns, last);
     for (JournalDestination& destination : state.destinations) TAKT_CHECK(destination.start(last));
     state.clean_due = after(now, kCleanInterval);

@@ -1,6 +1,7 @@
 // A slot, little endian, without padding:
 //   magic u32 | handed out u32 | counter u64 | sequence u64 | samples u64 | wall time i64 | epoch u64 |
-//   delivered u64 | dropped u64 | CRC-32C u32 (all before it)
+//   delivered u64 | dropped u64 | end of what the quota removed: sequence u64, samples u64, wall time i64,
+//   epoch u64 | CRC-32C u32 (all before it)
 // "Handed out" is the number of records behind the sequence number that may have been read; 2^32 - 1: all.
 #include "journal_cursor.hpp"
 
@@ -15,8 +16,8 @@
 namespace takt::store {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x3143'4B54;  // "TKC1"
-constexpr std::size_t kSlotBytes = 68;
+constexpr std::uint32_t kMagic = 0x3243'4B54;  // "TKC2"
+constexpr std::size_t kSlotBytes = 100;
 constexpr std::uint32_t kAll = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kCheckedBytes = kSlotBytes - 4;
 
@@ -25,6 +26,22 @@ struct Slot {
     CursorState state;
 };
 
+void put(std::vector<std::uint8_t>& out, const StreamPosition& position) {
+    put_little(out, position.sequence);
+    put_little(out, position.samples);
+    put_little(out, static_cast<std::uint64_t>(position.wall_ns));
+    put_little(out, position.epoch);
+}
+
+StreamPosition take_position(LittleEndianReader& in) {
+    StreamPosition position;
+    position.sequence = in.take<std::uint64_t>();
+    position.samples = in.take<std::uint64_t>();
+    position.wall_ns = static_cast<std::int64_t>(in.take<std::uint64_t>());
+    position.epoch = in.take<std::uint64_t>();
+    return position;
+}
+
 std::vector<std::uint8_t> encode(const Slot& slot) {
     std::vector<std::uint8_t> out;
     const std::uint64_t sequence = slot.state.position.sequence;
@@ -32,12 +49,10 @@ std::vector<std::uint8_t> encode(const Slot& slot) {
     put_little(out, kMagic);
     put_little(out, static_cast<std::uint32_t>(std::min<std::uint64_t>(ahead, kAll)));
     put_little(out, slot.counter);
-    put_little(out, slot.state.position.sequence);
-    put_little(out, slot.state.position.samples);
-    put_little(out, static_cast<std::uint64_t>(slot.state.position.wall_ns));
-    put_little(out, slot.state.position.epoch);
+    put(out, slot.state.position);
     put_little(out, slot.state.delivered);
     put_little(out, slot.state.dropped);
+    put(out, slot.state.quota_end);
     put_little(out, crc32c(out));
     TAKT_ASSERT(out.size() == kSlotBytes);
     return out;
@@ -52,12 +67,10 @@ std::optional<Slot> decode(Bytes bytes) {
     const auto ahead = in.take<std::uint32_t>();
     Slot slot;
     slot.counter = in.take<std::uint64_t>();
-    slot.state.position.sequence = in.take<std::uint64_t>();
-    slot.state.position.samples = in.take<std::uint64_t>();
-    slot.state.position.wall_ns = static_cast<std::int64_t>(in.take<std::uint64_t>());
-    slot.state.position.epoch = in.take<std::uint64_t>();
+    slot.state.position = take_position(in);
     slot.state.delivered = in.take<std::uint64_t>();
     slot.state.dropped = in.take<std::uint64_t>();
+    slot.state.quota_end = take_position(in);
     slot.state.handed_out = ahead == kAll ? CursorState::kAllHandedOut : slot.state.position.sequence + ahead;
     return slot;
 }

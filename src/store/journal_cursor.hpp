@@ -19,6 +19,7 @@ struct CursorState {
     std::uint64_t dropped = 0;    ///< samples in acknowledged gaps
     /// The last sequence number that the destination may have read; kAllHandedOut: any of the stream.
     std::uint64_t handed_out = 0;
+    StreamPosition quota_end;  ///< see SegmentList
 
     friend bool operator==(const CursorState&, const CursorState&) = default;
 };

@@ -18,7 +18,7 @@ Result<void> JournalDestination::start(const StreamPosition& end) {
     if (found_ == JournalCursor::Found::nothing) {
         state_.handed_out = end.sequence;
         // Without a durable cursor the next start would begin with the oldest record again.
-        TAKT_CHECK(cursor_.save(state_));
+        TAKT_CHECK(save());
     }
     highest_read_ =
         found_ == JournalCursor::Found::state ? std::min(state_.handed_out, end.sequence) : end.sequence;
@@ -72,6 +72,16 @@ void JournalDestination::announce_reads() {
     if (state_.handed_out == CursorState::kAllHandedOut) return;
     state_.handed_out = CursorState::kAllHandedOut;
     static_cast<void>(save());
+}
+
+bool JournalDestination::needs_quota_end() const {
+    const CursorState& durable = cursor_.durable();
+    return segments_->quota_end.sequence > std::max(state_.position.sequence, durable.quota_end.sequence);
+}
+
+Result<void> JournalDestination::save() {
+    state_.quota_end = segments_->quota_end;
+    return cursor_.save(state_);
 }
 
 void JournalDestination::withdraw_announcement() {

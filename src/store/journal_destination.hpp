@@ -36,8 +36,10 @@ public:
     /// Moves the cursor to a position before it.
     void go_back(const StreamPosition& position);
 
-    [[nodiscard]] bool has_unsaved() const { return !(state_ == cursor_.durable()); }
-    Result<void> save() { return cursor_.save(state_); }
+    [[nodiscard]] bool has_unsaved() const { return !(state_ == cursor_.durable()) || needs_quota_end(); }
+    /// Whether a later run would need SegmentList::quota_end and does not have it.
+    [[nodiscard]] bool needs_quota_end() const;
+    Result<void> save();
 
     [[nodiscard]] const std::string& name() const { return cursor_.name(); }
     [[nodiscard]] const CursorState& state() const { return state_; }

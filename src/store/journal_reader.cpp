@@ -1,15 +1,6 @@
 #include "journal_reader.hpp"
 
 namespace takt::store {
-namespace {
-
-/// Why records are missing that are neither in a segment nor behind the last record of the one before it.
-/// Where a segment begins with bytes that are no record, they were among these bytes.
-GapCause cause_before(const Segment* segment) {
-    return segment == nullptr || segment->damaged_start ? GapCause::damaged : GapCause::quota;
-}
-
-}  // namespace
 
 Result<std::optional<JournalEntry>> JournalReader::next() {
     while (at_.sequence < segments_->durable.sequence) {
@@ -17,7 +8,7 @@ Result<std::optional<JournalEntry>> JournalReader::next() {
         const Segment* segment = segments_->holding(expected);
         if (segment == nullptr) {
             const Segment* first = segments_->first();
-            return gap_until(first != nullptr ? *first->start : segments_->durable, cause_before(first));
+            return gap_of_segments(first != nullptr ? *first->start : segments_->durable);
         }
         if (scanner_.segment() != segment->number) scanner_.begin(segment->number);
         const StreamPosition end = segments_->end_of_segment(*segment);
@@ -25,13 +16,20 @@ Result<std::optional<JournalEntry>> JournalReader::next() {
         if (!record || record->header.sequence > end.sequence) {
             // Behind a segment that is whole, others may be gone: those before them could not be removed.
             const bool whole = !record && scanner_.ended_with_a_record(segment->readable);
-            return gap_until(end, whole ? cause_before(segments_->after(*segment)) : GapCause::damaged);
+            return whole ? gap_of_segments(end) : gap_until(end, GapCause::damaged);
         }
         if (record->header.sequence > expected) return gap_until(start_of(record->header), GapCause::damaged);
         scanner_.consume(*record);
         if (record->header.sequence == expected) return deliver(*record);
     }
     return std::nullopt;
+}
+
+/// Segments are missing up to `end`: those that the quota has removed, then others.
+JournalEntry JournalReader::gap_of_segments(const StreamPosition& end) {
+    const StreamPosition& quota = segments_->quota_end;
+    if (quota.sequence <= at_.sequence) return gap_until(end, GapCause::damaged);
+    return gap_until(quota.sequence < end.sequence ? quota : end, GapCause::quota);
 }
 
 JournalEntry JournalReader::gap_until(const StreamPosition& end, GapCause cause) {

@@ -17,7 +17,6 @@ Result<void> find_start(SegmentScanner& scanner, Segment& segment) {
     TAKT_TRY(const auto record, scanner.peek(segment.readable));
     if (!record) return {};
     segment.start = start_of(record->header);
-    segment.damaged_start = scanner.skipped();
     return {};
 }
 

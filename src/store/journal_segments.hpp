@@ -29,14 +29,14 @@ struct Segment {
     std::uint64_t bytes = 0;              ///< size of the file
     std::uint64_t readable = 0;           ///< durable bytes
     std::optional<StreamPosition> start;  ///< before its first good durable record; none: it has no record
-    bool damaged_start = false;           ///< bytes before that record are no record
 };
 
 /// The segments in the order of their numbers. The invariant: the records of a segment from the first record
 /// of the next one on are ignored. They were not durable, and were written to the next segment again.
 struct SegmentList {
     std::vector<Segment> segments;
-    StreamPosition durable;  ///< end of the last durable record
+    StreamPosition durable;    ///< end of the last durable record
+    StreamPosition quota_end;  ///< end of the newest records that the quota has removed
 
     /// The segment in which the record is, if it was not damaged. Null: the first segment begins after it.
     [[nodiscard]] const Segment* holding(std::uint64_t sequence) const;
@@ -67,8 +67,6 @@ public:
         offset_ += record.bytes;
         skipped_ = false;
     }
-    /// Whether bytes before the record of the last peek() are no record.
-    [[nodiscard]] bool skipped() const { return skipped_; }
     /// Whether the last record was followed by nothing else in the first `readable` bytes.
     [[nodiscard]] bool ended_with_a_record(std::uint64_t readable) const {
         return offset_ >= readable && !skipped_;

@@ -196,14 +196,22 @@ void JournalWriter::make_room_on_disk() {
     while (list_.total_bytes() + options_.segment_bytes > options_.quota_bytes &&
            index < list_.segments.size()) {
         const Segment segment = list_.segments[index];
-        const std::uint64_t end = list_.end_of_segment(segment).sequence;
+        const StreamPosition end = list_.end_of_segment(segment);
         // The last record stays: its number is the reason why the next start does not use it again.
-        const bool is_last = segment.start && end == list_.durable.sequence;
+        const bool is_last = segment.start && end.sequence == list_.durable.sequence;
+        const bool drops = segment.start && !is_last && end.sequence > acknowledged_;
+        if (drops) announce_drop(end);
         if (is_last || !remove(index))
             ++index;
-        else if (segment.start && end > acknowledged_)
+        else if (drops)
             ++counts_.dropped_segments;
     }
+}
+
+void JournalWriter::announce_drop(const StreamPosition& end) {
+    if (end.sequence <= list_.quota_end.sequence) return;
+    list_.quota_end = end;
+    if (save_quota_end_) save_quota_end_();
 }
 
 bool JournalWriter::remove(std::size_t index) {

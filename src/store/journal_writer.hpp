@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "journal_segments.hpp"
@@ -15,6 +17,11 @@ namespace takt::store {
 class JournalWriter {
 public:
     JournalWriter(JournalStorage& storage, const JournalOptions& options, RecoveredSegments recovered);
+
+    /// What an earlier run noted, to be called before begin_epoch().
+    void set_quota_end(const StreamPosition& end) { list_.quota_end = end; }
+    /// `save` is called when SegmentList::quota_end has moved, before the records up to it are removed.
+    void on_quota_end(std::function<void()> save) { save_quota_end_ = std::move(save); }
 
     /// Accepts the first record of this run: the gap between the last durable record and now.
     /// @param last  the last record that was durable: of the segments, or the highest of all cursors
@@ -58,6 +65,7 @@ private:
     Result<void> sync();
     Result<void> limit_empty_segments();
     void make_room_on_disk();
+    void announce_drop(const StreamPosition& end);
     [[nodiscard]] bool remove(std::size_t index);
     void abandon(Instant now, const Error& error);
     [[nodiscard]] Segment& active() { return list_.segments.back(); }
@@ -70,6 +78,7 @@ private:
     StreamPosition end_;  // of the last accepted record
     std::uint64_t epoch_ = 0;
     std::uint64_t acknowledged_ = 0;
+    std::function<void()> save_quota_end_;
 
     std::vector<std::uint8_t> pending_;          // records that are not durable
     std::size_t written_ = 0;                    // bytes of pending_ in the active segment, not synced

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 
 HEADER = struct.Struct("<IIHHQQQqqQ")
 GAP = struct.Struct("<HHIQQQqq")
-SLOT = struct.Struct("<IIQQQqQQQ")
+SLOT = struct.Struct("<IIQQQqQQQQQqQ")
 RECORD_MAGIC = 0x314A4B54
-CURSOR_MAGIC = 0x31434B54
+CURSOR_MAGIC = 0x32434B54
 SLOT_OFFSET = 4096
 SAMPLES, GAP_TYPE = 1, 2
 CAUSES = {1: "restart", 2: "buffer_full", 3: "disk_failed", 4: "disk_full", 5: "source_lost", 6: "quota", 7: "damaged"}
@@ -178,7 +178,7 @@ class Cursor:
 def parse_slot(data):
     if len(data) != SLOT.size + 4 or crc32c(data[:-4]) != struct.unpack("<I", data[-4:])[0]:
         return None
-    magic, _, counter, sequence, samples, _, _, delivered, dropped = SLOT.unpack(data[:-4])
+    magic, _, counter, sequence, samples, _, _, delivered, dropped, *_ = SLOT.unpack(data[:-4])
     return Cursor(counter, sequence, samples, delivered, dropped) if magic == CURSOR_MAGIC else None
 
 

@@ -41,6 +41,13 @@ protected:
     Result<void> append(std::size_t bytes, std::uint64_t samples = 1) {
         return journal_->append(now_, {samples, wall(), 0, std::vector<std::uint8_t>(bytes, 0x5A)});
     }
+    /// Records of one sample, two to a segment.
+    void append_records(int records) {
+        for (int i = 0; i < records; ++i) {
+            ASSERT_TRUE(append(30'000));
+            tick();
+        }
+    }
     void tick(Duration time = 100ms) {
         now_ += time;
         journal_->on_tick(now_, wall());
@@ -500,23 +507,73 @@ TEST_F(JournalTest, TurnsADamagedRecordIntoAnExactGap) {
     EXPECT_EQ(gaps[2].first_sequence, gaps[2].last_sequence);
 }
 
-TEST_F(JournalTest, ASegmentThatIsGoneBetweenOthersIsNotTakenForDamage) {
-    start();
-    for (int i = 0; i < 6; ++i) {
-        ASSERT_TRUE(append(30'000));
-        tick();
+TEST_F(JournalTest, DamageOfTheFirstRecordsIsNotTakenForTheQuota) {
+    for (const bool file_is_gone : {false, true}) {
+        disk_ = SimulatedDisk{};
+        start();
+        append_records(6);
+        const std::uint64_t first = disk_.contents().begin()->first;
+        if (file_is_gone) {
+            ASSERT_TRUE(disk_.remove(first));
+        } else {
+            disk_.flip(first, 9);
+        }
+        start();
+        const auto entry = journal_->read(kCloud);
+        ASSERT_TRUE(entry && *entry && (*entry)->gap);
+        EXPECT_EQ((*entry)->gap->cause, GapCause::damaged);
+        EXPECT_EQ((*entry)->gap->first_sequence, 1U);
+        EXPECT_EQ((*entry)->gap->last_sequence, file_is_gone ? 3U : 1U)
+            << "the gap of the start, two records";
+        EXPECT_EQ((*entry)->gap->samples, file_is_gone ? 2U : 0U);
     }
-    const auto segments = disk_.contents();
-    ASSERT_EQ(segments.size(), 3U);
-    ASSERT_TRUE(disk_.remove(std::next(segments.begin())->first));
+}
+
+TEST_F(JournalTest, ALaterStartKnowsWhatTheQuotaHasRemoved) {
+    options_.quota_bytes = 3 * options_.segment_bytes;
     start();
-    tick();
-    const auto entries = read_all(kCloud);
-    ASSERT_EQ(entries.size(), 7U);
-    ASSERT_TRUE(entries[3].gap);
-    EXPECT_EQ(entries[3].gap->cause, GapCause::quota);
-    EXPECT_EQ(entries[3].gap->samples, 2U);
-    EXPECT_EQ(entries[3].gap->first_sequence, 4U);
+    append_records(12);
+    const std::uint64_t dropped = (*journal_->read(kCloud))->gap->last_sequence;
+    EXPECT_GE(dropped, 3U);
+    options_.quota_bytes = 20 * options_.segment_bytes;  // a user has raised it
+    start();
+    EXPECT_EQ((*journal_->read(kCloud))->gap->cause, GapCause::quota);
+    disk_.flip(disk_.contents().begin()->first, 9);
+    start();
+    for (const auto& [id, cause] :
+         {std::pair(kCloud, GapCause::quota), std::pair(kCloud, GapCause::damaged)}) {
+        const auto entry = journal_->read(id);
+        ASSERT_TRUE(entry && *entry && (*entry)->gap);
+        EXPECT_EQ((*entry)->gap->cause, cause);
+        EXPECT_EQ((*entry)->gap->first_sequence, cause == GapCause::quota ? 1U : dropped + 1);
+        EXPECT_EQ((*entry)->gap->last_sequence, cause == GapCause::quota ? dropped : dropped + 1);
+    }
+}
+
+TEST_F(JournalTest, ASegmentThatIsGoneBetweenOthersHasTheCauseOfItsRemoval) {
+    options_.quota_bytes = 4 * options_.segment_bytes;
+    for (const bool by_quota : {true, false}) {
+        disk_ = SimulatedDisk{};
+        start();
+        append_records(6);
+        ASSERT_EQ(disk_.contents().size(), 3U);
+        const std::uint64_t second = std::next(disk_.contents().begin())->first;
+        if (by_quota) {
+            disk_.keeps = disk_.contents().begin()->first;
+            append_records(4);
+            ASSERT_EQ(disk_.contents().count(second), 0U);
+        } else {
+            ASSERT_TRUE(disk_.remove(second));
+        }
+        start();
+        tick();
+        const auto entries = read_all(kCloud);
+        ASSERT_GE(entries.size(), 4U);
+        ASSERT_TRUE(entries[3].gap);
+        EXPECT_EQ(entries[3].gap->cause, by_quota ? GapCause::quota : GapCause::damaged);
+        EXPECT_EQ(entries[3].gap->samples, 2U);
+        EXPECT_EQ(entries[3].gap->first_sequence, 4U);
+    }
 }
 
 TEST_F(JournalTest, ADamagedBeginningOfASegmentIsNotTakenForTheQuota) {

@@ -31,6 +31,7 @@ public:
     int fail_from = -1;  ///< number of the first operation that fails
     int fail_count = 0;  ///< operations that fail from there
     int error_number = EIO;
+    std::optional<std::uint64_t> keeps;  ///< a segment that cannot be removed
 
     [[nodiscard]] int operations() const { return operations_; }
     [[nodiscard]] bool crashed() const { return crashed_; }
@@ -101,6 +102,7 @@ public:
     Result<void> sync(std::uint64_t segment) override { return sync(segments_.at(segment)); }
     Result<void> remove(std::uint64_t segment) override {
         const auto outcome = operate();
+        if (segment == keeps) return fail(Code::io_failed, "disk", error_number);
         const auto found = segments_.find(segment);
         if (crashed_before_ || !outcome || found == segments_.end()) return outcome;
         removed_.insert(*found);

@@ -1,4 +1,6 @@
 // The gaps of the stream: each one where samples are missing, with their number, times and cause.
+#include <algorithm>
+
 #include "stream_judge.hpp"
 
 namespace takt::gatewaysim {
@@ -63,23 +65,27 @@ void StreamJudge::check_found_gap(const SeenMessage& message) {
            journal_.record(sequence)->present)
         ++sequence;
     const auto first = sequence;
+    // After damage, or without the note in the cursor of what the quota removed, either cause is possible. The
+    // rest of a failed write looks like damage: what was behind it may have been in the same segment. What the
+    // quota removed and what is damaged behind it are two gaps.
+    const bool either = journal_.was_damaged() || journal_.is_torn(first - 1) ||
+                        std::ranges::any_of(account_.runs(), &Run::cursor_failed);
+    const auto is_gone = [&](const JournalJudge::Entry& entry) {
+        return either || gap.cause == "quota" ? !entry.present : entry.unreadable || entry.doubtful;
+    };
     std::uint64_t samples = 0;
-    bool has_cause = false;
-    for (; sequence <= journal_.durable_sequence() && !journal_.record(sequence)->present; ++sequence) {
-        const auto& gone = *journal_.record(sequence);
-        samples += gone.facts.samples;
-        has_cause = has_cause || journal_.may_be_cause(gone, gap.cause);
-    }
+    const auto may_end_before = [&](const JournalJudge::Entry& entry) {
+        const bool complete = sequence > first && samples == gap.samples && entry.facts.samples > 0;
+        return complete && (either || entry.unreadable);
+    };
+    while (sequence <= journal_.durable_sequence() && is_gone(*journal_.record(sequence)) &&
+           !may_end_before(*journal_.record(sequence)))
+        samples += journal_.record(sequence++)->facts.samples;
     if (sequence == first || samples != gap.samples)
         return fail("gap_true",
                     std::to_string(samples) + " samples are gone there, in " +
                         std::to_string(sequence - first) + " records",
                     text(gap));
-    // The rest of a failed write looks like damage: what was behind it may have been in the same segment.
-    has_cause = has_cause || (gap.cause == "damaged" && journal_.is_torn(first - 1));
-    if (!has_cause)
-        fail("gap_true", "the other cause: damage has taken records that are there, the quota has not",
-             text(gap));
     for (const Run& run : account_.runs())
         if (run.epoch != 0 && run.first_sequence >= first && run.first_sequence < sequence)
             restarts_.push_back(run.number);

@@ -233,13 +233,6 @@ void JournalJudge::on_cursor_synced(int error) {
     if (written_cursor_.counter >= cursor_.counter) cursor_ = written_cursor_;
 }
 
-// What a failed sync has dropped is gone without a trace. Where a segment was removed, nothing shows that its
-// bytes had changed before.
-bool JournalJudge::may_be_cause(const Entry& gone, const std::string& cause) const {
-    if (gone.doubtful) return true;
-    return cause == "damaged" ? gone.unreadable : !gone.unreadable || !segments_.contains(gone.segment);
-}
-
 const JournalJudge::Entry* JournalJudge::record(std::uint64_t sequence) const {
     return sequence == 0 || sequence > entries_.size() ? nullptr : &entries_[sequence - 1];
 }

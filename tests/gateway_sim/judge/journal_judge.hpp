@@ -62,8 +62,6 @@ public:
     /// The record with this sample, or with this sample after it if it has none; nullptr: there is none.
     [[nodiscard]] const Entry* record_of_sample(std::uint64_t number) const;
     [[nodiscard]] std::uint64_t last_sequence() const { return entries_.size(); }
-    /// Whether a gap in the place of a record that is not present may have this cause.
-    [[nodiscard]] bool may_be_cause(const Entry& gone, const std::string& cause) const;
     /// Whether the segment of a record had bytes that are no record when the run began.
     [[nodiscard]] bool is_torn(std::uint64_t sequence) const {
         return record(sequence) != nullptr && torn_.contains(record(sequence)->segment);

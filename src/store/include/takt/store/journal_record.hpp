@@ -25,7 +25,7 @@ enum class GapCause : std::uint16_t {
     disk_full,    ///< the buffer was full because the disk was full
     source_lost,  ///< the source lost events before they reached the journal
     quota,        ///< the oldest segment was removed before it was delivered
-    damaged,      ///< the bytes on the disk are not the ones that were written
+    damaged,      ///< the bytes on the disk are not the ones that were written, or the file is gone
 };
 
 /// The stable name of a cause, as in "buffer_full".
