@@ -27,9 +27,11 @@ OutputEngine::~OutputEngine() = default;
 OutputStatus OutputEngine::status() const {
     const std::lock_guard lock(status_mutex_);
     auto status = status_;
-    const auto queued = queue_.pushed() - status_taken_;
-    status.samples.sampled += queued;
-    status.samples.waiting += queued;
+    const auto pushed = queue_.pushed();
+    const auto lost = pushed.lost - status_lost_;
+    status.samples.sampled += pushed.samples - status_taken_;
+    status.samples.waiting += pushed.samples - status_taken_ - lost;
+    status.samples.dropped += lost;
     return status;
 }
 
@@ -79,7 +81,8 @@ void OutputEngine::advance_stop(Instant now) {
         work_->work(now);
     }
     if (!journal_ || leaving_) return;
-    const bool more = work_->takes_records() && journal_->counters(kDestination).waiting > 0;
+    const bool more =
+        work_->takes_records() && journal_->acknowledged(kDestination) < journal_->status().durable_sequence;
     if (more && now < stop_until_ - options_.stop_limit / 2) return;
     leaving_ = true;
     work_->stop(now);
@@ -111,6 +114,7 @@ void OutputEngine::try_to_open(Instant now) {
 void OutputEngine::take_queue(Instant now) {
     while (const auto queued = queue_.take()) {
         taken_ += queued->samples;
+        if (queued->payload.empty()) taken_lost_ += queued->samples;
         if (queued->payload.empty())
             journal_->append_loss(now, {.samples = queued->samples,
                                         .first_wall_ns = queued->first_wall_ns,
@@ -161,6 +165,7 @@ void OutputEngine::publish_status(Instant now) {
     const std::lock_guard lock(status_mutex_);
     status_ = std::move(status);
     status_taken_ = taken_;
+    status_lost_ = taken_lost_;
 }
 
 }  // namespace takt::publish

@@ -30,7 +30,8 @@ bool SampleQueue::push_loss(std::uint64_t samples, std::int64_t first_wall_ns, s
 // short queue each cause has its own.
 bool SampleQueue::append(QueuedSamples samples) {
     const bool was_empty = waiting_.empty();
-    pushed_ += samples.samples;
+    pushed_.samples += samples.samples;
+    if (samples.payload.empty()) pushed_.lost += samples.samples;
     bytes_ += samples.payload.size();
     const auto continues = [&](const QueuedSamples& last) {
         const bool same_cause = last.queue_full == samples.queue_full;
@@ -61,7 +62,7 @@ std::size_t SampleQueue::bytes() const {
     return bytes_;
 }
 
-std::uint64_t SampleQueue::pushed() const {
+SampleQueue::Pushed SampleQueue::pushed() const {
     const std::lock_guard lock(mutex_);
     return pushed_;
 }

@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::size_t kMaxNameBytes = 64;
 constexpr Duration kCleanInterval = std::chrono::minutes(1);
+constexpr Duration kSurveyInterval = std::chrono::milliseconds(20);  // 50 MB/s at most
+constexpr Duration kSurveyAgain = std::chrono::seconds(1);           // after an error
 
 bool is_in(std::uint64_t value, std::uint64_t least, std::uint64_t greatest) {
     return value >= least && value <= greatest;
@@ -48,7 +50,10 @@ Result<void> check(std::span<const std::string_view> names) {
 
 struct Journal::State {
     State(JournalStorage& port, const JournalOptions& given, RecoveredSegments recovered)
-        : storage(port), options(given), writer(port, given, std::move(recovered)) {
+        : storage(port),
+          options(given),
+          writer(port, given, losses, std::move(recovered)),
+          survey(writer.segments(), port, losses) {
         writer.on_quota_end([this] { save_quota_end(); });
     }
     State(const State&) = delete;
@@ -61,6 +66,9 @@ struct Journal::State {
     }
     [[nodiscard]] std::uint64_t acknowledged() const;
     void clean(std::int64_t wall_ns);
+    [[nodiscard]] const StreamPosition& first_waiting() const;
+    void begin_survey(Instant now);
+    void continue_survey(Instant now);
     [[nodiscard]] JournalDestination& at(DestinationId id) {
         TAKT_ASSERT(id.index < destinations.size());
         return destinations[id.index];
@@ -68,8 +76,11 @@ struct Journal::State {
 
     JournalStorage& storage;
     JournalOptions options;
+    KnownLosses losses;
     JournalWriter writer;
+    LossSurvey survey;
     std::deque<JournalDestination> destinations;
+    Instant survey_due = kNever;
     Instant cursors_due = kNever;
     Instant clean_due = kNever;
     std::uint64_t cursor_failures = 0;
@@ -95,6 +106,27 @@ std::uint64_t Journal::State::acknowledged() const {
     for (const JournalDestination& destination : destinations)
         least = std::min(least, destination.durable_sequence());
     return least;
+}
+
+/// Before the oldest record that a destination has not acknowledged.
+const StreamPosition& Journal::State::first_waiting() const {
+    const auto position_of = [](const JournalDestination& destination) -> const StreamPosition& {
+        return destination.state().position;
+    };
+    return position_of(*std::ranges::min_element(
+        destinations, {},
+        [&](const JournalDestination& destination) { return position_of(destination).sequence; }));
+}
+
+void Journal::State::begin_survey(Instant now) {
+    if (destinations.empty()) return;
+    survey.begin(first_waiting());
+    continue_survey(now);
+}
+
+void Journal::State::continue_survey(Instant now) {
+    const auto read = survey.step();
+    survey_due = survey.done() ? kNever : after(now, read ? kSurveyInterval : kSurveyAgain);
 }
 
 void Journal::State::clean(std::int64_t wall_ns) {
@@ -123,7 +155,8 @@ Result<Journal> Journal::open(JournalStorage& storage, const JournalOptions& opt
     if (last.sequence == 0) last.wall_ns = wall_ns;  // no sample is older
     StreamPosition quota_end;
     for (const std::string_view name : destinations) {
-        auto& added = state.destinations.emplace_back(state.writer.segments(), storage, std::string(name));
+        auto& added = state.destinations.emplace_back(state.writer.segments(), storage, state.losses,
+                                                      std::string(name));
         TAKT_CHECK(added.load());
         if (added.state().position.sequence > last.sequence) last = added.state().position;
         if (added.state().quota_end.sequence > quota_end.sequence) quota_end = added.state().quota_end;
@@ -131,6 +164,7 @@ Result<Journal> Journal::open(JournalStorage& storage, const JournalOptions& opt
     state.writer.set_quota_end(quota_end);
     state.writer.begin_epoch(now, wall_ns, last);
     for (JournalDestination& destination : state.destinations) TAKT_CHECK(destination.start(last));
+    state.begin_survey(now);
     state.clean_due = after(now, kCleanInterval);
     return journal;
 }
@@ -148,13 +182,15 @@ void Journal::append_loss(Instant now, const JournalLoss& loss) {
 }
 
 Instant Journal::next_wakeup() const {
-    return std::min({state_->writer.next_wakeup(), state_->cursors_due, state_->clean_due});
+    return std::min(
+        {state_->writer.next_wakeup(), state_->cursors_due, state_->clean_due, state_->survey_due});
 }
 
 void Journal::on_tick(Instant now, std::int64_t wall_ns) {
     State& state = *state_;
     if (now < next_wakeup()) return;
     if (now >= state.cursors_due) state.save_cursors(now);
+    if (now >= state.survey_due) state.continue_survey(now);
     if (now >= state.writer.next_wakeup()) {
         state.writer.set_acknowledged(state.acknowledged());
         static_cast<void>(state.writer.flush(now));  // the writer keeps the error for the status
@@ -177,6 +213,7 @@ Result<std::optional<JournalEntry>> Journal::read(DestinationId destination) {
 
 Result<void> Journal::acknowledge(Instant now, DestinationId destination, std::uint64_t sequence) {
     TAKT_CHECK(state_->at(destination).acknowledge(sequence));
+    state_->losses.forget(state_->first_waiting().samples);
     state_->cursors_due = std::min(state_->cursors_due, after(now, state_->options.cursor_interval));
     return {};
 }
@@ -201,6 +238,7 @@ Result<std::uint64_t> Journal::go_back(Instant now, DestinationId destination, s
     const auto before = reader.state().position;
     if (start.sequence >= before.sequence) return std::uint64_t{0};
     reader.go_back(start);
+    state_->begin_survey(now);
     state_->cursors_due = std::min(state_->cursors_due, after(now, state_->options.cursor_interval));
     return before.samples - start.samples;
 }
@@ -214,7 +252,7 @@ std::uint64_t Journal::durable_cursor(DestinationId destination) const {
 }
 
 DestinationCounters Journal::counters(DestinationId destination) const {
-    return state_->at(destination).counters(state_->writer.samples());
+    return state_->at(destination).counters(state_->writer.samples(), state_->writer.open_samples());
 }
 
 std::optional<std::int64_t> Journal::oldest_waiting_ns(DestinationId destination) {

@@ -1,7 +1,7 @@
 // A slot, little endian, without padding:
 //   magic u32 | handed out u32 | counter u64 | sequence u64 | samples u64 | wall time i64 | epoch u64 |
-//   delivered u64 | dropped u64 | end of what the quota removed: sequence u64, samples u64, wall time i64,
-//   epoch u64 | CRC-32C u32 (all before it)
+//   delivered u64 | dropped u64 | gaps u64 | end of what the quota removed: sequence u64, samples u64,
+//   wall time i64, epoch u64 | CRC-32C u32 (all before it)
 // "Handed out" is the number of records behind the sequence number that may have been read; 2^32 - 1: all.
 #include "journal_cursor.hpp"
 
@@ -17,7 +17,7 @@ namespace takt::store {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x3243'4B54;  // "TKC2"
-constexpr std::size_t kSlotBytes = 100;
+constexpr std::size_t kSlotBytes = 108;
 constexpr std::uint32_t kAll = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kCheckedBytes = kSlotBytes - 4;
 
@@ -52,6 +52,7 @@ std::vector<std::uint8_t> encode(const Slot& slot) {
     put(out, slot.state.position);
     put_little(out, slot.state.delivered);
     put_little(out, slot.state.dropped);
+    put_little(out, slot.state.gaps);
     put(out, slot.state.quota_end);
     put_little(out, crc32c(out));
     TAKT_ASSERT(out.size() == kSlotBytes);
@@ -70,6 +71,7 @@ std::optional<Slot> decode(Bytes bytes) {
     slot.state.position = take_position(in);
     slot.state.delivered = in.take<std::uint64_t>();
     slot.state.dropped = in.take<std::uint64_t>();
+    slot.state.gaps = in.take<std::uint64_t>();
     slot.state.quota_end = take_position(in);
     slot.state.handed_out = ahead == kAll ? CursorState::kAllHandedOut : slot.state.position.sequence + ahead;
     return slot;

@@ -17,6 +17,7 @@ struct CursorState {
     StreamPosition position;      ///< end of the last acknowledged entry
     std::uint64_t delivered = 0;  ///< samples, since the destination was created
     std::uint64_t dropped = 0;    ///< samples in acknowledged gaps
+    std::uint64_t gaps = 0;       ///< acknowledged ones with samples
     /// The last sequence number that the destination may have read; kAllHandedOut: any of the stream.
     std::uint64_t handed_out = 0;
     StreamPosition quota_end;  ///< see SegmentList

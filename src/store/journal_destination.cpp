@@ -32,7 +32,12 @@ Result<std::optional<JournalEntry>> JournalDestination::read(std::size_t max_in_
     TAKT_TRY(auto entry, reader_.next());
     if (!entry) return entry;
     CursorState after = in_flight_.empty() ? state_ : in_flight_.back();
-    (entry->gap ? after.dropped : after.delivered) += reader_.position().samples - after.position.samples;
+    const std::uint64_t samples = reader_.position().samples - after.position.samples;
+    (entry->gap ? after.dropped : after.delivered) += samples;
+    if (entry->gap && samples > 0) {
+        ++after.gaps;
+        losses_->add(after.position.samples, samples, entry->gap->cause);
+    }
     after.position = reader_.position();
     in_flight_.push_back(after);
     entry->repeated = after.position.sequence <= highest_read_;
@@ -106,7 +111,7 @@ void JournalDestination::go_back(const StreamPosition& position) {
 
 std::optional<std::int64_t> JournalDestination::oldest_waiting_ns() {
     for (const CursorState& entry : in_flight_)
-        if (entry.position.samples > state_.position.samples) return entry.position.wall_ns;
+        if (entry.delivered > state_.delivered) return entry.position.wall_ns;
     const std::uint64_t cursor = state_.position.sequence;
     const Segment* const first = segments_->first();
     if (first == nullptr || reader_.position().sequence >= segments_->durable.sequence) return std::nullopt;
@@ -121,14 +126,22 @@ std::optional<std::int64_t> JournalDestination::oldest_waiting_ns() {
 std::optional<std::int64_t> JournalDestination::find_oldest() const {
     JournalReader reader = reader_;
     for (auto entry = reader.next(); entry && *entry; entry = reader.next())
-        if ((*entry)->header.samples > 0) return (*entry)->header.wall_ns;
+        if (!(*entry)->gap && (*entry)->header.samples > 0) return (*entry)->header.wall_ns;
     return std::nullopt;
 }
 
-DestinationCounters JournalDestination::counters(std::uint64_t samples) const {
-    const std::uint64_t finished = state_.delivered + state_.dropped;
-    const std::uint64_t waiting = samples - state_.position.samples;
-    return {finished + waiting, state_.delivered, waiting, state_.dropped};
+// A record in flight waits until it is acknowledged, also if the quota has removed it. A gap is dropped as
+// soon as it is known.
+DestinationCounters JournalDestination::counters(std::uint64_t samples, std::uint64_t open) const {
+    const CursorState& read = in_flight_.empty() ? state_ : in_flight_.back();
+    const auto unread = losses_->after(read.position.samples);
+    DestinationCounters counters;
+    counters.appended = state_.delivered + state_.dropped + samples - state_.position.samples;
+    counters.delivered = state_.delivered;
+    counters.dropped = read.dropped + unread.samples + open;
+    counters.waiting = counters.appended - counters.delivered - counters.dropped;
+    counters.gaps = read.gaps + unread.gaps + (open > 0 ? 1 : 0);
+    return counters;
 }
 
 }  // namespace takt::store

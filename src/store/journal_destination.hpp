@@ -6,6 +6,7 @@
 #include <string>
 
 #include "journal_cursor.hpp"
+#include "journal_losses.hpp"
 #include "journal_reader.hpp"
 #include "takt/store/journal.hpp"
 
@@ -13,9 +14,12 @@ namespace takt::store {
 
 class JournalDestination {
 public:
-    JournalDestination(const SegmentList& segments, JournalStorage& storage, std::string name)
+    /// All but `name` must outlive the destination.
+    JournalDestination(const SegmentList& segments, JournalStorage& storage, KnownLosses& losses,
+                       std::string name)
         : segments_(&segments),
           storage_(&storage),
+          losses_(&losses),
           cursor_(storage, std::move(name)),
           reader_(segments, storage, {}) {}
 
@@ -47,7 +51,8 @@ public:
     /// See Journal. Reads the storage once for each position of the cursor.
     [[nodiscard]] std::optional<std::int64_t> oldest_waiting_ns();
     /// @param samples  of the stream, to its end
-    [[nodiscard]] DestinationCounters counters(std::uint64_t samples) const;
+    /// @param open     of them, lost ones at the end that are not among the known losses
+    [[nodiscard]] DestinationCounters counters(std::uint64_t samples, std::uint64_t open) const;
 
 private:
     /// The oldest waiting sample that was read from the storage for this position of the cursor.
@@ -62,6 +67,7 @@ private:
 
     const SegmentList* segments_;
     JournalStorage* storage_;
+    KnownLosses* losses_;
     JournalCursor cursor_;
     JournalCursor::Found found_ = JournalCursor::Found::nothing;
     CursorState state_;

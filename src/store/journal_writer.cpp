@@ -20,9 +20,10 @@ std::uint64_t first_epoch(std::int64_t wall_ns) {
 
 }  // namespace
 
-JournalWriter::JournalWriter(JournalStorage& storage, const JournalOptions& options,
+JournalWriter::JournalWriter(JournalStorage& storage, const JournalOptions& options, KnownLosses& losses,
                              RecoveredSegments recovered)
     : storage_(&storage),
+      losses_(&losses),
       options_(options),
       list_(std::move(recovered.list)),
       next_number_(recovered.next_number),
@@ -80,6 +81,7 @@ void JournalWriter::push_gap(const Gap& gap) {
     numbered.first_sequence = numbered.last_sequence = end_.sequence + 1;
     std::vector<std::uint8_t> payload;
     encode_gap(numbered, payload);
+    losses_->add(end_.samples, gap.samples, gap.cause);
     push({RecordType::gap, gap.samples, end_.sequence + 1, end_.samples, gap.last_wall_ns, 0, epoch_},
          payload);
 }
@@ -201,10 +203,12 @@ void JournalWriter::make_room_on_disk() {
         const bool is_last = segment.start && end.sequence == list_.durable.sequence;
         const bool drops = segment.start && !is_last && end.sequence > acknowledged_;
         if (drops) announce_drop(end);
-        if (is_last || !remove(index))
+        if (is_last || !remove(index)) {
             ++index;
-        else if (drops)
+        } else if (drops) {
             ++counts_.dropped_segments;
+            losses_->add(segment.start->samples, end.samples - segment.start->samples, GapCause::quota);
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "journal_losses.hpp"
 #include "journal_segments.hpp"
 #include "takt/store/journal.hpp"
 
@@ -16,7 +17,10 @@ namespace takt::store {
 /// only after its record is durable, so that a number lost with the buffer was never seen.
 class JournalWriter {
 public:
-    JournalWriter(JournalStorage& storage, const JournalOptions& options, RecoveredSegments recovered);
+    /// `storage` and `losses` must outlive the writer. It adds its gaps and what the quota removes to
+    /// `losses`.
+    JournalWriter(JournalStorage& storage, const JournalOptions& options, KnownLosses& losses,
+                  RecoveredSegments recovered);
 
     /// What an earlier run noted, to be called before begin_epoch().
     void set_quota_end(const StreamPosition& end) { list_.quota_end = end; }
@@ -42,9 +46,9 @@ public:
 
     [[nodiscard]] const SegmentList& segments() const { return list_; }
     /// End of the last accepted record; samples of an open gap are included.
-    [[nodiscard]] std::uint64_t samples() const {
-        return end_.samples + (open_gap_ ? open_gap_->samples : 0);
-    }
+    [[nodiscard]] std::uint64_t samples() const { return end_.samples + open_samples(); }
+    /// Samples of an open gap.
+    [[nodiscard]] std::uint64_t open_samples() const { return open_gap_ ? open_gap_->samples : 0; }
     /// All but the counters of the cursors.
     [[nodiscard]] JournalStatus status() const;
     [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
@@ -71,6 +75,7 @@ private:
     [[nodiscard]] Segment& active() { return list_.segments.back(); }
 
     JournalStorage* storage_;
+    KnownLosses* losses_;
     JournalOptions options_;
     SegmentList list_;
     std::uint64_t next_number_;

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 HEADER = struct.Struct("<IIHHQQQqqQ")
 GAP = struct.Struct("<HHIQQQqq")
-SLOT = struct.Struct("<IIQQQqQQQQQqQ")
+SLOT = struct.Struct("<IIQQQqQQQQQQqQ")
 RECORD_MAGIC = 0x314A4B54
 CURSOR_MAGIC = 0x32434B54
 SLOT_OFFSET = 4096

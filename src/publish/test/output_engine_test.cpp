@@ -140,6 +140,8 @@ TEST_F(OutputEngineTest, CountsQueuedSamplesWhileTheStorageCannotBeOpened) {
     ASSERT_TRUE(engine_->status().journal_failure);
     EXPECT_EQ(engine_->status().journal_failure->code, Code::cannot_open);
     push(2000);  // more than the queue holds
+    EXPECT_EQ(samples().waiting, 2U);
+    EXPECT_EQ(samples().dropped, 2U) << "known before the journal is open";
     no_disk_ = false;
     run(10s);
     EXPECT_EQ(samples().sampled, 4U);

@@ -21,7 +21,7 @@ TEST(SampleQueue, KeepsTheOrder) {
     EXPECT_EQ(queue.bytes(), 60U);
     EXPECT_EQ(queue.take()->first_wall_ns, 2);
     EXPECT_FALSE(queue.take());
-    EXPECT_EQ(queue.pushed(), 6U);
+    EXPECT_EQ(queue.pushed().samples, 6U);
 }
 
 TEST(SampleQueue, WhatDoesNotFitIsALossInItsPlace) {
@@ -50,7 +50,7 @@ TEST(SampleQueue, WhatDoesNotFitIsALossInItsPlace) {
     EXPECT_EQ(queue.take()->first_wall_ns, 60);
     EXPECT_EQ(queue.take()->samples, 3U);  // a loss
     EXPECT_FALSE(queue.take());
-    EXPECT_EQ(queue.pushed(), 20U);
+    EXPECT_EQ(queue.pushed().samples, 20U);
 }
 
 TEST(SampleQueue, StaysBoundedWhateverIsLost) {

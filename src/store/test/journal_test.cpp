@@ -143,8 +143,11 @@ TEST_F(JournalTest, TurnsOverflowIntoAGapInItsPlace) {
     EXPECT_EQ(append(60'000, 7).error().code, Code::queue_full);
     EXPECT_EQ(append(kMaxPayloadBytes + 1).error().code, Code::too_long);
     const std::int64_t last = wall();
-    EXPECT_EQ(journal_->counters(kCloud).waiting, 14U);
+    EXPECT_EQ(journal_->counters(kCloud).waiting, 2U);
+    EXPECT_EQ(journal_->counters(kCloud).dropped, 12U);
+    EXPECT_EQ(journal_->counters(kCloud).gaps, 1U);
     tick();
+    EXPECT_EQ(journal_->counters(kCloud).dropped, 12U);
     ASSERT_TRUE(append(10));
     tick();
     tick();
@@ -304,24 +307,18 @@ TEST_F(JournalTest, KnowsTheOldestSampleThatWaits) {
     EXPECT_EQ(journal_->oldest_waiting_ns(kSite), times[0]);
 }
 
-TEST_F(JournalTest, TheOldestSampleThatWaitsMayBeInAGap) {
+TEST_F(JournalTest, TheOldestSampleThatWaitsIsNotInAGap) {
     options_.quota_bytes = 2 * options_.segment_bytes;
     start();
-    const auto fill = [&](int records) {
-        for (int i = 0; i < records; ++i) {
-            ASSERT_TRUE(append(20'000));
-            tick();
-        }
-    };
-    fill(1);
+    append_records(1);
     const auto first = journal_->oldest_waiting_ns(kCloud);
     ASSERT_TRUE(first);
-    fill(12);
+    append_records(12);
     ASSERT_GT(journal_->status().dropped_segments, 0U);
     const auto oldest = journal_->oldest_waiting_ns(kCloud);
     const auto entries = read_all(kCloud);
     ASSERT_TRUE(entries.front().gap);
-    EXPECT_EQ(oldest, entries.front().header.wall_ns);
+    EXPECT_EQ(oldest, entries[1].header.wall_ns);
     EXPECT_GT(oldest, first);
 }
 
@@ -333,7 +330,8 @@ TEST_F(JournalTest, RejectedSamplesCountAsDropped) {
     EXPECT_EQ(journal_->reject(kCloud, 9, 1).error().code, Code::out_of_range);
     EXPECT_EQ(journal_->reject(kCloud, 2, 2).error().code, Code::out_of_range);
     ASSERT_TRUE(journal_->reject(kCloud, 2, 1));
-    EXPECT_EQ(journal_->counters(kCloud).dropped, 0U);
+    EXPECT_EQ(journal_->counters(kCloud).dropped, 1U);
+    EXPECT_EQ(journal_->counters(kCloud).gaps, 0U);
     ASSERT_TRUE(journal_->acknowledge(now_, kCloud, 4));
     const auto counters = journal_->counters(kCloud);
     EXPECT_EQ(counters.delivered, 2U);
@@ -413,9 +411,12 @@ TEST_F(JournalTest, DropsTheOldestSegmentAboveTheQuota) {
     EXPECT_LE(status.disk_bytes, options_.quota_bytes);
     EXPECT_GT(status.dropped_segments, 0U);
     EXPECT_EQ(journal_->counters(kCloud).dropped, 0U);
-    EXPECT_EQ(journal_->counters(kSite).waiting, 200U);
+    const auto counters = journal_->counters(kSite);
+    EXPECT_EQ(counters.waiting + counters.dropped, 200U);
+    EXPECT_EQ(counters.gaps, 1U);
     const auto entries = read_all(kSite);
     ASSERT_TRUE(entries[0].gap);
+    EXPECT_EQ(counters.dropped, entries[0].gap->samples) << "known before it was read";
     EXPECT_EQ(entries[0].gap->cause, GapCause::quota);
     EXPECT_EQ(entries[0].gap->first_sequence, 1U);
     EXPECT_EQ(entries[0].gap->last_sequence + 1, entries[1].header.sequence);
@@ -599,6 +600,71 @@ TEST_F(JournalTest, ADamagedBeginningOfASegmentIsNotTakenForTheQuota) {
     EXPECT_EQ(gap.samples, 1U);
     EXPECT_EQ(gap.first_sequence, 4U);
     EXPECT_EQ(gap.last_sequence, 4U);
+}
+
+TEST_F(JournalTest, DamageThatWaitsIsCountedAfterTheStart) {
+    start();
+    append_records(6);
+    disk_.flip(1, 40'000);
+    disk_.flip(3, 9);
+    start();
+    const auto before = journal_->counters(kCloud);
+    EXPECT_EQ(before.waiting, 4U);
+    EXPECT_EQ(before.dropped, 2U);
+    EXPECT_EQ(before.gaps, 2U);
+    tick();
+    acknowledge_all(kCloud);
+    const auto after = journal_->counters(kCloud);
+    EXPECT_EQ(after.delivered, before.waiting);
+    EXPECT_EQ(after.dropped, before.dropped);
+    EXPECT_EQ(after.gaps, before.gaps);
+    tick(2s);
+    start();
+    EXPECT_EQ(journal_->counters(kCloud).gaps, before.gaps);
+    EXPECT_EQ(journal_->counters(kSite).dropped, before.dropped);
+}
+
+TEST_F(JournalTest, DamageThatIsFoundWhileReadingIsCounted) {
+    start();
+    append_records(6);
+    disk_.flip(1, 40'000);
+    EXPECT_EQ(journal_->counters(kCloud).dropped, 0U) << "not known yet";
+    EXPECT_EQ(read_all(kCloud).size(), 7U);
+    journal_->rewind(kCloud);
+    EXPECT_EQ(journal_->counters(kCloud).dropped, 1U);
+    EXPECT_EQ(journal_->counters(kCloud).waiting, 5U);
+}
+
+TEST_F(JournalTest, GapsOfAnEarlierRunAreCountedWhileTheyWait) {
+    options_.quota_bytes = 4 << 20;
+    start();
+    for (int i = 0; i < 5; ++i) static_cast<void>(append(60'000, 3));  // two fit the buffer
+    tick();
+    tick();
+    append_records(60);  // more than a step of the survey
+    ASSERT_TRUE(journal_->close(now_));
+    start();
+    EXPECT_EQ(journal_->counters(kCloud).dropped, 9U);
+    disk_.flip(std::prev(disk_.contents().end(), 3)->first, 9);
+    start();
+    EXPECT_EQ(journal_->counters(kCloud).dropped, 9U) << "not reached yet";
+    for (int i = 0; i < 10; ++i) tick();
+    EXPECT_EQ(journal_->counters(kCloud).dropped, 10U);
+    EXPECT_EQ(journal_->counters(kCloud).gaps, 2U);
+}
+
+TEST_F(JournalTest, WhatIsInFlightWaitsAlsoIfTheQuotaRemovesIt) {
+    options_.quota_bytes = 2 * options_.segment_bytes;
+    start();
+    append_records(3);
+    EXPECT_EQ(read_all(kCloud).size(), 4U);
+    append_records(6);
+    EXPECT_EQ(journal_->counters(kCloud).waiting, 6U) << "three in flight, three on the disk";
+    const auto other = journal_->counters(kSite);
+    EXPECT_EQ(other.waiting, 3U);
+    EXPECT_EQ(other.dropped, 6U);
+    journal_->rewind(kCloud);
+    EXPECT_EQ(journal_->counters(kCloud).dropped, other.dropped);
 }
 
 TEST_F(JournalTest, CutsATornTail) {

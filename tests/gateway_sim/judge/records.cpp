@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t kRecordMagic = 0x314A'4B54;
 constexpr std::uint32_t kCursorMagic = 0x3243'4B54;
 constexpr std::size_t kHeader = 60;
-constexpr std::size_t kCursor = 100;
+constexpr std::size_t kCursor = 108;
 
 std::uint64_t little(Bytes bytes, std::size_t offset, std::size_t size) {
     std::uint64_t number = 0;

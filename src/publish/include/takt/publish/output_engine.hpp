@@ -88,6 +88,7 @@ private:
     Instant open_again_{};
     std::optional<Error> open_failure_;
     std::uint64_t taken_ = 0;            // samples from the queue
+    std::uint64_t taken_lost_ = 0;       // of them, lost before
     std::uint64_t appended_before_ = 0;  // counted by the journal when it was opened
     bool stopping_ = false;
     Instant stop_until_ = kNever;  // kNever: it goes on
@@ -98,6 +99,7 @@ private:
     mutable std::mutex status_mutex_;  // held for a copy only
     OutputStatus status_;              // of the moment when
     std::uint64_t status_taken_ = 0;   // so many samples were taken from the queue
+    std::uint64_t status_lost_ = 0;    // of them, lost before
 };
 
 }  // namespace takt::publish

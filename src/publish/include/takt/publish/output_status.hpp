@@ -17,8 +17,8 @@ namespace takt::publish {
 struct OutputSamples {
     std::uint64_t sampled = 0;    ///< since the journal was created
     std::uint64_t delivered = 0;  ///< acknowledged by the destination
-    std::uint64_t waiting = 0;
-    std::uint64_t dropped = 0;  ///< in gaps that the destination has learnt of, or rejected by it
+    std::uint64_t waiting = 0;    ///< can still be delivered, as far as is known
+    std::uint64_t dropped = 0;    ///< known to be missing, or rejected by the destination
 };
 
 enum class OutputState : std::uint8_t {

@@ -43,8 +43,12 @@ public:
     [[nodiscard]] bool take_retained_request() { return retained_requested_.exchange(false); }
 
     [[nodiscard]] std::size_t bytes() const;
-    /// Samples and losses that were pushed, since the queue was made.
-    [[nodiscard]] std::uint64_t pushed() const;
+    struct Pushed {
+        std::uint64_t samples = 0;  ///< losses included
+        std::uint64_t lost = 0;     ///< of them
+    };
+    /// Since the queue was made.
+    [[nodiscard]] Pushed pushed() const;
 
 private:
     bool append(QueuedSamples samples);
@@ -53,8 +57,8 @@ private:
     mutable std::mutex mutex_;
     std::deque<QueuedSamples> waiting_;
     std::size_t bytes_ = 0;
-    std::uint64_t pushed_ = 0;
     std::atomic<bool> retained_requested_ = false;
+    Pushed pushed_;
 };
 
 }  // namespace takt::publish

@@ -46,11 +46,16 @@ struct JournalLoss {
 
 /// Samples of a destination. appended = delivered + waiting + dropped at all times. The counts are kept in
 /// the cursor: they continue after a restart with the last durable state.
+///
+/// A missing sample is dropped as soon as it is known to be missing. After a start the journal reads what
+/// waits, in steps of 1 MB from open() on: until it has read it, gaps and damage of earlier runs count as
+/// waiting. Damage that comes later is known when it is read.
 struct DestinationCounters {
     std::uint64_t appended = 0;   ///< since the destination was created, missing samples included
     std::uint64_t delivered = 0;  ///< acknowledged as records
-    std::uint64_t waiting = 0;    ///< neither delivered nor dropped
-    std::uint64_t dropped = 0;    ///< acknowledged as gaps, or rejected
+    std::uint64_t waiting = 0;    ///< neither delivered nor known to be missing
+    std::uint64_t dropped = 0;    ///< in gaps, acknowledged or not, or rejected
+    std::uint64_t gaps = 0;       ///< with samples, acknowledged or not; after a go_back() they count again
 };
 
 struct JournalStatus {
@@ -145,8 +150,8 @@ public:
     /// The last sequence number that the destination has acknowledged durably.
     [[nodiscard]] std::uint64_t durable_cursor(DestinationId destination) const;
     [[nodiscard]] DestinationCounters counters(DestinationId destination) const;
-    /// Wall time of the oldest durable record with samples that the destination has not acknowledged; none:
-    /// there is no such record, or the storage cannot be read.
+    /// Wall time of the oldest durable record of samples that the destination has not acknowledged; none:
+    /// there is no such record, or the storage cannot be read. A gap is no such record.
     [[nodiscard]] std::optional<std::int64_t> oldest_waiting_ns(DestinationId destination);
 
     /// Makes a destination read again from `sequence` on, or from the oldest record if that is gone. Its
