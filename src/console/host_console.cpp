@@ -9,6 +9,7 @@ namespace takt::console {
 namespace {
 
 constexpr Duration kRefreshEvery = std::chrono::milliseconds(200);
+constexpr Duration kLossesEvery = std::chrono::minutes(1);
 
 Execute executed_by(SessionCommands& commands) {
     return [&commands](const std::string& line, const Reply& reply) { return commands.execute(line, reply); };
@@ -170,10 +171,13 @@ void HostConsole::report_output() {
 void HostConsole::report_outputs(Instant t) {
     if (!environment_.outputs) return;
     for (const auto& status : environment_.outputs()) {
-        const OutputSummary summary{status.state, status.failure, status.journal_failure,
-                                    status.samples.dropped};
-        const auto [known, first] = outputs_.try_emplace(status.name, summary);
-        if (std::exchange(known->second, summary) != summary || first) view_->on_output(t, status);
+        const OutputSummary summary{status.state, status.failure, status.journal_failure, status.gaps};
+        const auto [known, first] = outputs_.try_emplace(status.name);
+        auto& shown = known->second;
+        const bool grows = status.samples.dropped != shown.dropped && t >= shown.at + kLossesEvery;
+        if (!first && !grows && summary == shown.summary) continue;
+        shown = {summary, status.samples.dropped, t};
+        view_->on_output(t, status);
     }
 }
 

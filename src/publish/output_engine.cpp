@@ -32,6 +32,7 @@ OutputStatus OutputEngine::status() const {
     status.samples.sampled += pushed.samples - status_taken_;
     status.samples.waiting += pushed.samples - status_taken_ - lost;
     status.samples.dropped += lost;
+    status.gaps += lost > 0 ? 1 : 0;
     return status;
 }
 
@@ -155,6 +156,7 @@ void OutputEngine::publish_status(Instant now) {
         status.samples.delivered = counters.delivered;
         status.samples.dropped = counters.dropped;
         status.samples.waiting = counters.waiting;
+        status.gaps = counters.gaps;
         status.journal = journal_->status();
         status.journal_failure = status.journal.failure;
         if (now >= status_at_ || !oldest_ns_) find_oldest(now);

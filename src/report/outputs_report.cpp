@@ -40,6 +40,7 @@ file::Json journal_json(const Texts& texts, const publish::OutputStatus& status)
     object.set("buffer_bytes", status.journal.buffer_bytes);
     object.set("samples_lost", status.journal.samples_lost);
     object.set("dropped_segments", status.journal.dropped_segments);
+    object.set("torn_bytes", status.journal.torn_bytes);
     object.set("failure", status.journal_failure ? error_json(texts, *status.journal_failure) : file::Json());
     return object;
 }
@@ -69,6 +70,8 @@ std::string line_of(const Texts& texts, const file::Json& output) {
         text += texts("app.output.oldest", {{"age", age_text(duration_of(*age))}});
     if (const auto dropped = string_of(output, "dropped"); !dropped.empty() && dropped != "0")
         text += texts("app.output.dropped", {{"count", dropped}});
+    if (const auto gaps = string_of(output, "gaps"); !gaps.empty() && gaps != "0")
+        text += texts("app.output.gaps", {{"count", gaps}});
     if (const auto failure = string_of(output, "failure"); !failure.empty())
         text += texts("app.output.failure", {{"failure", failure}});
     if (const auto count = string_of(output, "commands_unrecorded"); !count.empty() && count != "0")
@@ -76,6 +79,8 @@ std::string line_of(const Texts& texts, const file::Json& output) {
     if (const auto aside = string_of(output, "set_aside"); !aside.empty())
         text += texts("app.output.set_aside", {{"file", aside}});
     const auto* const journal = output.find("journal");
+    const auto torn = journal != nullptr ? string_of(*journal, "torn_bytes") : std::string();
+    if (!torn.empty() && torn != "0") text += texts("app.output.torn", {{"count", torn}});
     const auto* const failure = journal != nullptr ? journal->find("failure") : nullptr;
     if (failure != nullptr && !failure->is_null())
         text += texts("app.output.journal", {{"failure", without_stop(string_of(*failure, "text"))}});
@@ -113,6 +118,7 @@ file::Json output_json(const Texts& texts, const publish::OutputStatus& status, 
     object.set("delivered", status.samples.delivered);
     object.set("waiting", status.samples.waiting);
     object.set("dropped", status.samples.dropped);
+    object.set("gaps", status.gaps);
     object.set("oldest_waiting", status.oldest_waiting_ns
                                      ? file::Json(publish::time_text(*status.oldest_waiting_ns))
                                      : file::Json());

@@ -23,15 +23,15 @@ Result<void> find_start(SegmentScanner& scanner, Segment& segment) {
 /// Reads a whole segment. @returns the end of its last record and the bytes after it
 Result<void> find_end(SegmentScanner& scanner, const Segment& segment, RecoveredSegments& found) {
     scanner.begin(segment.number);
-    std::uint64_t good_bytes = 0;
+    std::uint64_t end = 0;  // of the last good record
     for (;;) {
         TAKT_TRY(const auto record, scanner.peek(segment.readable));
         if (!record) break;
         found.list.durable = end_of(record->header);
         scanner.consume(*record);
-        good_bytes += record->bytes;
+        end = scanner.offset();
     }
-    found.torn_bytes = segment.readable - good_bytes;
+    found.torn_bytes = segment.readable - end;
     return {};
 }
 

@@ -67,6 +67,8 @@ public:
         offset_ += record.bytes;
         skipped_ = false;
     }
+    /// Where the next record may begin: behind the last consumed one.
+    [[nodiscard]] std::uint64_t offset() const { return offset_; }
     /// Whether the last record was followed by nothing else in the first `readable` bytes.
     [[nodiscard]] bool ended_with_a_record(std::uint64_t readable) const {
         return offset_ >= readable && !skipped_;

@@ -142,11 +142,13 @@ TEST_F(OutputEngineTest, CountsQueuedSamplesWhileTheStorageCannotBeOpened) {
     push(2000);  // more than the queue holds
     EXPECT_EQ(samples().waiting, 2U);
     EXPECT_EQ(samples().dropped, 2U) << "known before the journal is open";
+    EXPECT_EQ(engine_->status().gaps, 1U);
     no_disk_ = false;
     run(10s);
     EXPECT_EQ(samples().sampled, 4U);
     EXPECT_EQ(samples().delivered, 2U);
     EXPECT_EQ(samples().dropped, 2U);
+    EXPECT_EQ(engine_->status().gaps, 1U);
     EXPECT_FALSE(engine_->status().journal_failure);
 }
 

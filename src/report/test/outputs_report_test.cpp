@@ -20,6 +20,8 @@ publish::OutputStatus status() {
     made.state = publish::OutputState::waiting;
     made.destination = "mqtts://broker.example:8883";
     made.samples = {.sampled = 130, .delivered = 100, .waiting = 25, .dropped = 5};
+    made.gaps = 2;
+    made.journal.torn_bytes = 77;
     made.oldest_waiting_ns = 100 * kSecond;
     made.failure = "refused";
     return made;
@@ -34,6 +36,8 @@ TEST(OutputsReport, ALineForEachOutput) {
         expect_complete(text);
         for (const auto* part : {"cloud", "mqtts://broker.example:8883", "100", "25", "5", "refused"})
             expect_contains(text, part);
+        expect_contains(text, texts("app.output.gaps", {{"count", "2"}}));
+        expect_contains(text, texts("app.output.torn", {{"count", "77"}}));
         expect_contains(text, texts("app.output.oldest", {{"age", age_text(std::chrono::seconds(90))}}));
     }
     EXPECT_EQ(outputs_text(english(), {}, 0), "");
@@ -57,6 +61,8 @@ TEST(OutputsReport, JsonHasTheCountsAndTheOldest) {
     const auto json = output_json(english(), made, 190 * kSecond);
     EXPECT_JSON(*json.find("sampled"), 130U);
     EXPECT_JSON(*json.find("waiting"), 25U);
+    EXPECT_JSON(*json.find("gaps"), 2U);
+    EXPECT_JSON(*json.find("journal")->find("torn_bytes"), 77U);
     EXPECT_JSON(*json.find("oldest_waiting"), "1970-01-01T00:01:40.000Z");
     EXPECT_JSON(*json.find("oldest_waiting_ms"), 90'000.0);
     EXPECT_JSON(*json.find("mqtt")->find("version"), "5");

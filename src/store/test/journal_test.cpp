@@ -677,6 +677,16 @@ TEST_F(JournalTest, CutsATornTail) {
     EXPECT_EQ(journal_->status().durable_sequence, 3U);
 }
 
+TEST_F(JournalTest, DamageBeforeTheLastRecordIsNoTornTail) {
+    start();
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(append(100));
+    tick();
+    disk_.flip(1, 200);
+    start();
+    EXPECT_EQ(journal_->status().torn_bytes, 0U);
+    EXPECT_EQ(journal_->counters(kCloud).dropped, 1U);
+}
+
 TEST_F(JournalTest, BeginsWithTheOldestRecordIfACursorIsDamaged) {
     start();
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(append(100));

@@ -68,7 +68,7 @@ private:
         publish::OutputState state{};
         std::string failure;
         std::optional<Error> journal_failure;
-        std::uint64_t dropped = 0;
+        std::uint64_t gaps = 0;
         friend bool operator==(const OutputSummary&, const OutputSummary&) = default;
     };
     using LinkState = std::pair<bool, std::optional<Error>>;  // up; why not
@@ -96,8 +96,13 @@ private:
     std::unique_ptr<ControlServer> control_;
     std::optional<InputCommands> input_;
     std::optional<Keyboard> keyboard_;
-    std::map<std::string, LinkState> links_;        // by line: what was shown last, by a live or quiet view
-    std::map<std::string, OutputSummary> outputs_;  // by output: what was shown last
+    std::map<std::string, LinkState> links_;  // by line: what was shown last, by a live or quiet view
+    struct ShownOutput {
+        OutputSummary summary;
+        std::uint64_t dropped = 0;
+        Instant at{};
+    };
+    std::map<std::string, ShownOutput> outputs_;  // by output: what was shown last
     std::optional<line::Watch> readable_;
     std::optional<line::Watch> control_readable_;
     std::optional<line::Timer> refresh_;

@@ -35,6 +35,7 @@ struct OutputStatus {
     std::string name;
     OutputState state = OutputState::starting;
     OutputSamples samples;
+    std::uint64_t gaps = 0;  ///< with missing samples, since the journal was created; delivered or not
     std::optional<std::int64_t> oldest_waiting_ns;  ///< wall time of the oldest durable sample not delivered
     std::string destination;                        ///< the broker in use, or the file
     std::optional<Error> journal_failure;           ///< of its disk; none as soon as it works again
