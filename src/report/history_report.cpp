@@ -159,6 +159,7 @@ file::Json view_json(const HistoryView& view) {
     object.set("good_share", picture.good_share);
     object.set("known_until", utc_time_text(picture.known_until_ns));
     object.set("damaged_chunks", picture.damaged_chunks);
+    object.set("held", picture.held ? point_json(*picture.held) : file::Json());
     file::Json::Array pixels;
     for (const auto& pixel : picture.pixels) {
         auto item = file::Json::object();

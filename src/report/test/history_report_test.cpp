@@ -135,6 +135,7 @@ TEST(HistoryReport, SaysWhatHappenedInEveryLanguage) {
 TEST(HistoryReport, JsonHasPointsGapsAndBadTimes) {
     const auto text = history_json({view()}, {kNow, kNow + kSecond}).dump();
     expect_contains(text, R"("from":"2026-09-21T14:13:20.000Z")");
+    expect_contains(text, R"("held":{"time":"2026-09-21T14:13:19.000Z","value":1)");
     expect_contains(text, R"("previous_poll":"2026-09-21T14:13:35.000Z")");
     expect_contains(text, R"("cause":"quota","samples":17)");
     expect_contains(text, R"("reason":"not_answering","status":105)");
