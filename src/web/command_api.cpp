@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "command_preview.hpp"
+#include "event_log.hpp"
 #include "live_values.hpp"
 #include "state_api.hpp"
 #include "takt/report/command_report.hpp"
@@ -60,6 +61,8 @@ ApiResponse wrong_value(const ApiRequest& request, const Error& error) {
     return ApiResponse::error(422, name(error.code), request.texts.describe(error));
 }
 
+}  // namespace
+
 std::string_view outcome_word(const host::Outcome& outcome) {
     if (outcome.error) return "refused";
     switch (outcome.result) {
@@ -86,6 +89,8 @@ std::string outcome_text(const report::Texts& texts, const host::Configuration& 
                  {{"name", configuration.info(outcome.slot).name},
                   {"value", configuration.value_text(outcome.slot, outcome.value)}});
 }
+
+namespace {
 
 std::string reason_of(const host::Outcome& outcome) {
     if (outcome.error) return std::string(name(outcome.error->code));
@@ -117,6 +122,7 @@ public:
         : session_(std::move(session)), stopping_(stopping) {}
 
     [[nodiscard]] const host::Configuration& configuration() const { return *session_->configuration(); }
+    [[nodiscard]] host::SessionId id() const { return session_->id(); }
 
     /// Blocks until the outcome is there. @returns timed_out; the errors of submit()
     Result<host::Outcome> send(Command command) {
@@ -136,7 +142,7 @@ private:
     const std::atomic<bool>& stopping_;
 };
 
-ApiResponse command_response(const HostAccess& host, const std::atomic<bool>& stopping,
+ApiResponse command_response(const HostAccess& host, EventLog& log, const std::atomic<bool>& stopping,
                              const ApiRequest& request) {
     const auto asked = asked_of(request);
     if (!asked) return malformed(request);
@@ -149,6 +155,7 @@ ApiResponse command_response(const HostAccess& host, const std::atomic<bool>& st
     if (!slot) return unknown_variable(request, asked->variable);
     const auto info = sender.configuration().info(*slot);
     if (trigger && (!info.local || info.type != DataType::boolean)) return malformed(request);
+    log.own(sender.id());
     Result<host::Outcome> outcome = fail(Code::unsupported);
     if (trigger) {
         outcome = sender.send({.kind = Command::Kind::pull, .slot = *slot, .value = {}});
@@ -161,6 +168,7 @@ ApiResponse command_response(const HostAccess& host, const std::atomic<bool>& st
                                .value = *std::move(value)});
     }
     if (!outcome) return host_error(request, outcome.error());
+    log.add(*outcome, sender.configuration(), request.peer);
     return ApiResponse::json(outcome_object(request.texts, sender.configuration(), *outcome));
 }
 
@@ -232,11 +240,12 @@ ApiResponse probe_response(const HostAccess& host, const std::atomic<bool>& stop
 
 }  // namespace
 
-std::vector<ApiRoute> command_routes(const HostAccess& host, const std::atomic<bool>& stopping) {
+std::vector<ApiRoute> command_routes(const HostAccess& host, EventLog& log,
+                                     const std::atomic<bool>& stopping) {
     using enum Method;
     return {
         {post, "/commands", true,
-         [&](const ApiRequest& request) { return command_response(host, stopping, request); }},
+         [&](const ApiRequest& request) { return command_response(host, log, stopping, request); }},
         {post, "/commands/preview", false,
          [&](const ApiRequest& request) { return preview_response(host, request); }},
         {post, "/devices/probe", true,

@@ -20,6 +20,8 @@ std::size_t index_of(text::Language language) {
     return static_cast<std::size_t>(language);
 }
 
+}  // namespace
+
 std::string_view severity_of(const host::Event& event) {
     if (const auto* const notice = std::get_if<host::Notice>(&event.body)) {
         if (notice->severity == host::Notice::Severity::error) return "error";
@@ -34,8 +36,6 @@ std::string_view severity_of(const host::Event& event) {
     if (std::holds_alternative<host::GapLearnt>(event.body)) return "info";
     return "warning";
 }
-
-}  // namespace
 
 class LiveHub::Stream final : public StreamSource {
 public:

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "event_frames.hpp"
@@ -90,6 +91,9 @@ private:
     Instant last_frame_;
     std::thread thread_;
 };
+
+/// "info", "warning" or "error"
+[[nodiscard]] std::string_view severity_of(const host::Event& event);
 
 /// The object of GET /status: report::status_json() with `outputs`.
 /// @param snapshot  with values and statistics

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <charconv>
+#include <cstdint>
 #include <iterator>
 #include <utility>
 
 #include "command_api.hpp"
+#include "event_log.hpp"
 #include "live_hub.hpp"
 #include "openapi.hpp"
 #include "state_api.hpp"
@@ -18,6 +21,18 @@ ApiResponse capture_response(const TrafficHub& traffic, const ApiRequest& reques
     auto bytes = traffic.capture();
     if (!bytes) return host_error(request, bytes.error());
     return {.content_type = "application/x-pcapng", .body = *std::move(bytes), .file_name = "takt.pcapng"};
+}
+
+/// Milliseconds since 1970; not a number: `missing`.
+std::int64_t time_in(std::string_view text, std::int64_t missing) {
+    std::int64_t ms = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ms);
+    return error == std::errc() && end == text.data() + text.size() ? ms : missing;
+}
+
+ApiResponse events_response(const EventLog& log, const ApiRequest& request) {
+    return ApiResponse::json(log.events(request.texts.language(), time_in(request.parameter("from"), 0),
+                                        time_in(request.parameter("to"), INT64_MAX)));
 }
 
 ApiResponse openapi_response() {
@@ -44,6 +59,7 @@ struct WebFace::Impl {
     WebServerOptions serving;
     std::atomic<bool> stopping = false;
     std::atomic<WebServer*> target = nullptr;  // of the hubs
+    std::unique_ptr<EventLog> log;
     std::unique_ptr<LiveHub> live;
     std::unique_ptr<TrafficHub> traffic;
     std::unique_ptr<WebServer> server;
@@ -52,6 +68,7 @@ struct WebFace::Impl {
         const auto poke = [this] {
             if (auto* const running = target.load()) running->poke();
         };
+        log = std::make_unique<EventLog>(host);
         live = std::make_unique<LiveHub>(host, poke);
         traffic = std::make_unique<TrafficHub>(host, poke);
         TAKT_TRY(server, WebServer::start(serving, routes(), streams()));
@@ -64,8 +81,10 @@ struct WebFace::Impl {
         const auto append = [&all](std::vector<ApiRoute> more) {
             std::ranges::move(more, std::back_inserter(all));
         };
-        append(command_routes(host, stopping));
+        append(command_routes(host, *log, stopping));
         append(std::move(further));
+        all.push_back({Method::get, "/events", false,
+                       [this](const ApiRequest& request) { return events_response(*log, request); }});
         all.push_back({Method::get, "/traffic/capture", false,
                        [this](const ApiRequest& request) { return capture_response(*traffic, request); }});
         all.push_back(
@@ -83,6 +102,7 @@ struct WebFace::Impl {
     // destroyed.
     void stop() {
         stopping = true;
+        if (log) log->end();
         if (live) live->end();
         if (traffic) traffic->end();
         if (server) server->stop();

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "command_api.hpp"
+#include "event_log.hpp"
 #include "state_api.hpp"
 #include "takt/web/history_api.hpp"
 #include "takt/web/project_api.hpp"
@@ -41,14 +42,16 @@ std::set<std::string> served() {
     static const ProgramInfo info;
     static const std::atomic<bool> stopping = false;
     ProjectApi project({.file = "plant.yaml"});
-    std::set<std::string> all{"get /stream", "get /traffic", "get /traffic/capture", "get /openapi.json"};
+    std::set<std::string> all{"get /stream", "get /traffic", "get /traffic/capture", "get /openapi.json",
+                              "get /events"};
     const auto add = [&all](const std::vector<ApiRoute>& routes) {
         for (const auto& route : routes)
             all.insert(std::string(word(route.method)) + ' ' + std::string(route.path) +
                        (route.changes ? " writes" : ""));
     };
     add(state_routes(host, info));
-    add(command_routes(host, stopping));
+    static EventLog log{{.open_session = [](const auto&) { return fail(Code::connection_lost, "host"); }}};
+    add(command_routes(host, log, stopping));
     add(project.routes());
     add(history_routes({}));
     return all;

@@ -1,0 +1,113 @@
+#include "event_log.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "command_api.hpp"
+#include "running_host.hpp"
+
+namespace takt::web {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* kProject =
+    "{takt: 1, lines: [{name: plant, transport: simulated, devices: [{name: Tank, address: 1, poll_period: "
+    "100ms, variables: [{name: Setpoint, type: int16, register: 0, read: 0x03, write: 0x06}]}]}], "
+    "locals: [{name: Start, type: bool}]}";
+
+class EventLogTest : public testing::Test {
+protected:
+    /// All events, once `enough` is true of them.
+    file::Json::Array wait_for(const std::function<bool(const file::Json::Array&)>& enough) {
+        file::Json::Array events;
+        for (const auto end = std::chrono::steady_clock::now() + 10s;
+             std::chrono::steady_clock::now() < end;) {
+            events = std::get<file::Json::Array>(
+                log.events(text::Language::english, 0, INT64_MAX).find("events")->value());
+            if (enough(events)) return events;
+            std::this_thread::sleep_for(10ms);
+        }
+        ADD_FAILURE() << "missing: " << file::Json(std::move(events)).dump();
+        return {};
+    }
+    static std::string text(const file::Json& event, std::string_view key) {
+        const auto* const value = event.find(key);
+        return value == nullptr ? "" : std::get<std::string>(value->value());
+    }
+    file::Json::Array commands(std::size_t count) {
+        file::Json::Array found;
+        wait_for([&](const file::Json::Array& events) {
+            found.clear();
+            std::ranges::copy_if(events, std::back_inserter(found),
+                                 [](const auto& its) { return text(its, "kind") == "command"; });
+            return found.size() >= count;
+        });
+        return found;
+    }
+    ApiResponse call(const std::string& body) {
+        return command_routes(access, log, stopping)
+            .front()
+            .handler({.query = {}, .body = body, .texts = texts, .peer = "192.0.2.7"});
+    }
+
+    test::RunningHost running{kProject};
+    const HostAccess access = running.access();
+    const std::atomic<bool> stopping = false;
+    const report::Texts texts{text::Language::english};
+    EventLog log{access};
+};
+
+TEST_F(EventLogTest, KeepsCommandsOfBrowsersOnce) {
+    EXPECT_EQ(call(R"({"kind":"write","variable":"Setpoint","value":"7"})").status, 200);
+    EXPECT_EQ(call(R"({"kind":"trigger","variable":"Start"})").status, 200);
+    EXPECT_EQ(call(R"({"kind":"set","variable":"Start","value":"false"})").status, 200);
+    const auto found = commands(3);
+    ASSERT_EQ(found.size(), 3u);
+    EXPECT_EQ(text(found[0], "text"), "Setpoint = 7");
+    EXPECT_EQ(text(found[0], "outcome"), "done");
+    EXPECT_EQ(text(found[0], "severity"), "info");
+    EXPECT_EQ(text(found[0], "origin"), "192.0.2.7");
+    EXPECT_EQ(text(found[1], "text"), "Start = true");
+    EXPECT_EQ(text(found[2], "text"), "Start = false");
+}
+
+TEST_F(EventLogTest, KeepsWritesOfOtherFaces) {
+    const auto session = access.open_session({.events = false}).value();
+    const auto slot = *session->configuration()->find("Setpoint");
+    ASSERT_TRUE(
+        session->submit({.kind = host::Command::Kind::write, .slot = slot, .value = std::int64_t{3}}));
+    const auto found = commands(1);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(text(found[0], "text"), "Setpoint = 3");
+    EXPECT_EQ(text(found[0], "origin"), "");
+}
+
+TEST_F(EventLogTest, KeepsMessagesFromTheStartOn) {
+    const auto events = wait_for([](const file::Json::Array& its) {
+        return std::ranges::any_of(its,
+                                   [](const auto& one) { return text(one, "text") == "Tank: answering"; });
+    });
+    ASSERT_FALSE(events.empty());
+    EXPECT_EQ(text(events.front(), "kind"), "message");
+    const auto none = log.events(text::Language::english, 0, 1);
+    EXPECT_EQ(none.find("events")->dump(), "[]");
+    const auto russian = log.events(text::Language::russian, 0, INT64_MAX).dump();
+    EXPECT_EQ(russian.find("answering"), std::string::npos) << russian;
+}
+
+TEST_F(EventLogTest, ForgetsTheOldestAndReportsSinceWhen) {
+    const auto since = [this] {
+        return std::get<std::int64_t>(log.events(text::Language::english, 0, 1).find("since")->value());
+    };
+    const auto before = since();
+    const auto configuration = access.configuration();
+    const host::Outcome outcome{.slot = *configuration->find("Start"), .t = line::now(), .value = true};
+    for (std::size_t i = 0; i <= EventLog::kMost; ++i) log.add(outcome, *configuration, "192.0.2.7");
+    EXPECT_GT(since(), before);
+    EXPECT_EQ(commands(1).size(), EventLog::kMost);
+}
+
+}  // namespace
+}  // namespace takt::web
