@@ -39,7 +39,7 @@ Context context_of(const ApiRequest& request) {
     return context;
 }
 
-using Texts = std::map<std::string_view, std::string>;
+using Keys = std::map<std::string_view, std::string>;
 
 std::string text_of(bool flag) {
     return flag ? "true" : "false";
@@ -65,6 +65,8 @@ public:
         if (checked.project.lines.empty()) return;
         const auto& line = checked.project.lines.front();
         take(checked.project);
+        take(model::Output{});
+        take(model::Instrument{});
         take(line);
         if (!line.devices.empty()) take(line.devices.front(), context);
     }
@@ -82,6 +84,40 @@ private:
                                    {"derive_timeouts", text_of(project.derive_timeouts)}};
     }
 
+    void take(const model::Output& output) {
+        const auto megabytes = [](std::uint64_t bytes) { return std::to_string(bytes >> 20U); };
+        const model::OutputSelection selection;
+        texts_[Object::output] = {
+            {"version", word_of(model::kMqttVersions, output.mqtt.version)},
+            {"keep_alive", model::to_text(output.mqtt.keep_alive)},
+            {"in_flight", std::to_string(output.mqtt.in_flight)},
+            {"message", word_of(model::kMessageScopes, selection.message)},
+            {"dead_band", "0"},
+            {"bad_quality", word_of(model::kBadQuality, selection.policy.skip_bad)},
+            {"command_expiry", model::to_text(output.command_expiry)},
+            {"quota_mb", megabytes(output.journal.quota)},
+            {"retention", model::to_text(output.journal.retention)},
+            {"buffer_mb", megabytes(output.journal.buffer)},
+        };
+    }
+
+    void take(const model::Instrument& instrument) {
+        texts_[Object::instrument] = {
+            {"every", model::to_text(instrument.every)},
+            {"timeout", model::to_text(instrument.timeout)},
+            {"start_retry", model::to_text(instrument.start_retry)},
+            {"silent_after", std::to_string(instrument.silent_after)},
+        };
+        texts_[Object::instrument].merge(characters(instrument.format));
+    }
+
+    static Keys characters(const wire::CharacterFormat& format) {
+        return {{"baud", std::to_string(format.baud)},
+                {"parity", word_of(model::kParities, format.parity)},
+                {"stop_bits", std::to_string(format.stop_bits)},
+                {"data_bits", std::to_string(format.data_bits)}};
+    }
+
     void take(const model::Line& line) {
         texts_[Object::line] = {
             {"transport", word_of(model::kTransports, line.transport)},
@@ -95,11 +131,7 @@ private:
             {"command_interval", model::to_text(line.commands.min_interval)},
             {"command_burst", std::to_string(line.commands.burst)},
         };
-        if (!line.is_serial()) return;
-        texts_[Object::line].insert({{"baud", std::to_string(line.format.baud)},
-                                     {"parity", word_of(model::kParities, line.format.parity)},
-                                     {"stop_bits", std::to_string(line.format.stop_bits)},
-                                     {"data_bits", std::to_string(line.format.data_bits)}});
+        if (line.is_serial()) texts_[Object::line].merge(characters(line.format));
     }
 
     void take(const model::Device& device, const Context& context) {
@@ -121,7 +153,7 @@ private:
         };
     }
 
-    std::map<Object, Texts> texts_;
+    std::map<Object, Keys> texts_;
 };
 
 Json words_json(const Field& field, const Context& context) {

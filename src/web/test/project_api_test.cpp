@@ -239,6 +239,7 @@ TEST_F(ProjectApiTest, GivesFieldsSchemaAndImportedRows) {
     EXPECT_EQ(text_at(*device, {"registers_per_request", "greatest"}), "61");
     EXPECT_EQ(text_at(*device, {"poll_period", "kind"}), "duration");
     EXPECT_EQ(text_at(*device, {"attempts", "default"}), "3");
+    EXPECT_EQ(text_at(*table.find("objects"), {"output", "quota_mb", "default"}), "4096");
     EXPECT_EQ(text_at(*table.find("objects"), {"line", "devices", "object"}), "device");
     EXPECT_NE(call(Method::get, "/schema").body.find("draft/2020-12"), std::string::npos);
     auto pasted = Json::object();
