@@ -339,7 +339,7 @@ export interface HistoryVariable {
   good_share: number;
   known_until: string;
   /** The value that holds at the begin of the range. */
-  held?: HistoryPoint | null;
+  held: HistoryPoint | null;
   points: HistoryPixel[];
   bad: { from: string; to: string; quality: Quality; reason?: string }[];
 }
@@ -362,4 +362,14 @@ export interface HistorySeries {
   unit: string;
   oldest: string | null;
   newest: string | null;
+}
+/** A message or a command of the past. */
+export interface HistoryMark {
+  time: number;
+  kind: 'message' | 'command';
+  severity: Notice['severity'];
+  text: string;
+  outcome?: CommandResult['outcome'];
+  /** The address of the browser that gave the command. */
+  origin?: string;
 }

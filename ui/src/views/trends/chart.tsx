@@ -3,12 +3,11 @@
 import { useEffect, useRef } from 'preact/hooks';
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
-import type { History } from '../../api/types';
-import { formatNumber, language, t } from '../../i18n';
+import type { History, HistoryMark } from '../../api/types';
+import { formatClock, formatNumber, language, t } from '../../i18n';
 import { theme } from '../../shell/theme';
-import { notices } from '../../store/live';
 import { changesOf, type Curve, curveOf, type Span, type SpanKind, spansOf } from './data';
-import { cursors, frozen, goLive, pens, range, width, zoomTo } from './state';
+import { cursors, frozen, goLive, marks, pens, range, width, zoomTo } from './state';
 
 const LANE = 16;
 
@@ -134,17 +133,70 @@ function drawLanes(u: uPlot, drawn: Drawn[]): void {
     }
     ctx.font = `${11 * devicePixelRatio}px sans-serif`;
     ctx.fillStyle = color('--text');
-    ctx.fillText(its.name, bbox.left + 4 * devicePixelRatio, top + height - 4 * devicePixelRatio);
+    ctx.fillText(its.name, bbox.left + 4 * devicePixelRatio, top + height - 5 * devicePixelRatio);
     ctx.restore();
   }
 }
 
+const MARK_COLORS = { info: '--idle', warning: '--warn', error: '--bad' } as const;
+const markColor = (its: HistoryMark) =>
+  its.kind === 'command' && its.severity === 'info' ? '--accent' : MARK_COLORS[its.severity];
+
+/** A flag at the top of a command's line. */
+function flag(u: uPlot, time: number, fill: string): void {
+  const { ctx, bbox } = u;
+  const x = u.valToPos(time, 'x', true);
+  if (x < bbox.left || x > bbox.left + bbox.width) return;
+  const size = 5 * devicePixelRatio;
+  ctx.save();
+  ctx.fillStyle = fill;
+  ctx.beginPath();
+  ctx.moveTo(x - size, bbox.top);
+  ctx.lineTo(x + size, bbox.top);
+  ctx.lineTo(x, bbox.top + 1.6 * size);
+  ctx.fill();
+  ctx.restore();
+}
+
+const MARK_DISTANCE = 5; // pixels
+
+/** The texts of the marks at a place of the chart. */
+function marksNear(u: uPlot, left: number): string {
+  return marks
+    .peek()
+    .filter((its) => Math.abs(u.valToPos(its.time / 1000, 'x') - left) <= MARK_DISTANCE)
+    .map((its) => `${formatClock(its.time, true)} ${its.text}`)
+    .join('\n');
+}
+
 function drawMarks(u: uPlot): void {
-  for (const its of notices.peek())
-    vertical(u, its.time / 1000, color(its.severity === 'info' ? '--idle' : '--warn'), '');
+  for (const its of marks.peek()) {
+    vertical(u, its.time / 1000, color(markColor(its)), '');
+    if (its.kind === 'command') flag(u, its.time / 1000, color(markColor(its)));
+  }
   const { a, b } = cursors.peek();
   if (a !== null) vertical(u, a / 1000, color('--text'), 'A');
   if (b !== null) vertical(u, b / 1000, color('--text'), 'B');
+}
+
+const DAY = 86_400;
+
+/** Times in the language of the page; the day below the first one and where it changes. */
+function timeLabels(_: uPlot, times: number[], _axis: number, _space: number, step: number): string[] {
+  const day = (time: number) =>
+    new Date(time * 1000).toLocaleDateString(language.peek(), { day: 'numeric', month: 'short' });
+  if (step >= DAY) return times.map(day);
+  return times.map((time, i) => {
+    const clock = new Date(time * 1000).toLocaleTimeString(language.peek(), {
+      hour: '2-digit',
+      minute: '2-digit',
+      ...(step < 60 && { second: '2-digit' }),
+      ...(step < 1 && { fractionalSecondDigits: 3 as const }),
+      hour12: false,
+    });
+    const its = day(time);
+    return i === 0 || its !== day(times[i - 1]!) ? `${clock}\n${its}` : clock;
+  });
 }
 
 function options(history: History, drawn: Drawn[], size: { width: number; height: number }): uPlot.Options {
@@ -173,7 +225,13 @@ function options(history: History, drawn: Drawn[], size: { width: number; height
       ),
     },
     axes: [
-      { stroke: text, grid: { stroke: line, width: 1 }, ticks: { stroke: line } },
+      {
+        stroke: text,
+        space: 76,
+        grid: { stroke: line, width: 1 },
+        ticks: { stroke: line },
+        values: timeLabels,
+      },
       ...numbers.map(
         (its, i): uPlot.Axis => ({
           scale: its.name,
@@ -256,17 +314,17 @@ export function Chart({ history }: { history: History }) {
     const numbers = drawn.filter((its) => !its.bool);
     const tables = numbers.map((its): uPlot.AlignedData => [its.curve.times, its.curve.values]);
     const data: uPlot.AlignedData = tables.length > 0 ? uPlot.join(tables) : [[]];
-    const height = Math.max(HEIGHT, Math.min(900, window.innerHeight - 330));
+    const height = Math.max(HEIGHT, Math.min(900, window.innerHeight - 380));
     const chart = new uPlot(options(history, drawn, { width: width.peek(), height }), data, box.current!);
     const click = (event: MouseEvent) => {
       const time = chart.posToVal(event.offsetX, 'x') * 1000;
       cursors.value = event.shiftKey ? { ...cursors.peek(), b: time } : { ...cursors.peek(), a: time };
     };
     chart.over.addEventListener('click', click);
-    const redraw = [
-      cursors.subscribe(() => chart.redraw(false)),
-      notices.subscribe(() => chart.redraw(false)),
-    ];
+    chart.over.addEventListener('mousemove', (event) => {
+      chart.over.title = marksNear(chart, event.offsetX);
+    });
+    const redraw = [cursors.subscribe(() => chart.redraw(false)), marks.subscribe(() => chart.redraw(false))];
     return () => {
       for (const stop of redraw) stop();
       chart.destroy();

@@ -1,7 +1,7 @@
 // What is drawn: pens, range, cursors. The address keeps pens and range, so a link opens the same view.
 import { computed, effect, signal } from '@preact/signals';
 import { get } from '../../api/client';
-import type { History, HistorySeries } from '../../api/types';
+import type { History, HistoryMark, HistorySeries } from '../../api/types';
 import { query, setQuery, view } from '../../shell/route';
 import { programNow } from '../../store/info';
 
@@ -23,6 +23,8 @@ export const frozen = signal<Range | null>(null);
 export const cursors = signal<{ a: number | null; b: number | null }>({ a: null, b: null });
 export const series = signal<HistorySeries[]>([]);
 export const picture = signal<History | null>(null);
+/** Messages and commands within the range, in order of time. */
+export const marks = signal<HistoryMark[]>([]);
 export const problem = signal('');
 export const width = signal(1000);
 
@@ -77,6 +79,7 @@ export async function refresh(): Promise<void> {
   const { from, to } = range();
   const parameters = new URLSearchParams();
   for (const name of pens.peek()) parameters.append('variable', name);
+  void refreshMarks(from, to, mine.signal);
   try {
     const answer = await get<History>(
       `history?${parameters}`,
@@ -92,6 +95,21 @@ export async function refresh(): Promise<void> {
   } catch (failure) {
     if (mine.signal.aborted) return;
     problem.value = failure instanceof Error ? failure.message : String(failure);
+  }
+}
+
+/** Marks are beside the picture: without them it is complete, so a failure is not reported. */
+async function refreshMarks(from: number, to: number, signal: AbortSignal): Promise<void> {
+  try {
+    const query = { from: Math.floor(from), to: Math.ceil(to) };
+    const { events } = await get<{ events: HistoryMark[] }>('events', query, signal);
+    const before = marks.peek();
+    const same =
+      events.length === before.length &&
+      events.every((its, i) => its.time === before[i]!.time && its.text === before[i]!.text);
+    if (!same) marks.value = events;
+  } catch {
+    if (!signal.aborted) marks.value = [];
   }
 }
 

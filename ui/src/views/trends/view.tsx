@@ -5,6 +5,7 @@ import { toast } from '../../shell/toasts';
 import { info } from '../../store/info';
 import { Icon } from '../../widgets/icon';
 import { Chart } from './chart';
+import { Marks } from './marks';
 import { Pens } from './pens';
 import * as state from './state';
 import '../../style/trends.css';
@@ -12,8 +13,9 @@ import '../../style/trends.css';
 const SPAN_KEYS = Object.keys(state.SPANS) as (keyof typeof state.SPANS)[];
 const EXAMPLE = 'outputs:\n  - name: history\n    transport: history';
 
+/** Of what is drawn. */
 function csvUrl(): string {
-  const { from, to } = state.range();
+  const { from, to } = state.picture.value ?? state.range();
   const parameters = new URLSearchParams();
   for (const name of state.pens.value) parameters.append('variable', name);
   return openUrl(`history.csv?${parameters}`, {
@@ -119,7 +121,9 @@ function Tools() {
         type="button"
         class="button"
         onClick={() => {
-          void navigator.clipboard.writeText(location.href).then(() => toast('good', texts.linkCopied));
+          // Without TLS a browser has a clipboard on loopback only.
+          if (!navigator.clipboard) toast('info', texts.linkInAddress);
+          else void navigator.clipboard.writeText(location.href).then(() => toast('good', texts.linkCopied));
         }}
       >
         <Icon name="link" />
@@ -142,7 +146,10 @@ function Legend() {
         <i class="age" /> {texts.age}
       </span>
       <span>
-        <i class="mark-line" /> {texts.mark}
+        <i class="mark-line" /> {texts.message}
+      </span>
+      <span>
+        <i class="mark-line command" /> {texts.command}
       </span>
     </p>
   );
@@ -170,6 +177,7 @@ export function TrendsView() {
         <p class="muted empty">{texts.choose}</p>
       )}
       <Pens />
+      {state.pens.value.length > 0 && <Marks />}
       {state.picture.value && state.pens.value.length > 0 && (
         <footer>
           <Legend />

@@ -1,0 +1,57 @@
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import type { History, HistoryVariable } from '../src/api/types';
+import { changesOf, curveOf, statisticsOf, valueAt } from '../src/views/trends/data';
+
+const at = (second: number) => new Date(1_790_000_000_000 + second * 1000).toISOString();
+const seconds = (second: number) => 1_790_000_000 + second;
+
+const variable = (parts: Partial<HistoryVariable>): HistoryVariable => ({
+  name: 'Level',
+  device: 'Tank',
+  type: 'float',
+  unit: 'm',
+  samples: 0,
+  min: null,
+  max: null,
+  mean: null,
+  good_share: 1,
+  known_until: at(100),
+  held: null,
+  points: [],
+  bad: [],
+  ...parts,
+});
+const history = (its: HistoryVariable): History => ({ from: at(0), to: at(100), variables: [its], gaps: [] });
+const point = (second: number, value: number) => {
+  const its = { time: at(second), value, previous_poll: at(second - 2) };
+  return { index: second, samples: 1, first: its, min: its, max: its, last: its };
+};
+
+test('the value from before the range is drawn from the left edge on', () => {
+  const its = variable({ held: { time: at(-50), value: 4 }, points: [point(60, 7)] });
+  const curve = curveOf(history(its), its);
+  assert.deepEqual(curve.times, [seconds(0), seconds(60), seconds(100)]);
+  assert.deepEqual(curve.values, [4, 7, 7]);
+  assert.equal(valueAt(curve, seconds(10)), 4);
+  assert.deepEqual(statisticsOf(curve, seconds(0), seconds(100)), { min: 4, max: 7, mean: 5.2 });
+  assert.deepEqual(changesOf(its), [{ from: seconds(58), to: seconds(60), before: 4, after: 7 }]);
+});
+
+test('a range without a sample shows the value that holds', () => {
+  const its = variable({ held: { time: at(-50), value: 4 } });
+  assert.deepEqual(curveOf(history(its), its).values, [4, 4]);
+});
+
+test('without a value before the range the curve begins with the first sample', () => {
+  const its = variable({ points: [point(60, 7)] });
+  assert.deepEqual(curveOf(history(its), its).times, [seconds(60), seconds(100)]);
+});
+
+test('a gap ends the curve until the next sample', () => {
+  const its = variable({ held: { time: at(-50), value: 4 }, points: [point(60, 7)] });
+  const gaps = [{ from: at(20), to: at(40), cause: 'restart', samples: null }];
+  const curve = curveOf({ ...history(its), gaps }, its);
+  assert.equal(valueAt(curve, seconds(19)), 4);
+  assert.equal(valueAt(curve, seconds(30)), null);
+});
