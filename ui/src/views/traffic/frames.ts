@@ -2,6 +2,7 @@
 import { computed, signal } from '@preact/signals';
 import { openStream, type Stream } from '../../api/stream';
 import type { Frame } from '../../api/types';
+import { frameWords } from './words';
 
 const MOST_FRAMES = 2000;
 
@@ -66,7 +67,7 @@ export const shownFrames = computed(() => {
         (device.value === '' || frame.device === device.value) &&
         (functionCode.value === '' || ((frame.function ?? -1) & 0x7f) === Number(functionCode.value)) &&
         (!errorsOnly.value || isError(frame)) &&
-        (wanted === '' || `${frame.words} ${frame.raw}`.toLowerCase().includes(wanted)),
+        (wanted === '' || `${frameWords(frame)} ${frame.raw}`.toLowerCase().includes(wanted)),
     )
     .reverse();
 });

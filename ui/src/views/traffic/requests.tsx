@@ -34,10 +34,11 @@ function columns(): Column<Row>[] {
   const count = (
     key: 'sent' | 'answered' | 'timeouts' | 'faults' | 'exceptions',
     bad: boolean,
+    width: string,
   ): Column<Row> => ({
     key,
     title: texts[key],
-    width: '92px',
+    width,
     align: 'right',
     cell: (row) => <span class={bad && row[key] > 0 ? 'bad' : ''}>{formatNumber(row[key])}</span>,
   });
@@ -49,18 +50,28 @@ function columns(): Column<Row>[] {
   ): Column<Row> => ({
     key,
     title,
-    width: '92px',
+    width: '82px',
     align: 'right',
     cell: (row) => <span class={late?.(row) ? 'bad' : ''}>{time(of(row))}</span>,
   });
   return [
-    { key: 'device', title: texts.device, width: 'minmax(90px, 1fr)', cell: (row) => row.device },
-    { key: 'request', title: texts.request, width: 'minmax(130px, 1fr)', cell: (row) => name(row) },
-    count('sent', false),
-    count('answered', false),
-    count('timeouts', true),
-    count('faults', true),
-    count('exceptions', true),
+    {
+      key: 'device',
+      title: texts.device,
+      width: 'minmax(90px, 1fr)',
+      cell: (row) => <span class="text">{row.device}</span>,
+    },
+    {
+      key: 'request',
+      title: texts.request,
+      width: 'minmax(150px, 1.4fr)',
+      cell: (row) => <span class="text">{name(row)}</span>,
+    },
+    count('sent', false, '96px'),
+    count('answered', false, '88px'),
+    count('timeouts', true, '90px'),
+    count('faults', true, '70px'),
+    count('exceptions', true, '98px'),
     us('mean', texts.mean, (row) => row.mean_us),
     us('p50', 'p50', (row) => row.p50_us),
     us('p99', 'p99', (row) => row.p99_us),
@@ -69,7 +80,7 @@ function columns(): Column<Row>[] {
     {
       key: 'period',
       title: texts.period,
-      width: '150px',
+      width: '140px',
       align: 'right',
       cell: (row) =>
         row.period_ms === null
@@ -95,7 +106,9 @@ export function Requests() {
   const rows = lines.value.flatMap((line) =>
     line.requests.map((its): Row => ({ ...its, line: line.name, key: keyOf(line.name, its) })),
   );
-  const request = rows.find((its) => its.key === chosen.value);
+  // At first one whose times are known.
+  const request =
+    rows.find((its) => its.key === chosen.value) ?? rows.find((its) => its.histogram.length > 0);
   return (
     <>
       <p class="loads">
@@ -111,13 +124,24 @@ export function Requests() {
         columns={columns()}
         rows={rows}
         rowKey={(row) => row.key}
-        rowClass={(row) => (row.key === chosen.value ? 'selected' : '')}
+        rowClass={(row) => (row.key === request?.key ? 'selected' : '')}
         onCurrent={({ row }) => {
           chosen.value = rows[row]?.key ?? '';
         }}
       />
       <section class="times">
         <h3>{request ? `${texts.histogram}: ${request.device} ${name(request)}` : texts.histogram}</h3>
+        {request && request.histogram.length > 0 && (
+          <p class="muted small">
+            {[
+              `${texts.columns.answered} ${formatNumber(request.answered)}`,
+              `p50 ${time(request.p50_us)}`,
+              `p99 ${time(request.p99_us)}`,
+              `${texts.columns.longest} ${time(request.longest_us)}`,
+              `${texts.columns.planned} ${time(request.planned_us)}`,
+            ].join(' · ')}
+          </p>
+        )}
         {request ? <Histogram request={request} /> : <p class="muted">{texts.choose}</p>}
       </section>
     </>

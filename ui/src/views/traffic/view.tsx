@@ -6,6 +6,7 @@ import { type Column, Grid } from '../../widgets/grid';
 import { Icon } from '../../widgets/icon';
 import * as frames from './frames';
 import { Requests } from './requests';
+import { frameWords } from './words';
 import '../../style/traffic.css';
 
 const TABS = ['frames', 'requests'] as const;
@@ -23,7 +24,7 @@ function columns(): Column<frames.NumberedFrame>[] {
     {
       key: 'direction',
       title: texts.columns.direction,
-      width: '52px',
+      width: '58px',
       cell: (its) => (
         <span class={`direction ${its.direction}`} title={texts[its.direction]}>
           {its.direction === 'tx' ? '→' : '←'}
@@ -37,14 +38,14 @@ function columns(): Column<frames.NumberedFrame>[] {
       width: 'minmax(90px, 0.6fr)',
       cell: (its) => its.device ?? its.line,
     },
-    { key: 'unit', title: texts.columns.unit, width: '56px', align: 'right', cell: (its) => its.unit },
+    { key: 'unit', title: texts.columns.unit, width: '72px', align: 'right', cell: (its) => its.unit },
     {
       key: 'words',
       title: texts.columns.words,
       width: 'minmax(220px, 2fr)',
       cell: (its) => (
-        <span class={frames.isError(its) ? 'bad' : ''} title={its.fault ?? its.words}>
-          {its.fault ?? its.words}
+        <span class={`text ${frames.isError(its) ? 'bad' : ''}`} title={frameWords(its)}>
+          {frameWords(its)}
         </span>
       ),
     },
