@@ -2,8 +2,9 @@
 import { batch, computed, signal } from '@preact/signals';
 import { ApiError, get, post, put } from '../api/client';
 import type { Evaluation, Finding, Mapping, Node, ProjectFile, Saved } from '../api/types';
-import { language } from '../i18n';
+import { language, t } from '../i18n';
 import { type Path, withNode } from './document';
+import { merged } from './merge';
 
 const MOST_STEPS = 200;
 /** Keystrokes in one field within this time are one undo step. */
@@ -124,6 +125,20 @@ export async function refreshProject(): Promise<void> {
   } catch {
     // The next save reports what is wrong with the file.
   }
+}
+
+/**
+ * Joins the draft with the file, which changed since it was loaded. The undo steps end: they have the places of
+ * the old file. @returns the paths of values that both changed; those of the draft are kept
+ */
+export async function mergeWithFile(): Promise<string[]> {
+  const file = await get<ProjectFile>('project');
+  const base = loaded.peek()?.document;
+  if (!base || !file.document) throw new Error(t.peek().project.unreadable);
+  const { document, conflicts } = merged(base, draft.peek(), file.document);
+  take(file);
+  if (JSON.stringify(document) !== JSON.stringify(file.document)) draft.value = document;
+  return conflicts;
 }
 
 /**

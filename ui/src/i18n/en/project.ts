@@ -157,9 +157,11 @@ export const project = {
     title: 'The file was changed on the disk',
     text: 'Another program or browser changed the project file after this page loaded it.',
     take: 'Load the file, discard my changes',
-    keep: 'Keep my changes',
-    keepHint: 'The next save then shows the difference to the changed file.',
-    kept: 'Your changes are kept. Save shows the difference to the changed file.',
+    keep: 'Merge with my changes',
+    keepHint: 'Takes what changed in the file and keeps your changes. The next save shows the difference.',
+    kept: 'Your changes are merged with the file. Save shows the difference.',
+    both: (n: number, paths: string) =>
+      `Both changed ${n === 1 ? 'one value' : `${n} values`}; yours is kept: ${paths}`,
   },
   types: {
     bool: 'Boolean',

@@ -1,12 +1,14 @@
 // Saving shows the difference of the file first. A file that changed on the disk is never overwritten unasked.
 import { useEffect, useState } from 'preact/hooks';
-import { ApiError, get } from '../../api/client';
-import type { Finding, ProjectFile } from '../../api/types';
+import { ApiError } from '../../api/client';
+import type { Finding } from '../../api/types';
 import { t } from '../../i18n';
 import { Dialog } from '../../shell/dialog';
 import { errorText, toast, toastError } from '../../shell/toasts';
-import { changedOnDisk, difference, loaded, loadProject, save } from '../../store/project';
+import { changedOnDisk, difference, loadProject, mergeWithFile, save } from '../../store/project';
 import { FindingTexts, lateValues } from './problems';
+
+const MOST_CONFLICTS = 5; // that are named
 
 /** The lines of a unified difference with what each of them is. */
 export function diffLines(diff: string): { kind: 'add' | 'remove' | 'place' | 'same'; text: string }[] {
@@ -85,12 +87,12 @@ export function SaveDialog({ onClose }: { onClose: () => void }) {
   );
 }
 
-/** Takes the file's new revision and keeps the draft: the next save shows the difference to it. */
+/** Takes what changed in the file, and keeps what was edited here: the next save shows the difference to it. */
 async function keepMine(): Promise<void> {
-  const file = await get<ProjectFile>('project');
-  loaded.value = file;
-  changedOnDisk.value = false;
-  toast('info', t.peek().project.conflict.kept);
+  const conflicts = await mergeWithFile();
+  const texts = t.peek().project.conflict;
+  if (conflicts.length === 0) toast('info', texts.kept);
+  else toast('bad', texts.both(conflicts.length, conflicts.slice(0, MOST_CONFLICTS).join(', ')));
 }
 
 export function Conflict() {
