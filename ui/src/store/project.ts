@@ -9,6 +9,8 @@ import { merged } from './merge';
 const MOST_STEPS = 200;
 /** Keystrokes in one field within this time are one undo step. */
 const SAME_STEP_MS = 800;
+/** An edit is evaluated at once; one that follows another this quickly, when the edits pause. */
+const EDITS_FOLLOW_MS = 250;
 const EVALUATE_AFTER_MS = 40;
 /** The search for measures takes longer: it begins when the edits pause. */
 const MEASURES_AFTER_MS = 350;
@@ -91,9 +93,14 @@ async function evaluateNow(measures: boolean): Promise<void> {
   if (running === mine) evaluating.value = false;
 }
 
+let editedAt = Number.NEGATIVE_INFINITY;
+
 function evaluateSoon(): void {
   window.clearTimeout(timer);
-  if (!isUnreadable.peek()) timer = window.setTimeout(() => void evaluateNow(false), EVALUATE_AFTER_MS);
+  const time = performance.now();
+  const wait = time - editedAt < EDITS_FOLLOW_MS ? EVALUATE_AFTER_MS : 0;
+  editedAt = time;
+  if (!isUnreadable.peek()) timer = window.setTimeout(() => void evaluateNow(false), wait);
 }
 language.subscribe(() => {
   if (loaded.peek()) evaluateSoon();
