@@ -5,6 +5,7 @@ import type { CommandPreview, CommandResult, LiveValue, Scalar } from '../../api
 import { formatDuration, t } from '../../i18n';
 import { Dialog } from '../../shell/dialog';
 import { errorText, toast } from '../../shell/toasts';
+import { translated } from '../traffic/words';
 
 const PREVIEW_AFTER_MS = 150;
 
@@ -107,7 +108,7 @@ export function WriteDialog({ value, onClose }: { value: LiveValue; onClose: () 
             <span key={frame.raw} class="frame">
               <code>{frame.raw}</code>
               <span class="muted small">
-                {frame.words}
+                {translated(frame.words)}
                 {' · '}
                 {texts.busTime} {formatDuration(frame.bus_time_us / 1000)}
               </span>
