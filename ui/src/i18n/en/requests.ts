@@ -17,7 +17,7 @@ export const requests = {
   summary: (grouped: number, single: number) =>
     grouped === single
       ? `${grouped} requests, one for each variable`
-      : `${grouped} requests instead of ${single}`,
+      : `${grouped === 1 ? '1 request' : `${grouped} requests`} instead of ${single}`,
   busy: 'Line busy',
   busyWorst: (percent: string) => `${percent} in the worst case`,
   round: (time: string) => `a round takes ${time}`,
