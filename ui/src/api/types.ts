@@ -211,13 +211,19 @@ export type Node = string | null | Node[] | Mapping;
 export interface Mapping {
   [key: string]: Node | number;
 }
+/** A part that comes from a table or a template. */
+export interface FilePart {
+  path: string;
+  file: string;
+  rows: Record<string, string>[];
+}
 export interface ProjectFile {
   file: string;
   revision: string;
   /** null: the file has faults that an editor cannot keep. */
   document: Mapping | null;
   findings: Finding[];
-  read_only_parts: { path: string; file: string }[];
+  read_only_parts: FilePart[];
 }
 export interface Saved {
   revision: string;
@@ -236,6 +242,8 @@ export interface FieldRule {
   words?: string[];
   allowed: string;
   default?: string;
+  /** The object behind the key: its rules are those of the items or of the mapping. */
+  object?: string;
 }
 export type FieldTable = Record<string, Record<string, FieldRule>>;
 
@@ -355,14 +363,6 @@ export interface History {
   variables: HistoryVariable[];
   gaps: HistoryGap[];
 }
-export interface HistorySeries {
-  name: string;
-  device: string;
-  type: string;
-  unit: string;
-  oldest: string | null;
-  newest: string | null;
-}
 /** A message or a command of the past. */
 export interface HistoryMark {
   time: number;
@@ -372,4 +372,12 @@ export interface HistoryMark {
   outcome?: CommandResult['outcome'];
   /** The address of the browser that gave the command. */
   origin?: string;
+}
+export interface HistorySeries {
+  name: string;
+  device: string;
+  type: string;
+  unit: string;
+  oldest: string | null;
+  newest: string | null;
 }

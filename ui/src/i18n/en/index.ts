@@ -1,5 +1,5 @@
 import { devices } from './devices';
-import { keys, words } from './keys';
+import { keys, objectKeys, words } from './keys';
 import { live } from './live';
 import { project } from './project';
 import { requests } from './requests';
@@ -10,6 +10,7 @@ import { trends } from './trends';
 export const en = {
   ...shell,
   keys,
+  objectKeys,
   words,
   project,
   requests,

@@ -1,5 +1,5 @@
 import type { Translated } from '..';
-import type { keys as keySource, words as wordSource } from '../en/keys';
+import type { keys as keySource, objectKeys as objectKeySource, words as wordSource } from '../en/keys';
 
 export const keys: Translated<typeof keySource> = {
   name: 'Имя',
@@ -146,8 +146,51 @@ export const keys: Translated<typeof keySource> = {
   timeout: 'Таймаут, мс',
   start_retry: 'Повтор запуска, мс',
   reset: 'Сброс',
-  silent_after: 'Молчит после, мс',
+  silent_after: 'Молчит после, запросов',
   mqtt_retain: 'Сохраняемые сообщения',
+  request: 'Запрос',
+  refused: 'Отказ',
+  pause: 'Пауза после, мс',
+  decimals: 'Знаков после запятой',
+  digits: 'Знаков до запятой',
+  least: 'Наименьшее',
+  greatest: 'Наибольшее',
+  read_back: 'Обратное чтение',
+  expires: 'Срок действия, мс',
+  restore: 'Восстановить после старта',
+  until: 'Заканчивается на',
+  pattern: 'Шаблон',
+  begins: 'Начинается с',
+  checksum: 'Контрольная сумма',
+  fields: 'Измерения',
+  peers: 'Адреса клиентов',
+  functions: 'Функции',
+  rule: 'Правило',
+  rate: 'Запросов в секунду',
+  line: 'Линия',
+  map: 'Другие номера устройств',
+  cache: 'Возраст из кэша, мс',
+  max_wait: 'Наибольшее ожидание, мс',
+  from: 'Из',
+  to: 'В',
+  writable: 'Запись разрешена',
+  registers: 'Регистры',
+  id: 'Объект',
+  text: 'Текст',
+  number: 'Номер',
+  records: 'Записи',
+  values: 'Значения',
+};
+
+export const objectKeys: Translated<typeof objectKeySource> = {
+  'exchange.answer': 'Ответ',
+  'start_command.answer': 'Ответ',
+  'instrument_command.answer': 'Ответ',
+  'read_back.answer': 'Ответ',
+  'answer.length': 'Длина, байт',
+  'measurement.offset': 'Смещение, байт',
+  'instrument.every': 'Период опроса, мс',
+  'mirror.order': 'Порядок значений',
 };
 
 export const words: Translated<typeof wordSource> = {
@@ -193,4 +236,12 @@ export const words: Translated<typeof wordSource> = {
   request: 'Запрос',
   when_done: 'После выполнения',
   at_once: 'Сразу',
+  sum: 'Сумма',
+  xor: 'XOR',
+  crc16: 'CRC-16',
+  allow: 'Разрешить',
+  deny: 'Запретить',
+  read_only: 'Только чтение',
+  project: 'Как в проекте',
+  name: 'По имени',
 };

@@ -1,6 +1,6 @@
 import type { Texts } from '..';
 import { devices } from './devices';
-import { keys, words } from './keys';
+import { keys, objectKeys, words } from './keys';
 import { live } from './live';
 import { project } from './project';
 import { requests } from './requests';
@@ -11,6 +11,7 @@ import { trends } from './trends';
 export const uk: Texts = {
   ...shell,
   keys,
+  objectKeys,
   words,
   project,
   requests,

@@ -1,5 +1,5 @@
 import type { Translated } from '..';
-import type { keys as keySource, words as wordSource } from '../en/keys';
+import type { keys as keySource, objectKeys as objectKeySource, words as wordSource } from '../en/keys';
 
 export const keys: Translated<typeof keySource> = {
   name: 'Ім’я',
@@ -146,8 +146,51 @@ export const keys: Translated<typeof keySource> = {
   timeout: 'Таймаут, мс',
   start_retry: 'Повтор запуску, мс',
   reset: 'Скидання',
-  silent_after: 'Мовчить після, мс',
+  silent_after: 'Мовчить після, запитів',
   mqtt_retain: 'Збережувані повідомлення',
+  request: 'Запит',
+  refused: 'Відмова',
+  pause: 'Пауза після, мс',
+  decimals: 'Знаків після коми',
+  digits: 'Знаків до коми',
+  least: 'Найменше',
+  greatest: 'Найбільше',
+  read_back: 'Зворотне читання',
+  expires: 'Строк дії, мс',
+  restore: 'Відновити після старту',
+  until: 'Закінчується на',
+  pattern: 'Шаблон',
+  begins: 'Починається з',
+  checksum: 'Контрольна сума',
+  fields: 'Вимірювання',
+  peers: 'Адреси клієнтів',
+  functions: 'Функції',
+  rule: 'Правило',
+  rate: 'Запитів за секунду',
+  line: 'Лінія',
+  map: 'Інші номери пристроїв',
+  cache: 'Вік із кешу, мс',
+  max_wait: 'Найдовше очікування, мс',
+  from: 'З',
+  to: 'До',
+  writable: 'Запис дозволено',
+  registers: 'Регістри',
+  id: 'Об’єкт',
+  text: 'Текст',
+  number: 'Номер',
+  records: 'Записи',
+  values: 'Значення',
+};
+
+export const objectKeys: Translated<typeof objectKeySource> = {
+  'exchange.answer': 'Відповідь',
+  'start_command.answer': 'Відповідь',
+  'instrument_command.answer': 'Відповідь',
+  'read_back.answer': 'Відповідь',
+  'answer.length': 'Довжина, байтів',
+  'measurement.offset': 'Зміщення, байтів',
+  'instrument.every': 'Період опитування, мс',
+  'mirror.order': 'Порядок значень',
 };
 
 export const words: Translated<typeof wordSource> = {
@@ -193,4 +236,12 @@ export const words: Translated<typeof wordSource> = {
   request: 'Запит',
   when_done: 'Після виконання',
   at_once: 'Одразу',
+  sum: 'Сума',
+  xor: 'XOR',
+  crc16: 'CRC-16',
+  allow: 'Дозволити',
+  deny: 'Заборонити',
+  read_only: 'Лише читання',
+  project: 'Як у проєкті',
+  name: 'За іменем',
 };

@@ -7,8 +7,9 @@ import { draft } from '../../store/project';
 import { plan } from '../requests/plan';
 import { DeviceForm } from './device_form';
 import { readOnly } from './edit';
+import { FileRows, filePart } from './file_rows';
 import { InstrumentForm, LineForm, OutputForm, ProjectForm, ServerForm, UnitForm } from './forms';
-import { lightVariable, lit, selected, tab } from './selection';
+import { lit, selected, tab } from './selection';
 import { TabBar } from './tab_bar';
 import { VariableTable } from './table';
 import type { TableObject } from './columns';
@@ -23,32 +24,16 @@ function ReadOnlyNote({ path }: { path: Path }) {
   return <p class="banner info">{t.value.project.readOnlyPart(why)}</p>;
 }
 
-/** The variables of a device whose list is a table file, by name: those of the plan. */
+/** The variables of a device in the plan: how many there are if they come from files. */
 function namesInPlan(device: string): string[] {
   const requests = plan.value.flatMap((line) => line.requests).filter((its) => its.device === device);
   return [...new Set(requests.flatMap((its) => its.variables))];
 }
 
-function FromTable({ file, device }: { file: string; device: string }) {
-  return (
-    <div class="from-table">
-      <p>{t.value.project.table.fromTable(file)}</p>
-      <p class="muted">{t.value.project.readOnlyPart(file)}</p>
-      <ul>
-        {namesInPlan(device).map((name) => (
-          // biome-ignore lint/a11y/useKeyWithClickEvents: the table of requests has the same for the keyboard
-          <li
-            key={name}
-            class={lit.value.variables.has(name) ? 'lit' : ''}
-            onClick={() => lightVariable(name)}
-          >
-            {name}
-          </li>
-        ))}
-      </ul>
-    </div>
-  );
-}
+/** The draft names a file that is not the one that was loaded: its rows are known after the next save. */
+const NotLoaded = ({ file }: { file: string }) => (
+  <p class="banner info">{t.value.project.table.fromTable(file)}</p>
+);
 
 function SelectedVariable({ path }: { path: Path }) {
   const texts = t.value.project.table;
@@ -73,18 +58,23 @@ function SelectedVariable({ path }: { path: Path }) {
 function Variables({ path, object }: { path: Path; object: TableObject }) {
   const texts = t.value.project.table;
   const list = at(draft.value, [...path, 'variables']);
-  if (typeof list === 'string')
-    return <FromTable file={list} device={textAt(at(draft.value, path), ['name']) ?? ''} />;
   const its = [...path, 'variables'];
+  const label = object === 'variable' ? texts.variables : texts.served;
+  if (typeof list === 'string') {
+    const part = filePart(its);
+    return part ? <FileRows part={part} object={object} label={label} /> : <NotLoaded file={list} />;
+  }
+  const template = filePart([...path, 'device_template']);
   return (
     <>
       <ReadOnlyNote path={its} />
-      <VariableTable
-        key={formatPath(its)}
-        path={its}
-        object={object}
-        label={object === 'variable' ? texts.variables : texts.served}
-      />
+      <VariableTable key={formatPath(its)} path={its} object={object} label={label} />
+      {template && template.rows.length > 0 && (
+        <details class="template-rows">
+          <summary>{texts.ofTemplate(template.rows.length)}</summary>
+          <FileRows part={template} object={object} label={texts.ofTemplate(template.rows.length)} />
+        </details>
+      )}
       {object === 'variable' && <SelectedVariable path={its} />}
     </>
   );
@@ -100,6 +90,13 @@ const FORMS: Record<string, ComponentType<{ path: Path }>> = {
 export function Details() {
   const path = selected.value;
   const texts = t.value.project;
+  const locals = path[0] === 'locals' ? filePart(['locals']) : undefined;
+  if (locals)
+    return (
+      <div class="item-details">
+        <FileRows part={locals} object="local" label={texts.table.locals} />
+      </div>
+    );
   if (path[0] === 'locals')
     return (
       <div class="item-details">
@@ -120,7 +117,11 @@ export function Details() {
   const node = at(draft.value, path);
   const list = isMapping(node) ? node.variables : undefined;
   const name = textAt(node, ['name']) ?? '';
-  const count = Array.isArray(list) ? list.length : typeof list === 'string' ? namesInPlan(name).length : 0;
+  const count = Array.isArray(list)
+    ? list.length
+    : typeof list === 'string'
+      ? (filePart([...path, 'variables'])?.rows.length ?? namesInPlan(name).length)
+      : 0;
   return (
     <div class="item-details" key={key}>
       <TabBar

@@ -20,6 +20,19 @@ export function readOnly(path: Path): string | true | null {
   return isReadOnlyPart(formatPath(path)) ?? (mayEdit.value ? null : true);
 }
 
+// Keys that name commands or files of the computer: the program refuses to add or change them over the network.
+const PROTECTED = new Set([
+  'audit',
+  'ca_file',
+  'certificate_file',
+  'directory',
+  'key_file',
+  'password_env',
+  'password_file',
+  'state',
+]);
+export const isProtected = (key: string) => PROTECTED.has(key);
+
 // New keys go before the long lists, so that a file stays readable.
 const LISTS = [
   'devices',
@@ -106,6 +119,35 @@ export function addServer(name: string): void {
       units: [{ address: '1', banks: [{ area: 'holding_register', items: ['0..99'] }], variables: [] }],
     },
     'server',
+  );
+}
+
+/** A free name of lower-case letters, digits and hyphens, as outputs and instruments have. */
+function freeWord(wanted: string, taken: Set<string>): string {
+  let word = wanted;
+  for (let n = 2; taken.has(word); ++n) word = `${wanted}-${n}`;
+  return word;
+}
+
+/** The history first: a project has at most one, and it needs nothing else. */
+export function addOutput(): void {
+  const outputs = listAt(draft.peek(), ['outputs']);
+  const its: Mapping = outputs.some((one) => one.transport === 'history')
+    ? { name: freeWord('broker', namesIn(outputs)), transport: 'mqtt', brokers: ['mqtt://127.0.0.1'] }
+    : { name: freeWord('history', namesIn(outputs)), transport: 'history' };
+  append(['outputs'], its, 'output');
+}
+
+export function addInstrument(): void {
+  const path: Path = ['instruments'];
+  append(
+    path,
+    {
+      name: freeWord('instrument', namesIn(listAt(draft.peek(), path))),
+      port: '/dev/ttyUSB0',
+      exchanges: [{ request: '?\\r', answer: { until: '\\r', pattern: '{value}' } }],
+    },
+    'instrument',
   );
 }
 

@@ -7,7 +7,7 @@ import { at, formatPath, isMapping, type Path } from '../../store/document';
 import { draft, findingsByPath } from '../../store/project';
 import { Mark } from '../../widgets/mark';
 import { type CellKind, durationText, isYes, nodeText, plainType, rawOf } from './cells';
-import { readOnly, setKey } from './edit';
+import { isProtected, readOnly, setKey } from './edit';
 import { LocalPick } from './local_pick';
 import { keyText, rangeText, rulesAt, wordText } from './rules';
 import { serverTransportOf, transportOf } from './tree';
@@ -34,7 +34,7 @@ export function bound(path: Path, key: string): Bound {
     node,
     text: nodeText(node),
     findings: findingsByPath.value.get(id) ?? NO_FINDINGS,
-    locked: readOnly([...path, key]) !== null,
+    locked: isProtected(key) || readOnly([...path, key]) !== null,
     set: (value) => setKey(path, key, value),
   };
 }
@@ -238,7 +238,7 @@ export function KeyField(props: {
 }) {
   const rule = rulesAt(props.path, props.object)[props.name];
   const its = bound(props.path, props.name);
-  const label = props.label ?? keyText(props.name);
+  const label = props.label ?? keyText(props.name, props.object);
   const findings = props.disabled ? its.findings.filter((one) => one.severity === 'error') : its.findings;
   const state = { ...its, findings, locked: its.locked || (props.disabled ?? false) };
   return (
@@ -247,7 +247,7 @@ export function KeyField(props: {
       label={label}
       hint={rangeText(rule)}
       findings={findings}
-      note={props.note}
+      note={props.note ?? (isProtected(props.name) ? t.value.project.onlyInFile : undefined)}
       wide={props.wide ?? false}
     >
       <Control

@@ -5,9 +5,7 @@ import type { Path } from '../../store/document';
 import { ByteOrderBlock } from './byte_order_block';
 import { More } from './device_form';
 import { KeyField, objectAt } from './field';
-import { keyText, wordText } from './rules';
-import { nodeText } from './cells';
-import type { Node } from '../../api/types';
+import { Part } from './parts';
 import { VariableTable } from './table';
 import { serverTransportOf, transportOf } from './tree';
 
@@ -30,22 +28,13 @@ function Group({ title, children }: { title: string; children: ComponentChildren
   );
 }
 
-/** Parts of an object that have no form here, as text. */
-function Nested({ path, names }: { path: Path; names: string[] }) {
-  const object = objectAt(path);
-  const shown = names.filter((name) => object[name] !== undefined);
-  if (shown.length === 0) return null;
+/** Parts with fields of their own. */
+function Parts({ path, object, names }: { path: Path; object: string; names: string[] }) {
   return (
     <Group title={t.value.project.groups.nested}>
-      <dl class="nested-parts">
-        {shown.map((name) => (
-          <>
-            <dt class="muted">{keyText(name)}</dt>
-            <dd title={t.value.project.inFile}>{wordText(nodeText(object[name] as Node))}</dd>
-          </>
-        ))}
-      </dl>
-      <p class="muted small">{t.value.project.inFile}</p>
+      {names.map((name) => (
+        <Part key={name} path={path} object={object} name={name} />
+      ))}
     </Group>
   );
 }
@@ -101,7 +90,7 @@ export function ServerForm({ path }: { path: Path }) {
           <KeyField key={name} path={path} object="server" name={name} />
         ))}
       </More>
-      <Nested path={path} names={['access', 'relay']} />
+      <Parts path={path} object="server" names={['access', 'relay']} />
     </div>
   );
 }
@@ -120,7 +109,7 @@ export function UnitForm({ path }: { path: Path }) {
           <KeyField key={name} path={path} object="unit" name={name} />
         ))}
       </More>
-      <Nested path={path} names={['mirror', 'limits', 'identification', 'files', 'fifos']} />
+      <Parts path={path} object="unit" names={['mirror', 'limits', 'identification', 'files', 'fifos']} />
     </div>
   );
 }
@@ -166,15 +155,24 @@ export function OutputForm({ path }: { path: Path }) {
           ),
         )}
       </More>
-      <Nested path={path} names={['select']} />
+      <Parts path={path} object="output" names={['select']} />
     </div>
   );
 }
 
 export function InstrumentForm({ path }: { path: Path }) {
+  const texts = t.value.project;
+  const transport = transportOf(objectAt(path));
+  const where = transport === 'tcp' ? ['host', 'tcp_port'] : ['port', ...SERIAL];
   return (
     <div class="form">
-      <Nested path={path} names={Object.keys(objectAt(path)).filter((key) => key !== '$from')} />
+      <Group title={texts.groups.instrument}>
+        <Fields path={path} object="instrument" names={['name', 'transport', ...where]} />
+      </Group>
+      <Group title={texts.groups.polling}>
+        <Fields path={path} object="instrument" names={['every', 'timeout', 'silent_after', 'start_retry']} />
+      </Group>
+      <Parts path={path} object="instrument" names={['exchanges', 'commands', 'start', 'reset']} />
     </div>
   );
 }

@@ -73,4 +73,8 @@ export function rangeText(rule: FieldRule | undefined): string {
 
 /** A word of the file for people. */
 export const wordText = (word: string): string => (t.value.words as Record<string, string>)[word] ?? word;
-export const keyText = (key: string): string => (t.value.keys as Record<string, string>)[key] ?? key;
+/** @param object  whose key it is, if some objects have another meaning for it */
+export const keyText = (key: string, object = ''): string =>
+  (t.value.objectKeys as Record<string, string>)[`${object}.${key}`] ??
+  (t.value.keys as Record<string, string>)[key] ??
+  key;

@@ -6,7 +6,16 @@ import { toast } from '../../shell/toasts';
 import { formatPath, type Path } from '../../store/document';
 import { draft, findings } from '../../store/project';
 import { Icon } from '../../widgets/icon';
-import { addDevice, addLine, addServer, duplicateAt, readOnly, removeAt } from './edit';
+import {
+  addDevice,
+  addInstrument,
+  addLine,
+  addOutput,
+  addServer,
+  duplicateAt,
+  readOnly,
+  removeAt,
+} from './edit';
 import { select, selected } from './selection';
 import { severities, type TreeItem, treeOf } from './tree';
 
@@ -85,7 +94,7 @@ function Item(props: { its: TreeItem; current: boolean; open: boolean }) {
 }
 
 const isRemovable = (path: Path) =>
-  path.length >= 2 && (path[0] === 'lines' || path[0] === 'servers' || path[0] === 'outputs');
+  path.length >= 2 && ['lines', 'servers', 'outputs', 'instruments'].includes(String(path[0]));
 
 function removeSelected(): void {
   const path = selected.peek();
@@ -143,6 +152,13 @@ export function Tree() {
   const items = treeOf(draft.value, (id) => !closed.value.has(id));
   const id = formatPath(selected.value) || 'project';
   const locked = readOnly([]) !== null;
+  const groups = t.value.project.groups;
+  const adders = [
+    { name: groups.line, title: texts.addLine, add: () => addLine(texts.newLine) },
+    { name: groups.server, title: texts.addServer, add: () => addServer(texts.newServer) },
+    { name: groups.output, title: texts.addOutput, add: addOutput },
+    { name: groups.instrument, title: texts.addInstrument, add: addInstrument },
+  ];
   const go = (its: TreeItem | undefined) => {
     if (!its) return;
     select(its.path);
@@ -191,26 +207,19 @@ export function Tree() {
         ))}
       </div>
       <div class="tools bottom">
-        <button
-          type="button"
-          class="button quiet"
-          title={texts.addLine}
-          disabled={locked}
-          onClick={() => addLine(texts.newLine)}
-        >
-          <Icon name="add" />
-          {t.value.project.groups.line}
-        </button>
-        <button
-          type="button"
-          class="button quiet"
-          title={texts.addServer}
-          disabled={locked}
-          onClick={() => addServer(texts.newServer)}
-        >
-          <Icon name="add" />
-          {t.value.project.groups.server}
-        </button>
+        {adders.map((its) => (
+          <button
+            key={its.name}
+            type="button"
+            class="button quiet"
+            title={its.title}
+            disabled={locked}
+            onClick={its.add}
+          >
+            <Icon name="add" />
+            {its.name}
+          </button>
+        ))}
       </div>
     </section>
   );

@@ -1,0 +1,48 @@
+// The rows of a table file or a template: shown, and changed in their own file.
+import type { FilePart } from '../../api/types';
+import { t } from '../../i18n';
+import { formatPath, type Path } from '../../store/document';
+import { loaded } from '../../store/project';
+import { Grid } from '../../widgets/grid';
+import { durationText, typeClass } from './cells';
+import { COLUMNS, type TableObject } from './columns';
+import { keyText, wordText } from './rules';
+import { lightVariable, lit } from './selection';
+import { wordType } from './words';
+
+/** The rows that come from a file for a key of the draft. */
+export const filePart = (path: Path): FilePart | undefined =>
+  loaded.value?.read_only_parts.find((its) => its.path === formatPath(path));
+
+function cellText(kind: string, text: string): string {
+  if (kind === 'duration') return durationText(text);
+  if (kind === 'type') return wordType(text);
+  return kind === 'word' ? wordText(text) : text;
+}
+
+export function FileRows({ part, object, label }: { part: FilePart; object: TableObject; label: string }) {
+  const columns = COLUMNS[object].filter((its) => part.rows.some((row) => row[its.key] !== undefined));
+  return (
+    <div class="from-file">
+      <p class="banner info">{t.value.project.readOnlyPart(part.file)}</p>
+      <Grid
+        label={label}
+        columns={columns.map((its) => ({
+          key: its.key,
+          title: keyText(its.key),
+          width: its.width,
+          ...(its.right && { align: 'right' as const }),
+          cell: (row: Record<string, string>) => (
+            <span class={`text ${its.key === 'name' || its.key === 'type' ? typeClass(row.type) : ''}`}>
+              {cellText(its.kind, row[its.key] ?? '')}
+            </span>
+          ),
+        }))}
+        rows={part.rows}
+        rowKey={(_, index) => index}
+        rowClass={(row) => (lit.value.variables.has(row.name ?? '') ? 'selected lit' : '')}
+        onCurrent={({ row }) => lightVariable(part.rows[row]?.name)}
+      />
+    </div>
+  );
+}
