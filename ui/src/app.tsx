@@ -91,7 +91,8 @@ export function App() {
           </a>
         ))}
       </nav>
-      <main id="main" tabIndex={-1}>
+      {/* Each view begins at its top. */}
+      <main key={view.value} id="main" tabIndex={-1}>
         <Current />
       </main>
       <Toasts />

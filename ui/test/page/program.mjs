@@ -12,12 +12,13 @@ const HISTORY = '\noutputs:\n  - name: history\n    transport: history\n';
 
 /** A copy of an example with a history, served by the program. */
 export class Plant {
-  static async start(example = 'demo.yaml', options = ['--allow-write']) {
+  static async start(example = 'demo.yaml', options = ['--allow-write'], change = () => {}) {
     const plant = new Plant();
     plant.folder = mkdtempSync(join(tmpdir(), 'takt-page-'));
     plant.file = join(plant.folder, 'plant.yaml');
     cpSync(join(ROOT, 'examples', example), plant.file);
     appendFileSync(plant.file, HISTORY);
+    change(plant.file);
     plant.process = spawn(TAKT, ['run', plant.file, '--web', '127.0.0.1:0', '--quiet', ...options]);
     plant.url = await new Promise((found, failed) => {
       let text = '';

@@ -31,6 +31,16 @@ after(async () => {
   assert.equal(await plant?.stop(), 0, 'Ctrl-C ends the program with an open stream');
 });
 
+/** A mark of the last minute for the trends. */
+async function command() {
+  const response = await fetch(`${plant.url}api/v1/commands`, {
+    method: 'POST',
+    headers: { 'Content-Type': 'application/json', 'X-Takt': '1' },
+    body: JSON.stringify({ kind: 'set', variable: 'Setpoint', value: '21.5' }),
+  });
+  assert.equal(response.status, 200);
+}
+
 async function settled(page, view) {
   await page.locator('nav a[aria-current="page"]').waitFor();
   if (view === 'live' || view === 'devices') await page.locator('[role="row"]').nth(3).waitFor();
@@ -48,6 +58,30 @@ async function serious(page) {
     .map((its) => `${its.id}: ${its.help}: ${its.nodes.map((node) => node.html.slice(0, 160)).join(' | ')}`);
 }
 
+/** Further screens of a view: what is opened, and what is there then. */
+const FURTHER = {
+  project: [
+    ['variables', (page) => page.locator('#details-variables').click(), '.table [role="row"]'],
+    [
+      'output',
+      async (page) => {
+        await page.locator('.tree .output').click();
+        await page.locator('.more summary').click();
+      },
+      '.form .group',
+    ],
+  ],
+  trends: [['marks', (page) => page.locator('.marks summary').click(), '.marks li']],
+  traffic: [['requests', (page) => page.locator('#traffic-requests').click(), '.histogram rect']],
+};
+
+async function screen(page, name, viewport) {
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+  assert.ok(wide <= viewport.width, `${name} is ${wide} pixels wide`);
+  await page.screenshot({ path: join(SHOTS, `${name}.png`) });
+  assert.deepEqual(await serious(page), [], name);
+}
+
 for (const [language, titles] of Object.entries(TITLES))
   for (const theme of ['light', 'dark'])
     for (const [size, viewport] of Object.entries(SIZES))
@@ -55,6 +89,7 @@ for (const [language, titles] of Object.entries(TITLES))
         const context = await chromium.newContext({ viewport, bypassCSP: true });
         const errors = [];
         const page = await openPage(context, `${plant.url}?lang=${language}&theme=${theme}`, errors);
+        await command();
         for (const [i, view] of VIEWS.entries()) {
           const query = view === 'trends' ? '?pens=Pressure%1FSpeed%1FRunning&span=60' : '';
           await page.evaluate((hash) => {
@@ -62,10 +97,13 @@ for (const [language, titles] of Object.entries(TITLES))
           }, `#/${view}${query}`);
           await settled(page, view);
           assert.equal(await page.locator('nav a[aria-current="page"]').textContent(), titles[i]);
-          const wide = await page.evaluate(() => document.documentElement.scrollWidth);
-          assert.ok(wide <= viewport.width, `${view} is ${wide} pixels wide`);
-          await page.screenshot({ path: join(SHOTS, `${view}-${language}-${theme}-${size}.png`) });
-          assert.deepEqual(await serious(page), [], view);
+          const kind = `${language}-${theme}-${size}`;
+          await screen(page, `${view}-${kind}`, viewport);
+          for (const [name, open, wanted] of FURTHER[view] ?? []) {
+            await open(page);
+            await page.locator(wanted).first().waitFor();
+            await screen(page, `${view}-${name}-${kind}`, viewport);
+          }
         }
         assert.deepEqual(errors, []);
         await context.close();
