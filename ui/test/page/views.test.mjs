@@ -70,6 +70,15 @@ const FURTHER = {
       },
       '.form .group',
     ],
+    [
+      'instrument',
+      async (page) => {
+        await page.locator('.tree-pane .bottom button').last().click();
+        await page.locator('.part summary').first().click();
+        await page.locator('.part .part summary').first().click();
+      },
+      '.part .part .fields',
+    ],
   ],
   trends: [['marks', (page) => page.locator('.marks summary').click(), '.marks li']],
   traffic: [['requests', (page) => page.locator('#traffic-requests').click(), '.histogram rect']],

@@ -1,0 +1,210 @@
+// Projects that are built and changed in the page: scenario 1 of the source by hand, two browsers at one file,
+// outputs and instruments, a project of 1,024 variables.
+import assert from 'node:assert/strict';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { after, afterEach, before, beforeEach, test } from 'node:test';
+import { plantProject } from '../measure/field.mjs';
+import { browser, openPage, Plant } from './program.mjs';
+
+const SMALL = `takt: 1
+# Scenario 1 of the source takes its place.
+lines:
+  - name: old
+    transport: simulated
+    devices:
+      - {name: Old, address: 1, variables: [{name: Old value, type: int16, register: 0, read: 0x03}]}
+`;
+
+let plant;
+let chromium;
+let context;
+let errors;
+before(async () => {
+  chromium = await browser();
+});
+after(() => chromium?.close());
+beforeEach(async () => {
+  context = await chromium.newContext({ viewport: { width: 1440, height: 900 } });
+  context.setDefaultTimeout(20_000);
+  errors = [];
+});
+afterEach(async () => {
+  assert.deepEqual(errors, []);
+  await context?.close();
+  await plant?.stop();
+});
+
+const startWith = (project) =>
+  Plant.start('demo.yaml', ['--allow-write'], (file) => writeFileSync(file, project));
+const open = (hash = '') => openPage(context, `${plant.url}?lang=en&theme=light${hash}`, errors);
+const text = () => readFileSync(plant.file, 'utf8');
+
+async function save(page) {
+  await page.getByRole('button', { name: 'Save…' }).click();
+  const dialog = page.getByRole('dialog');
+  await dialog.getByRole('button', { name: 'Save and apply' }).click();
+  await dialog.waitFor({ state: 'detached' });
+}
+
+test('scenario 1 of the source is built by hand', async () => {
+  plant = await startWith(SMALL);
+  const page = await open();
+  await page.getByRole('treeitem', { name: 'Project settings' }).click();
+  await page.getByLabel('Profile').selectOption('owen-kc1');
+  await page.getByRole('treeitem', { name: /^old/ }).click();
+  await page.getByRole('button', { name: 'Delete', exact: true }).click();
+  await page.getByRole('button', { name: 'Line', exact: true }).click();
+  await page.getByLabel('Name', { exact: true }).fill('Node1');
+  await page.getByLabel('Bit rate, bit/s').fill('115200');
+  await page.getByLabel('Parity').selectOption('none');
+  await page.getByRole('button', { name: 'Device', exact: true }).click();
+  await page.getByLabel('Name', { exact: true }).fill('Device1');
+  await page.getByLabel('Address', { exact: true }).fill('16');
+  await page.getByLabel('Poll period, ms').fill('100');
+  await page.getByLabel('Group requests').selectOption('true');
+  await page.getByLabel('Registers per request').fill('125');
+
+  await page.getByRole('tab', { name: /^Variables/ }).click();
+  await page.getByRole('button', { name: 'Add', exact: true }).click();
+  const grid = page.getByRole('grid', { name: 'Variables' });
+  await grid.locator('[role="row"]').nth(1).locator('[role="gridcell"]').nth(1).dblclick();
+  await grid.locator('select').selectOption('float');
+  await page.keyboard.press('Enter');
+  for (let i = 1; i < 10; ++i) await page.getByRole('button', { name: 'Add', exact: true }).click();
+  await grid.getByText('Var10').waitFor();
+  await page.getByText('1 request instead of 10').waitFor();
+  const request = page.getByRole('grid', { name: 'Requests' }).locator('[role="row"]').nth(1);
+  assert.match(await request.textContent(), /0x030?20.*Var1, Var2, Var3/);
+
+  await save(page);
+  const rows =
+    text().match(/name: Var\d+, type: float, register: \d+, read: 0x03/g) ?? text().match(/name: Var\d+/g);
+  assert.equal(rows.length, 10, text());
+  assert.match(text(), /# Scenario 1 of the source/);
+  // What the source's capture shows: one request for all ten.
+  await page.goto(`${plant.url}#/traffic`);
+  await page
+    .getByText(/^10 03 00 00 00 14/)
+    .first()
+    .waitFor();
+  await page.goto(`${plant.url}#/project`);
+  await page.getByRole('treeitem', { name: /Device1, 16/ }).click();
+  await page.getByRole('tab', { name: 'Settings' }).click();
+  await page.getByLabel('Group requests').selectOption('false');
+  await page.getByText('10 requests, one for each variable').waitFor();
+});
+
+test('two browsers change one project: the second one merges, and nothing is lost', async () => {
+  plant = await Plant.start();
+  const first = await open();
+  const second = await open();
+  for (const page of [first, second]) await page.getByRole('treeitem', { name: /Boiler, 16/ }).click();
+  await first.getByLabel('Poll period, ms').fill('400');
+  await second.getByLabel('Attempts').fill('5');
+  await save(first);
+  const banner = second.getByRole('alert').filter({ hasText: 'The file was changed on the disk' });
+  await banner.waitFor();
+  await banner.getByRole('button', { name: 'Merge with my changes' }).click();
+  await second.getByText('Your changes are merged with the file.').waitFor();
+  assert.equal(await second.getByLabel('Poll period, ms').inputValue(), '400');
+  assert.equal(await second.getByLabel('Attempts').inputValue(), '5');
+  await save(second);
+  assert.match(text(), /poll_period: 400ms/);
+  assert.match(text(), /attempts: 5/);
+  // The first browser has no edits: it follows.
+  await first.waitForFunction(() => document.getElementById('lines[0].devices[0].attempts')?.value === '5');
+});
+
+test('both browsers show the same values', async () => {
+  plant = await Plant.start();
+  const pages = [await open('#/live'), await open('#/live')];
+  await pages[0].getByRole('button', { name: 'Write: Setpoint' }).click();
+  await pages[0].getByLabel('New value').fill('33.25');
+  await pages[0].getByRole('dialog').locator('code').first().waitFor();
+  await pages[0].keyboard.press('Enter');
+  for (const page of pages) await page.getByRole('grid').getByText('33.25').waitFor();
+});
+
+test('commands are marks in the trends, also after a reload', async () => {
+  plant = await Plant.start();
+  const page = await open('#/live');
+  await page.getByRole('button', { name: 'Write: Setpoint' }).click();
+  await page.getByLabel('New value').fill('21.5');
+  await page.getByRole('dialog').locator('code').first().waitFor();
+  await page.keyboard.press('Enter');
+  await page.getByText('Setpoint = 21.5: written').waitFor();
+  await page.goto(`${plant.url}?lang=ru#/trends?pens=Setpoint&span=60`);
+  await page.reload();
+  const marks = page.locator('details.marks');
+  await marks.locator('summary').click();
+  const mark = marks.getByRole('listitem').filter({ hasText: 'Setpoint = 21.5' });
+  await mark.waitFor();
+  assert.match(await mark.textContent(), /браузер 127\.0\.0\.1/);
+  await marks.getByText('Boiler: отвечает').waitFor();
+});
+
+test('outputs and instruments are added and checked like everything else', async () => {
+  plant = await Plant.start();
+  const page = await open();
+  await page.getByRole('treeitem', { name: /Boiler, 16/ }).waitFor();
+  await page.getByRole('button', { name: 'Instrument', exact: true }).click();
+  await page.getByLabel('Every, ms').fill('5');
+  const mark = page.locator('.mark.error').first();
+  await mark.waitFor();
+  assert.match(await mark.getAttribute('aria-label'), /10ms\.\.24h/);
+  await page.getByLabel('Every, ms').fill('500');
+  await mark.waitFor({ state: 'detached' });
+  await page.locator('.part summary').first().click();
+  await page.getByLabel('Request', { exact: true }).fill('W\\r');
+  await page.getByRole('button', { name: 'Output', exact: true }).click();
+  await page.getByLabel('Brokers').fill('mqtt://127.0.0.1:1');
+  await save(page);
+  assert.match(text(), /instruments:\n/);
+  assert.match(text(), /every: 500ms/);
+  assert.match(text(), /request: 'W\\r'|request: W\\r/);
+  assert.match(text(), /mqtt:\/\/127\.0\.0\.1:1/);
+});
+
+test('a project of 1,024 variables stays quick', async () => {
+  const project = plantProject(1024, { transport: 'simulated', baud: 115200 }, '10s');
+  plant = await startWith(project);
+  const page = await open();
+  await page.getByRole('treeitem', { name: /Device 1, 1/ }).click();
+  await page.getByRole('tab', { name: /^Variables/ }).click();
+  const table = page.getByRole('grid', { name: 'Variables' });
+  await table.getByText('D1.V1', { exact: true }).waitFor();
+  // From the key to the next frame; the median, because other programs use this computer too.
+  const times = await page.evaluate(async () => {
+    const frame = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+    const median = (list) => list.sort((a, b) => a - b)[list.length >> 1];
+    const measure = async (count, act) => {
+      const list = [];
+      for (let i = 0; i < count; ++i) {
+        await frame();
+        const begin = performance.now();
+        act(i);
+        await frame();
+        list.push(performance.now() - begin);
+      }
+      return median(list);
+    };
+    const grid = document.querySelector('.table .grid');
+    const filter = document.querySelector('.table input[type="search"]');
+    const type = (box, text) => {
+      Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set.call(box, text);
+      box.dispatchEvent(new InputEvent('input', { bubbles: true }));
+    };
+    return {
+      scroll: await measure(30, (i) => {
+        grid.scrollTop = (i % 10) * 250;
+      }),
+      filter: await measure(20, (i) => type(filter, 'D1.V9'.slice(0, i % 6))),
+      move: await measure(30, () => {
+        grid.focus();
+        grid.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowDown', bubbles: true }));
+      }),
+    };
+  });
+  console.log(`milliseconds: ${JSON.stringify(times)}`);
+  for (const [what, time] of Object.entries(times)) assert.ok(time < 100, `${what}: ${time} ms`);
+});
