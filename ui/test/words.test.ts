@@ -1,0 +1,52 @@
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import type { Frame } from '../src/api/types';
+
+// What the texts need of a browser.
+const browser = globalThis as unknown as Record<string, unknown>;
+browser.location = { href: 'http://127.0.0.1/?lang=ru' };
+browser.localStorage = { getItem: () => null, setItem: () => {} };
+
+const frame = (words: string, fault?: string): Frame => ({
+  t: 0,
+  line: 'bus',
+  unit: 1,
+  direction: 'rx',
+  words,
+  raw: '',
+  ...(fault && { fault }),
+});
+
+test('frames are described in the language of the page', async () => {
+  const { frameWords } = await import('../src/views/traffic/words');
+  const cases = [
+    ['unit 16 read holding registers 0..9', 'чтение регистров хранения 0..9'],
+    ['unit 16 read coils 0..1 → 2 values: 0 1', 'чтение катушек 0..1 → значений 2: 0 1'],
+    ['unit 1 write single coil 5 = on', 'запись катушки 5 = вкл.'],
+    ['unit 1 write multiple registers 8..9 → 8..9 written', 'запись регистров 8..9 → 8..9 записано'],
+    [
+      'unit 1 read/write multiple registers read 1, write 2 = 3',
+      'чтение и запись регистров чтение 1, запись 2 = 3',
+    ],
+    [
+      'unit 1 read coils 0 → exception 2 illegal data address',
+      'чтение катушек 0 → исключение 2 недопустимый адрес данных',
+    ],
+  ] as const;
+  for (const [words, wanted] of cases) assert.equal(frameWords(frame(words)), wanted);
+});
+
+test('texts of devices stay as they are', async () => {
+  const { frameWords } = await import('../src/views/traffic/words');
+  const words = 'unit 1 encapsulated interface transport → 0 "read on off", 1 "X"';
+  assert.equal(frameWords(frame(words)), 'инкапсулированный интерфейс → 0 "read on off", 1 "X"');
+});
+
+test('a fault of the frame is named, an exception is described', async () => {
+  const { frameWords } = await import('../src/views/traffic/words');
+  assert.equal(frameWords(frame('checksum', 'checksum')), 'неверная контрольная сумма');
+  assert.equal(
+    frameWords(frame('unit 1 read coils → exception 1', 'exception')),
+    'чтение катушек → исключение 1',
+  );
+});
