@@ -83,17 +83,13 @@ struct WebServer::Impl {
         const auto id = ++last_connection;
         auto connection = std::make_unique<HttpConnection>(
             HttpConnection::Limits{}, peer, t,
-            [this, id](HttpConnection& its, HttpRequest request) {
-                return execute(its, id, std::move(request));
-            },
+            [this, id](HttpConnection&, HttpRequest request) { return execute(id, std::move(request)); },
             [this](std::ptrdiff_t change) {
                 buffered += static_cast<std::size_t>(change);
                 return buffered <= options.buffered;
             },
             [this, id] { connections.erase(id); });
         connections.emplace(id, connection.get());
-        // Not here: the server is in the middle of accepting.
-        if (connections.size() > options.connections) loop->post([this] { evict(); });
         return connection;
     }
 
@@ -109,12 +105,24 @@ struct WebServer::Impl {
         for (const auto& [since, connection] : idle) connection->drop();
     }
 
-    int execute(HttpConnection& /*connection*/, std::uint64_t id, HttpRequest request) {
+    int execute(std::uint64_t id, HttpRequest request) {
         if (!rates.admit(request.peer, line::now())) return 429;
-        if (connections.size() > options.connections) return 503;
-        auto shared = std::make_unique<HttpRequest>(std::move(request));
-        const bool posted = worker->post([this, id, waiting = std::move(shared)]() mutable {
-            auto reply = std::make_shared<HttpReply>(router.reply(std::move(*waiting)));
+        auto shared = std::make_shared<HttpRequest>(std::move(request));
+        if (connections.size() <= options.connections) return start(id, std::move(shared));
+        // Others cannot be closed here, in the middle of a call of this connection's engine.
+        loop->post([this, id, shared] {
+            evict();
+            const bool admitted = connections.size() <= options.connections;
+            if (const int status = admitted ? start(id, shared) : 503; status != 0)
+                answer(id, {.bytes = bare_reply(status), .close = true});
+        });
+        return 0;
+    }
+
+    // @returns 0, or the status where no thread takes it
+    int start(std::uint64_t id, std::shared_ptr<HttpRequest> request) {
+        const bool posted = worker->post([this, id, request = std::move(request)] {
+            auto reply = std::make_shared<HttpReply>(router.reply(std::move(*request)));
             loop->post([this, id, reply] { answer(id, std::move(*reply)); });
         });
         return posted ? 0 : 503;
