@@ -128,7 +128,13 @@ LineStatistics LinePoller::statistics(Instant t) const {
 DeviceStatistics LinePoller::device(std::size_t device) const {
     TAKT_ASSERT(device < run_->devices_.size());
     const auto& run = run_->devices_[device];
-    return {run.health.condition(), run.statistics, run.delay_learner.finding(), run.noise_meter.finding()};
+    DeviceStatistics statistics{run.health.condition(), run.statistics, run.delay_learner.finding(),
+                                run.noise_meter.finding()};
+    if (statistics.state == DeviceState::not_answering && run.health.probed()) {
+        statistics.next_probe = run.health.probe_at();
+        statistics.back_off = run.health.probe_wait();
+    }
+    return statistics;
 }
 
 bool LinePoller::probe_now(Instant t, std::size_t device) {

@@ -190,6 +190,15 @@ file::Json with_text(file::Json object, const std::string& text) {
     return object;
 }
 
+/// The end of the back-off, in milliseconds after the snapshot: zero or less if the next probe is due.
+file::Json back_off_json(const poll::DeviceStatistics& device, Instant t) {
+    if (!device.next_probe) return {};
+    auto object = file::Json::object();
+    object.set("next_probe_ms", milliseconds(*device.next_probe - t));
+    object.set("pause_ms", milliseconds(device.back_off));
+    return object;
+}
+
 file::Json device_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
                        std::size_t index) {
     const auto& device = snapshot.lines[line].devices[index];
@@ -199,6 +208,7 @@ file::Json device_json(const Texts& texts, const host::Snapshot& snapshot, std::
     object.set("address", settings.address.value);
     object.set("state", poll::name(device.state));
     if (device.failure != value::Reason::ok) object.set("cause", reason_word(device.failure));
+    object.set("back_off", back_off_json(device, snapshot.t));
     object.set("values", count_values(snapshot, line, index).json());
     object.set("response_ms", device.counters.time.count() > 0 ? file::Json(milliseconds(device.recent_time))
                                                                : file::Json());

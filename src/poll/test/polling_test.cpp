@@ -242,6 +242,10 @@ TEST(Polling, ADeviceThatDoesNotAnswerIsProbedOnRequest) {
     bench.run_until(100s);
     auto& line = bench.master.line(0);
     ASSERT_EQ(line.device(0).state, DeviceState::not_answering);
+    ASSERT_TRUE(line.device(0).next_probe);
+    EXPECT_GT(*line.device(0).next_probe, bench.now);
+    EXPECT_GE(line.device(0).back_off, *line.device(0).next_probe - bench.now);
+    EXPECT_FALSE(line.device(1).next_probe) << "it answers";
     bench.players[1].dead = false;
     bench.news();
     EXPECT_FALSE(line.probe_now(bench.now, 1)) << "it answers";

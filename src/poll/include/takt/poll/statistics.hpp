@@ -90,6 +90,10 @@ struct DeviceTraffic {
 struct DeviceStatistics : DeviceCondition, DeviceTraffic {
     std::optional<DelayFinding> delays;  ///< the device is slower than a setting says
     std::optional<NoiseFinding> noise;   ///< before three of its responses, and one in a hundred
+    /// Of a device that does not answer and is probed: the end of its back-off. A line with no other request
+    /// to send probes earlier.
+    std::optional<Instant> next_probe;
+    Duration back_off{};  ///< that ends then
 };
 
 struct LineStatistics {
