@@ -14,18 +14,23 @@ public:
     void set_index(std::size_t index) { index_ = index; }
 
     [[nodiscard]] bool link_up() const override { return poller().link_up(); }
-    [[nodiscard]] bool can_accept() const override { return poller().can_relay(); }
+    [[nodiscard]] bool can_accept() const override { return poller().can_relay() && !guests().waits(index_); }
     [[nodiscard]] bool may_start(Instant t, UnitId unit, const bus::AnswerShape& shape) const override {
         return poller().may_start_relayed(t, unit, shape);
     }
     [[nodiscard]] Result<void> submit(Instant t, const bus::Transaction& transaction) override {
         return poller().relay(t, transaction);
     }
-    [[nodiscard]] std::optional<bus::Outcome> take_outcome() override { return poller().take_relayed(); }
-    [[nodiscard]] bool withdraw() override { return poller().withdraw_relayed(); }
+    [[nodiscard]] std::optional<bus::Outcome> take_outcome() override {
+        return guests().in_slot(index_) ? std::nullopt : poller().take_relayed();
+    }
+    [[nodiscard]] bool withdraw() override {
+        return !guests().in_slot(index_) && poller().withdraw_relayed();
+    }
     void poke() override { endpoints_.surroundings_.poke(index_); }
 
 private:
+    [[nodiscard]] const LineGuests& guests() const { return endpoints_.engine().guests(); }
     [[nodiscard]] poll::LinePoller& poller() const { return endpoints_.engine().master().line(index_); }
 
     Endpoints& endpoints_;

@@ -84,6 +84,11 @@ ProjectEngine::ProjectEngine(HostLink& link, ConfigurationPtr configuration, con
       lines_(configuration_->project().lines.size()),
       master_(configuration_->project(), configuration_->plan(), master_options(options)),
       commands_(*configuration_, master_, retention_, *this),
+      guests_(
+          master_, [this](std::unique_ptr<CommandRequest> command) { on_finished(std::move(command)); },
+          [this](std::size_t line) {
+              if (poke_) poke_(line);
+          }),
       services_(configuration_->project(), configuration_->slots()) {
     record_.reserve(kScratchWords);
     fills_.reserve(HostLink::kMostSessions);
@@ -143,14 +148,18 @@ void CommandRequest::serve(ProjectEngine& engine, Instant t, std::unique_ptr<Hos
 
 // The slot of another generation may be another variable.
 void ProjectEngine::execute(Instant t, std::unique_ptr<CommandRequest> command) {
-    if (command->generation == configuration_->generation()) return commands_.execute(t, std::move(command));
+    if (command->generation == configuration_->generation()) {
+        if (command->command.kind == Command::Kind::exchange) return guests_.execute(t, std::move(command));
+        return commands_.execute(t, std::move(command));
+    }
     command->outcome.t = t;
     command->outcome.error = fail(Code::not_found, "variable of another project").error();
     on_finished(std::move(command));
 }
 
-void ProjectEngine::publish(Instant /*t*/) {
+void ProjectEngine::publish(Instant t) {
     commands_.settle();
+    guests_.settle(t);
     const auto& store = master_.store();
     while (const auto* event = store.next_event(cursor_)) {
         if (const auto missed = std::exchange(cursor_.missed, 0); missed > 0)
@@ -207,6 +216,7 @@ Instant ProjectEngine::next_tick(Instant t) const {
 
 void ProjectEngine::on_tick(Instant t) {
     commands_.on_tick(t);
+    guests_.settle(t);
     update_services(t);
     failures_.on_tick(t);
     if (retention_) retention_->on_tick(t);
@@ -278,6 +288,7 @@ void ProjectEngine::take_over(Instant t, ProjectEngine& old,
     old.end_writes(t);
     old.failures_.finish(t);
     old.commands_.finish(t);
+    old.guests_.finish(t);
     old.commands_.abandon_kept();
     fills_ = std::move(old.fills_);
 }
@@ -292,6 +303,7 @@ void ProjectEngine::finish(Instant t) {
     end_writes(t);
     failures_.finish(t);
     commands_.finish(t);
+    guests_.finish(t);
     if (learner_) learner_->finish(t);
     if (retention_) retention_->finish();
     commands_.abandon_kept();

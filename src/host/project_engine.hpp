@@ -13,6 +13,7 @@
 #include "failure_log.hpp"
 #include "host_link.hpp"
 #include "learning_planner.hpp"
+#include "line_guests.hpp"
 #include "retention.hpp"
 #include "snapshot_request.hpp"
 #include "takt/base/engine.hpp"
@@ -51,6 +52,7 @@ public:
     [[nodiscard]] poll::Master& master() { return master_; }
     [[nodiscard]] const poll::Master& master() const { return master_; }
     [[nodiscard]] CommandExecutor& commands() { return commands_; }
+    [[nodiscard]] const LineGuests& guests() const { return guests_; }
     [[nodiscard]] HostLink& link() { return link_; }
     [[nodiscard]] Instant started() const { return started_; }
 
@@ -164,6 +166,7 @@ private:
     std::vector<Line> lines_;
     poll::Master master_;
     CommandExecutor commands_;
+    LineGuests guests_;
     value::ServiceValues services_;
     Poke poke_;
     EndpointCounters endpoint_counters_;

@@ -142,6 +142,10 @@ bool LinePoller::probe_now(Instant t, std::size_t device) {
     return link_up() && run_->devices_[device].health.probe_now(t);
 }
 
+void LinePoller::admit_guests() {
+    run_->admit_guests();
+}
+
 RequestTimes LinePoller::request_times(std::size_t request) const {
     TAKT_ASSERT(request < run_->requests_.size());
     const auto& times = run_->requests_[request].times;

@@ -27,7 +27,7 @@ std::optional<bus::Outcome> RelaySlot::take_outcome() {
 }
 
 Candidate RelaySlot::candidate(Instant t) const {
-    return {.urgency = gate_.admits(t) ? Urgency::relayed : Urgency::background,
+    return {.urgency = gate_ && gate_->admits(t) ? Urgency::relayed : Urgency::background,
             .key = last_start_.time_since_epoch().count(),
             .job = transaction_id(JobKind::relayed, 0)};
 }
@@ -41,7 +41,7 @@ bus::Transaction RelaySlot::start(Instant t) {
 
 void RelaySlot::submitted(Instant t) {
     in_flight_ = true;
-    gate_.started(t);
+    if (gate_) gate_->started(t);
 }
 
 bool RelaySlot::end(const bus::Outcome& outcome, Instant line_free) {
@@ -62,7 +62,7 @@ void RelaySlot::give_up(Instant t, bus::Status status, Instant line_free) {
 }
 
 void RelaySlot::finish(bus::Outcome outcome, Instant line_free) {
-    if (std::exchange(in_flight_, false)) gate_.ended(std::max(outcome.ended_at, line_free));
+    if (std::exchange(in_flight_, false) && gate_) gate_->ended(std::max(outcome.ended_at, line_free));
     outcome.id = transaction_->id;
     transaction_.reset();
     response_.assign(outcome.response.pdu());

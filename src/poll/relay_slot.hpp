@@ -13,14 +13,16 @@
 namespace takt::poll {
 
 /// One transaction of a client at a time: it waits, is in flight, and leaves an outcome that the client
-/// takes. A gate decides which transactions go before polling.
+/// takes. A gate decides which transactions go before polling, if any does.
 ///
 /// It does not know the line: the caller submits the transaction and reports its end. One owner, one thread.
 /// Never allocates.
 class RelaySlot {
 public:
-    /// @param interval  of transactions that go before polling
-    explicit RelaySlot(Duration interval) : gate_(1, interval) {}
+    /// @param interval  of transactions that go before polling; nothing: none does
+    explicit RelaySlot(std::optional<Duration> interval) {
+        if (interval) gate_.emplace(1, *interval);
+    }
 
     /// Neither a transaction nor an outcome is in it.
     [[nodiscard]] bool empty() const { return !transaction_ && !outcome_; }
@@ -57,7 +59,7 @@ public:
 private:
     void finish(bus::Outcome outcome, Instant line_free);
 
-    bus::TransactionGate gate_;                    // of those that go before polling
+    std::optional<bus::TransactionGate> gate_;     // of those that go before polling
     std::optional<bus::Transaction> transaction_;  // waits or is in flight
     std::optional<std::size_t> device_;
     bool only_reads_ = false;

@@ -8,6 +8,10 @@ void LinePoller::Run::share_line() {
     if (line_.relayed) relay_ = std::make_unique<RelaySlot>(line_.relay_interval);
 }
 
+void LinePoller::Run::admit_guests() {
+    if (!relay_) relay_ = std::make_unique<RelaySlot>(std::nullopt);
+}
+
 Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transaction) {
     if (!relay_) return fail(Code::unsupported, line_.name);
     if (!relay_->empty()) return fail(Code::queue_full, 1);

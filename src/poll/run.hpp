@@ -80,6 +80,7 @@ public:
     bool held_ = false;                    // nothing is polled any more
     std::unique_ptr<RelaySlot> relay_;     // if the line is shared
 
+    void admit_guests();
     Result<void> relay(Instant t, const bus::Transaction& transaction);
 
     // take_over.cpp

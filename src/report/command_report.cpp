@@ -21,6 +21,7 @@ constexpr std::string_view word(Command::Kind kind) {
         case Command::Kind::get: return "get";
         case Command::Kind::pull: return "trigger";
         case Command::Kind::probe: return "probe";
+        case Command::Kind::exchange: return "exchange";
     }
     return "";
 }

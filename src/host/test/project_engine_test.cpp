@@ -95,6 +95,36 @@ TEST(ProjectEngine, ProbesADeviceOnRequest) {
     EXPECT_FALSE(line.request_times[0].buckets.empty());
 }
 
+TEST(ProjectEngine, SendsRequestsOfGuestsBesidePolling) {
+    Rig rig(kPlant);
+    const auto session = rig.open();
+    rig.run(300ms);
+    const auto ask = [&](std::uint8_t unit, std::vector<std::uint8_t> pdu) {
+        EXPECT_TRUE(
+            session->submit({.kind = Command::Kind::exchange,
+                             .exchange = Command::Exchange{.unit = UnitId{unit}, .pdu = std::move(pdu)},
+                             .expires = rig.now + 5s}));
+        rig.serve();
+    };
+    const std::vector<std::uint8_t> read{3, 0, 0, 0, 1};
+    ask(2, read);
+    ask(2, read);
+    EXPECT_EQ(only_outcome(*session).error->code, Code::queue_full) << "one at a time";
+    rig.run(500ms);
+    const auto answered = only_outcome(*session);
+    EXPECT_EQ(answered.result, CommandResult::done);
+    ASSERT_EQ(answered.response.size(), 4u);
+    EXPECT_EQ(answered.response[0], 3);
+    ask(99, read);
+    rig.run(1s);
+    const auto silent = only_outcome(*session);
+    EXPECT_EQ(silent.result, CommandResult::unknown);
+    EXPECT_EQ(silent.reason, value::Reason::timeout);
+    EXPECT_TRUE(silent.response.empty());
+    ask(99, {});
+    EXPECT_EQ(only_outcome(*session).error->code, Code::out_of_range);
+}
+
 TEST(ProjectEngine, LostEventsAreReportedBeforeThoseThatFollow) {
     Rig rig(kPlant);
     rig.run(300ms);

@@ -99,6 +99,32 @@ TEST(Relayed, ALineThatIsNotSharedTakesNone) {
     EXPECT_EQ(bench.master.line(0).relay(bench.now, read(1)).error().code, Code::unsupported);
 }
 
+TEST(Relayed, AGuestIsSentOnlyWhenNothingIsDue) {
+    Bench bench(project(busy_devices(1)));
+    auto& line = bench.master.line(0);
+    EXPECT_EQ(line.relay(bench.now, read(1)).error().code, Code::unsupported);
+    line.admit_guests();
+    line.admit_guests();
+    bench.players[kForeign].registers = {{500, 7}, {501, 8}};
+    flood(bench);
+    bench.run_until(1s);
+    EXPECT_GT(bench.relayed.size(), 20u);
+    const auto polls = static_cast<std::size_t>(std::ranges::count(bench.sent, 1, &Sent::unit));
+    EXPECT_GE(polls, 45u) << "each 20 ms";
+}
+
+TEST(Relayed, AGuestWaitsForALineThatIsNeverFree) {
+    auto devices = busy_devices(8);
+    for (auto& device : devices)
+        for (auto& variable : device.variables) variable.period = 1ms;
+    Bench bench(project(devices));
+    bench.master.line(0).admit_guests();
+    ASSERT_TRUE(bench.master.line(0).relay(bench.now, read(1)));
+    bench.run_until(2s);
+    EXPECT_EQ(foreign(bench.sent), 0u);
+    EXPECT_TRUE(bench.master.line(0).withdraw_relayed());
+}
+
 TEST(Relayed, ALineWithoutDevicesOnlyRelays) {
     auto described = shared({});
     Bench bench(described);

@@ -1,9 +1,13 @@
 // Commands of a running project and their outcomes.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
+#include "takt/base/numbers.hpp"
 #include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
 #include "takt/model/service.hpp"
@@ -27,6 +31,16 @@ struct Command {
         pull,   ///< a local of type bool: it rises from 0 to 1 and falls again, for the requests that it
                 ///< triggers
         probe,  ///< the device of the variable, if it does not answer: its back-off ends
+        /// A request to a unit of a polled line. It is sent when no other request is due; the guarantees do
+        /// not include it. One at a time for each line, of all sessions.
+        exchange,
+    };
+    struct Exchange {
+        std::size_t line = 0;  ///< index in the project
+        UnitId unit{1};
+        std::vector<std::uint8_t> pdu;
+        /// For the first byte of the response; of a device of the line its own time-outs apply.
+        Duration wait = std::chrono::milliseconds(200);
     };
     Kind kind = Kind::get;
     value::SlotId slot;     ///< of the session's configuration; of probe: any variable of the device
@@ -34,8 +48,9 @@ struct Command {
     std::uint64_t tag = 0;  ///< handed back in the outcome
     /// Instead of `slot`: a service variable that the project does not use. It can only be read.
     std::optional<model::ServiceVariable> service;
-    /// Of set and write: not begun after this instant, and not sent to the device if it is a write. Nothing:
-    /// a write expires after 10 s.
+    std::optional<Exchange> exchange = std::nullopt;  ///< of exchange, instead of `slot`
+    /// Of exchange: not sent after this instant. Of set and write: not begun after this instant, and not sent
+    /// to the device if it is a write. Nothing: a write expires after 10 s.
     std::optional<Instant> expires = std::nullopt;
 };
 
@@ -68,6 +83,9 @@ struct Outcome {
     value::Value written;                     ///< with Reason::differs: what was written
     value::Value read_back;                   ///< and what was read
     std::optional<value::SlotId> trigger;     ///< the local that caused a `set` to be written
+    /// Of exchange: the response, also an exception; empty: none. Then `result` is expired if the request was
+    /// not sent, else unknown, and `reason` is why there is none.
+    std::vector<std::uint8_t> response;
 };
 
 }  // namespace takt::host

@@ -126,6 +126,11 @@ public:
     /// @returns false, and does nothing: the link is down, the device answers, is switched off or not read
     bool probe_now(Instant t, std::size_t device);
 
+    /// From now on relay() accepts transactions on a line that is not shared too. They are sent when no other
+    /// request is due, and never ahead of polling. The guarantees do not include them: one that is in flight
+    /// delays what becomes due. Allocates once.
+    void admit_guests();
+
     /// Accepts a transaction of a client that shares the line (model::Line::relayed), one at a time. It is
     /// sent when no other request is due. If the last one ended Line::relay_interval ago, it is sent before
     /// polling, but after commands and triggers: this bounds its share of the line (docs/guarantees.md). It
