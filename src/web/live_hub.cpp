@@ -168,9 +168,10 @@ void LiveHub::tick() {
     read_events();
     if (!session_) return;
     const Instant now = line::now();
-    if (now >= next_second_) second();
+    take_state(now);
     if (!session_) return;
     if (values_->changed()) push(event_text("values", values_->take_rows_text(now)));
+    if (values_->read()) push(event_text("reads", values_->take_reads_text(now)));
     if (now - last_frame_ >= kKeepAlive) push(": keep-alive\n\n");
     make_list();
     poke_();
@@ -212,18 +213,24 @@ void LiveHub::put_notice(const host::Event& event) {
     push(std::move(texts));
 }
 
-void LiveHub::second() {
-    const auto snapshot = session_->snapshot({.values = true, .statistics = true});
+// No event reports the reads of values that stay the same: their instants come from a copy at each tick.
+void LiveHub::take_state(Instant now) {
+    const bool second = now >= next_second_;
+    const auto snapshot = session_->snapshot({.values = true, .statistics = second});
     if (!snapshot) return session_.reset();
-    next_second_ = std::max(next_second_ + std::chrono::seconds(1), snapshot->t);
+    if (second) next_second_ = std::max(next_second_ + std::chrono::seconds(1), snapshot->t);
     if (snapshot->configuration->generation() != values_->configuration()->generation())
         return;  // its event follows
     values_->refresh(*snapshot);
+    if (second) push_status(*snapshot);
+}
+
+void LiveHub::push_status(const host::Snapshot& snapshot) {
     const auto wanted = languages();
     FrameTexts texts;
     for (const auto language : text::kLanguages) {
         if (!wanted[index_of(language)]) continue;
-        const auto status = status_object(report::Texts(language), *snapshot, host_);
+        const auto status = status_object(report::Texts(language), snapshot, host_);
         texts[index_of(language)] = std::make_shared<const std::string>(event_text("status", status.dump()));
     }
     push(std::move(texts));

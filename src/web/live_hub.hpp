@@ -21,8 +21,8 @@
 
 namespace takt::web {
 
-/// GET /stream. One thread with one session of the host makes the events of all streams: changes of values at
-/// most each kTick, the state each second. Without streams there is no session.
+/// GET /stream. One thread with one session of the host makes the events of all streams: changes of values
+/// and the instants of reads at most each kTick, the state each second. Without streams there is no session.
 ///
 /// The events are in a bounded ring. Each stream has its own cursor. A stream whose browser is too slow loses
 /// its place in the ring and gets a new snapshot, so that a browser that stops reading costs nothing.
@@ -72,7 +72,8 @@ private:
     void connect();
     void tick();
     void read_events();
-    void second();
+    void take_state(Instant now);
+    void push_status(const host::Snapshot& snapshot);
     void begin_configuration(bool announced);
     void put_notice(const host::Event& event);
     void push(FrameTexts texts);

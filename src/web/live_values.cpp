@@ -59,6 +59,7 @@ LiveValues::LiveValues(const host::Snapshot& snapshot)
     refresh(snapshot);
     changed_.clear();
     is_changed_.assign(is_changed_.size(), false);
+    read_.clear();
 }
 
 void LiveValues::mark(std::uint32_t slot) {
@@ -86,9 +87,13 @@ void LiveValues::refresh(const host::Snapshot& snapshot) {
             const auto& devices = snapshot.lines[index->line].devices;
             if (index->device < devices.size()) state.cause = devices[index->device].failure;
         }
-        if (state.good_at == now.good_at && state.quality == now.quality && state.reason == now.reason &&
-            value::same(state.value, now.value))
+        if (state.quality == now.quality && state.reason == now.reason &&
+            value::same(state.value, now.value)) {
+            if (state.good_at == now.good_at) continue;
+            state.good_at = now.good_at;
+            read_.push_back(slot);
             continue;
+        }
         state.value = now.value;
         state.quality = now.quality;
         state.reason = now.reason;
@@ -175,6 +180,29 @@ std::string LiveValues::take_rows_text(Instant t) {
     auto object = file::Json::object();
     object.set("time", clock.ms(t));
     object.set("values", file::Json(std::move(rows)));
+    return object.dump();
+}
+
+std::string LiveValues::take_reads_text(Instant t) {
+    const WallTime clock;
+    file::Json::Array runs;
+    const auto instant_of = [&](std::uint32_t slot) { return states_[slot].good_at; };
+    for (std::size_t first = 0, next = 0; first < read_.size(); first = next) {
+        const auto good_at = instant_of(read_[first]);
+        next = first + 1;
+        while (next < read_.size() && read_[next] == read_[next - 1] + 1 &&
+               instant_of(read_[next]) == good_at)
+            ++next;
+        file::Json::Array run;
+        run.push_back(good_at ? file::Json(clock.ms(*good_at)) : file::Json());
+        run.emplace_back(read_[first]);
+        run.emplace_back(read_[next - 1]);
+        runs.emplace_back(std::move(run));
+    }
+    read_.clear();
+    auto object = file::Json::object();
+    object.set("time", clock.ms(t));
+    object.set("reads", file::Json(std::move(runs)));
     return object.dump();
 }
 

@@ -23,15 +23,20 @@ public:
 
     void apply(const host::ValueChanged& changed);
     /// Takes over what no event reports: when a value that stayed the same was read, and why its device does
-    /// not answer. @param snapshot  of the same generation
+    /// not answer. @param snapshot  of the same generation; without statistics only the former
     void refresh(const host::Snapshot& snapshot);
 
     [[nodiscard]] bool changed() const { return !changed_.empty(); }
+    /// Values that stayed the same were read.
+    [[nodiscard]] bool read() const { return !read_.empty(); }
 
     /// The data of the event `snapshot`: docs/web.md, "Streams".
     [[nodiscard]] std::string list_text(Instant t) const;
     /// The data of the event `values`. Marks all values as unchanged.
     [[nodiscard]] std::string take_rows_text(Instant t);
+    /// The data of the event `reads`: when values that stayed the same were read, those of one instant that
+    /// follow each other as one entry. Marks them as not read.
+    [[nodiscard]] std::string take_reads_text(Instant t);
 
 private:
     struct State {
@@ -50,6 +55,7 @@ private:
     std::vector<State> states_;           // by SlotId
     std::vector<std::uint32_t> changed_;  // slots, each once
     std::vector<bool> is_changed_;        // by SlotId
+    std::vector<std::uint32_t> read_;     // ascending; may be in changed_ as well
 };
 
 /// The registers of a variable that hold a value; null for coils and where there is no value.

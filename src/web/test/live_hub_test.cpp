@@ -38,6 +38,28 @@ TEST_F(LiveHubTest, BeginsWithAllValuesThenChangesAndTheState) {
     EXPECT_GT(pokes, 0);
 }
 
+// The registers of a simulated device that can be written stay as they are.
+TEST(LiveHub, ReportsReadsThatFindValuesUnchanged) {
+    const auto constant = [](const char* name, int reg) {
+        return host::test::variable_of(name, reg, ", write: 0x10");
+    };
+    RunningHost running(host::test::project_with(host::test::line_of(
+        "plant",
+        host::test::device_of("Boiler", 1, constant("A", 0) + constant("B", 1) + constant("C", 50)))));
+    LiveHub hub(running.access(), [] {});
+    const auto stream = hub.open(text::Language::english);
+    const auto text =
+        take_until(*stream, [](const std::string& its) { return count_of(its, "event: reads") > 5; });
+    const auto at = text.rfind("event: reads");
+    const auto end = text.find('\n', text.find("data: ", at));
+    const auto data = text.find("data: ", at) + 6;
+    const auto event = file::Json::parse(text.substr(data, end - data));
+    ASSERT_TRUE(event) << text.substr(at);
+    const auto& reads = std::get<file::Json::Array>(event->find("reads")->value());
+    ASSERT_FALSE(reads.empty());
+    for (const auto& read : reads) EXPECT_EQ(std::get<file::Json::Array>(read.value()).size(), 3u);
+}
+
 TEST_F(LiveHubTest, GivesAllStreamsTheSameFramesEachInItsLanguage) {
     const auto english = hub.open(text::Language::english);
     const auto russian = hub.open(text::Language::russian);
