@@ -6,6 +6,8 @@
 #include "live_hub.hpp"
 #include "live_values.hpp"
 #include "requests_json.hpp"
+#include "takt/plan/learning.hpp"
+#include "takt/report/learnt_report.hpp"
 #include "takt/report/state_report.hpp"
 #include "takt/report/value_json.hpp"
 #include "wall_time.hpp"
@@ -63,6 +65,28 @@ ApiResponse requests_response(const HostAccess& host, const ApiRequest& request)
     return ApiResponse::json(requests_json(*snapshot));
 }
 
+/// What the devices with `gaps: learn` were found to answer and to refuse.
+ApiResponse learnt_response(const HostAccess& host, const ApiRequest& request) {
+    const auto snapshot = take_snapshot(host, {.values = false, .learnt = true});
+    if (!snapshot) return host_error(request, snapshot.error());
+    auto project = snapshot->configuration->project();
+    auto lines = file::Json::array();
+    for (std::size_t l = 0; l < project.lines.size() && l < snapshot->lines.size(); ++l) {
+        auto& line = project.lines[l];
+        for (std::size_t d = 0; d < snapshot->lines[l].learnt.size() && d < line.devices.size(); ++d)
+            line.devices[d].learnt = snapshot->lines[l].learnt[d];
+        auto object = file::Json::object();
+        object.set("name", line.name);
+        object.set("learns", plan::learns(line));
+        object.set("learnt", report::learnt_json(project, l));
+        lines.push_back(std::move(object));
+    }
+    auto object = file::Json::object();
+    object.set("time", utc_text(snapshot->t));
+    object.set("lines", std::move(lines));
+    return ApiResponse::json(object);
+}
+
 ApiResponse why_response(const HostAccess& host, const ApiRequest& request) {
     const auto snapshot = take_snapshot(host, {.values = true, .statistics = true, .plan = true});
     if (!snapshot) return host_error(request, snapshot.error());
@@ -94,6 +118,8 @@ std::vector<ApiRoute> state_routes(const HostAccess& host, const ProgramInfo& in
         {get, "/values", false, [&](const ApiRequest& request) { return values_response(host, request); }},
         {get, "/requests", false,
          [&](const ApiRequest& request) { return requests_response(host, request); }},
+        {get, "/devices/learnt", false,
+         [&](const ApiRequest& request) { return learnt_response(host, request); }},
         {get, "/why", false, [&](const ApiRequest& request) { return why_response(host, request); }},
     };
 }

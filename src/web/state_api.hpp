@@ -1,4 +1,4 @@
-// GET /info, /status, /values, /requests, /why: the state of the project.
+// GET /info, /status, /values, /requests, /devices/learnt, /why: the state of the project.
 #pragma once
 
 #include <string>

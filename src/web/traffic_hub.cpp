@@ -75,6 +75,15 @@ std::unique_ptr<StreamSource> TrafficHub::open() {
     return stream;
 }
 
+void TrafficHub::registers(const std::function<void(const WireRegisters&)>& visit) {
+    {
+        const std::lock_guard lock(shared_->mutex);
+        shared_->registers_until = std::chrono::steady_clock::now() + kRegistersWanted;
+        visit(shared_->registers);
+    }
+    shared_->changed.notify_all();
+}
+
 void TrafficHub::work() {
     while (wait_for_stream()) {
         if (!reader_) connect();
@@ -86,13 +95,14 @@ void TrafficHub::work() {
 
 bool TrafficHub::wait_for_stream() {
     std::unique_lock lock(shared_->mutex);
-    if (shared_->streams == 0 && !shared_->ended) {
+    if (!shared_->wanted() && !shared_->ended) {
         shared_->frames.clear();
+        shared_->registers.clear();
         lock.unlock();
         reader_.reset();
         lock.lock();
     }
-    shared_->changed.wait(lock, [this] { return shared_->ended || shared_->streams > 0; });
+    shared_->changed.wait(lock, [this] { return shared_->ended || shared_->wanted(); });
     return !shared_->ended;
 }
 
@@ -107,14 +117,24 @@ void TrafficHub::tick() {
     const WallTime clock;
     file::Json::Array frames;
     std::uint64_t left_out = 0;
+    bool streamed = false;
+    {
+        const std::lock_guard lock(shared_->mutex);
+        streamed = shared_->streams > 0;
+    }
     for (int count = 0; count < kMostRecords; ++count) {
         const auto frame = reader_->next();
         if (!frame) break;
-        if (frames.size() < kMostFrames)
+        {
+            const std::lock_guard lock(shared_->mutex);
+            shared_->registers.take(*frame);
+        }
+        if (streamed && frames.size() < kMostFrames)
             frames.push_back(frame->json(clock));
         else
             ++left_out;
     }
+    if (!streamed) left_out = 0;
     left_out += reader_->missed() - std::exchange(missed_, reader_->missed());
     const auto items = frames.size();
     if (items > 0) push(event_text("frames", file::Json(std::move(frames)).dump()), items);

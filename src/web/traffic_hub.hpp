@@ -1,6 +1,7 @@
 // The frames on the lines for all browsers.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -14,16 +15,19 @@
 #include "takt/web/host_access.hpp"
 #include "takt/web/stream.hpp"
 #include "traffic_reader.hpp"
+#include "wire_registers.hpp"
 
 namespace takt::web {
 
-/// GET /traffic, GET /traffic/capture. One thread with one tap for all streams; without streams the tap is
-/// closed. Frames that a slow browser, or this thread, could not take are counted in the event `missed`.
+/// GET /traffic, GET /traffic/capture, GET /registers. One thread with one tap for all streams; the tap is
+/// closed when no stream is open and no registers were asked for during kRegistersWanted. Frames that a slow
+/// browser, or this thread, could not take are counted in the event `missed`.
 class TrafficHub {
 public:
     static constexpr std::size_t kMostStreams = 16;
     static constexpr std::size_t kMostFrames = 1000;  ///< in one event, of a tenth of a second
     static constexpr std::size_t kMostCaptured = 10'000;
+    static constexpr auto kRegistersWanted = std::chrono::seconds(10);
 
     /// @param poke  called on the hub's thread when streams have something to take
     TrafficHub(HostAccess host, std::function<void()> poke);
@@ -40,6 +44,10 @@ public:
     /// The last frames that a tap saw, as pcapng. Any thread. @returns the errors of open_session
     [[nodiscard]] Result<std::string> capture() const;
 
+    /// Calls `visit` with the registers of the frames since the tap was opened, and keeps the tap open for
+    /// some time. Any thread; other calls wait until it returns.
+    void registers(const std::function<void(const WireRegisters&)>& visit);
+
 private:
     class Stream;
 
@@ -49,6 +57,12 @@ private:
         EventFrames frames{256, std::size_t{8} << 20};
         std::size_t streams = 0;
         bool ended = false;
+        std::chrono::steady_clock::time_point registers_until;  ///< the tap stays open until then
+        WireRegisters registers;
+
+        [[nodiscard]] bool wanted() const {
+            return streams > 0 || std::chrono::steady_clock::now() < registers_until;
+        }
     };
 
     void work();

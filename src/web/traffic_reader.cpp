@@ -24,7 +24,7 @@ TrafficReader::Source* TrafficReader::source_of(const host::TrafficRecord& recor
     const auto line = session_->line_of(record);
     if (!line) return nullptr;
     if (sources_.size() >= kMostSources) sources_.clear();
-    Source source{.line = line->name, .ascii = line->framing == wire::Framing::ascii};
+    Source source{.line = line->name, .framing = line->framing};
     for (const auto& device : line->devices) source.devices[device.address.value] = device.name;
     return &sources_.emplace(key, std::move(source)).first->second;
 }
@@ -33,7 +33,10 @@ std::optional<TrafficFrame> TrafficReader::next() {
     while (auto record = session_->next_traffic()) {
         auto* const source = source_of(*record);
         if (!source) continue;
-        TrafficFrame frame{.record = *std::move(record), .line = source->line, .ascii = source->ascii};
+        TrafficFrame frame{.record = *std::move(record),
+                           .line = source->line,
+                           .ascii = source->framing == wire::Framing::ascii,
+                           .mbap = source->framing == wire::Framing::tcp};
         const auto unit = frame.record.unit;
         if (const auto device = source->devices.find(unit.value); device != source->devices.end())
             frame.device = device->second;

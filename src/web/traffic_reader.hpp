@@ -21,6 +21,7 @@ struct TrafficFrame {
     std::string line;
     std::string device;  ///< empty: a unit that is no device of the line
     bool ascii = false;
+    bool mbap = false;  ///< its raw bytes begin with a transaction identifier
     bool request = false;
     std::string words;
 
@@ -40,7 +41,7 @@ private:
     struct Source {
         std::string line;
         std::map<std::uint8_t, std::string> devices;  // by address
-        bool ascii = false;
+        wire::Framing framing{};
         std::map<std::uint8_t, wire::Request> requests;  // the last one to each address
     };
     using Key = std::tuple<std::uint32_t, host::TrafficSource::Kind, std::size_t>;

@@ -13,6 +13,7 @@
 #include "openapi.hpp"
 #include "state_api.hpp"
 #include "traffic_hub.hpp"
+#include "wall_time.hpp"
 
 namespace takt::web {
 namespace {
@@ -33,6 +34,48 @@ std::int64_t time_in(std::string_view text, std::int64_t missing) {
 ApiResponse events_response(const EventLog& log, const ApiRequest& request) {
     return ApiResponse::json(log.events(request.texts.language(), time_in(request.parameter("from"), 0),
                                         time_in(request.parameter("to"), INT64_MAX)));
+}
+
+/// The registers of a variable as its last response had them.
+file::Json registers_of(const WireRegisters& known, const host::Configuration& configuration,
+                        const std::string& name, const WallTime& clock) {
+    auto object = file::Json::object();
+    object.set("variable", name);
+    const auto slot = configuration.find(name);
+    const auto* const variable = slot ? configuration.variable_of(*slot) : nullptr;
+    const auto found =
+        variable ? known.find(configuration.line_of(*slot)->name, configuration.device_of(*slot)->address,
+                              variable->area, variable->start(), variable->items())
+                 : std::nullopt;
+    auto items = file::Json::array();
+    if (found)
+        for (const auto item : found->items) items.push_back(item);
+    object.set("items", found ? std::move(items) : file::Json());
+    object.set("bits", variable && wire::is_bit_area(variable->area));
+    if (!found) return object;
+    object.set("function", found->function);
+    object.set("start", found->start);
+    object.set("quantity", found->quantity);
+    object.set("received_at", clock.ms(found->t));
+    return object;
+}
+
+ApiResponse registers_response(TrafficHub& traffic, const HostAccess& host, const ApiRequest& request) {
+    const auto [first, last] = request.query.equal_range("variable");
+    const auto configuration = host.configuration();
+    for (auto its = first; its != last; ++its)
+        if (!configuration->find(its->second))
+            return ApiResponse::error(404, "variable",
+                                      request.texts("web.error.variable", {{"name", its->second}}));
+    auto list = file::Json::array();
+    const WallTime clock;
+    traffic.registers([&](const WireRegisters& known) {
+        for (auto its = first; its != last; ++its)
+            list.push_back(registers_of(known, *configuration, its->second, clock));
+    });
+    auto object = file::Json::object();
+    object.set("registers", std::move(list));
+    return ApiResponse::json(object);
 }
 
 ApiResponse openapi_response() {
@@ -87,6 +130,9 @@ struct WebFace::Impl {
                        [this](const ApiRequest& request) { return events_response(*log, request); }});
         all.push_back({Method::get, "/traffic/capture", false,
                        [this](const ApiRequest& request) { return capture_response(*traffic, request); }});
+        all.push_back({Method::get, "/registers", false, [this](const ApiRequest& request) {
+                           return registers_response(*traffic, host, request);
+                       }});
         all.push_back(
             {Method::get, "/openapi.json", false, [](const ApiRequest&) { return openapi_response(); }});
         return all;

@@ -42,8 +42,8 @@ std::set<std::string> served() {
     static const ProgramInfo info;
     static const std::atomic<bool> stopping = false;
     ProjectApi project({.file = "plant.yaml"});
-    std::set<std::string> all{"get /stream", "get /traffic", "get /traffic/capture", "get /openapi.json",
-                              "get /events"};
+    std::set<std::string> all{"get /stream",    "get /traffic",      "get /traffic/capture",
+                              "get /registers", "get /openapi.json", "get /events"};
     const auto add = [&all](const std::vector<ApiRoute>& routes) {
         for (const auto& route : routes)
             all.insert(std::string(word(route.method)) + ' ' + std::string(route.path) +
