@@ -19,17 +19,17 @@ public:
     RealConnection(line::Loop& loop, const model::Line& line, std::shared_ptr<wire::TrafficObserver> traffic)
         : loop_(loop), traffic_(std::move(traffic)), engine_(one_off_line(line), traffic_.get()) {}
 
-    Result<void> open(const line::Target& target, const Options& options) {
+    Result<void> open(const model::Line& line, const Options& options, const OpenLine& open_line) {
         line::DriverOptions driver;
         driver.connect_limit = options.timeout;
         driver.on_link = [this](Instant, bool, const std::optional<Error>& why) { link_error_ = why; };
         driver.must_reconnect = [this] { return engine_.must_reconnect(); };
-        TAKT_TRY(driver_, line::open_target(loop_, target, engine_, driver));
+        TAKT_TRY(driver_, open_line(loop_, line, engine_, driver));
         loop_.run_until([this] { return up() || link_error_.has_value(); }, options.timeout);
         if (up()) return {};
         if (link_error_) return std::unexpected(*link_error_);
-        if (target.transport != model::Transport::serial)
-            return fail(Code::cannot_open, line::host_and_port(target.port, target.tcp_port),
+        if (line.transport != model::Transport::serial)
+            return fail(Code::cannot_open, line::host_and_port(line.port, line.tcp_port),
                         stopped() ? ECANCELED : ETIMEDOUT);
         return fail(Code::timed_out, options.target, duration_cast<milliseconds>(options.timeout).count());
     }
@@ -65,9 +65,13 @@ bus::LineConfig one_off_line(const model::Line& line) {
 Result<std::unique_ptr<Connection>> connect(line::Loop& loop, const Options& options,
                                             const line::TrafficFactory& traffic) {
     TAKT_TRY(const auto target, line::parse_target(options.target));
-    const auto line = target.as_line();
+    return connect(loop, target.as_line(), options, line::open_line, traffic);
+}
+
+Result<std::unique_ptr<Connection>> connect(line::Loop& loop, const model::Line& line, const Options& options,
+                                            const OpenLine& open, const line::TrafficFactory& traffic) {
     auto connection = std::make_unique<RealConnection>(loop, line, traffic ? traffic(line) : nullptr);
-    TAKT_CHECK(connection->open(target, options));
+    TAKT_CHECK(connection->open(line, options, open));
     return connection;
 }
 

@@ -8,9 +8,11 @@
 #include <utility>
 
 #include "command_api.hpp"
+#include "device_search.hpp"
 #include "event_log.hpp"
 #include "live_hub.hpp"
 #include "openapi.hpp"
+#include "search_api.hpp"
 #include "state_api.hpp"
 #include "traffic_hub.hpp"
 #include "wall_time.hpp"
@@ -105,6 +107,7 @@ struct WebFace::Impl {
     std::unique_ptr<EventLog> log;
     std::unique_ptr<LiveHub> live;
     std::unique_ptr<TrafficHub> traffic;
+    DeviceSearch search;
     std::unique_ptr<WebServer> server;
 
     Result<void> begin() {
@@ -125,6 +128,7 @@ struct WebFace::Impl {
             std::ranges::move(more, std::back_inserter(all));
         };
         append(command_routes(host, *log, stopping));
+        append(search_routes(search, host));
         append(std::move(further));
         all.push_back({Method::get, "/events", false,
                        [this](const ApiRequest& request) { return events_response(*log, request); }});
@@ -152,6 +156,7 @@ struct WebFace::Impl {
         if (live) live->end();
         if (traffic) traffic->end();
         if (server) server->stop();
+        search.end();
     }
 };
 

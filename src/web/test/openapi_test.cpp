@@ -12,6 +12,7 @@
 
 #include "command_api.hpp"
 #include "event_log.hpp"
+#include "search_api.hpp"
 #include "state_api.hpp"
 #include "takt/web/history_api.hpp"
 #include "takt/web/project_api.hpp"
@@ -52,6 +53,8 @@ std::set<std::string> served() {
     add(state_routes(host, info));
     static EventLog log{{.open_session = [](const auto&) { return fail(Code::connection_lost, "host"); }}};
     add(command_routes(host, log, stopping));
+    DeviceSearch search;
+    add(search_routes(search, host));
     add(project.routes());
     add(history_routes({}));
     return all;

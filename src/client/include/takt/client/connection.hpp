@@ -9,6 +9,7 @@
 #include "takt/base/time.hpp"
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/client/options.hpp"
+#include "takt/line/driver.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/line/traffic_factory.hpp"
 
@@ -35,11 +36,20 @@ public:
 /// The bus settings of a line whose devices are unknown.
 [[nodiscard]] bus::LineConfig one_off_line(const model::Line& line);
 
+/// Opens a line as line::open_line() does.
+using OpenLine = std::function<Result<std::unique_ptr<line::Driver>>(
+    line::Loop& loop, const model::Line& line, Engine& engine, const line::DriverOptions& options)>;
+
 /// Opens the port of a target, or connects to its host, within the time-out.
 /// @param loop     outlives the connection, which is stopped when the loop is
 /// @param traffic  makes the observer of the frames; may be empty
 /// @returns the target's syntax errors; cannot_open, busy, timed_out, … with the port or host as subject
 [[nodiscard]] Result<std::unique_ptr<Connection>> connect(line::Loop& loop, const Options& options,
+                                                          const line::TrafficFactory& traffic = {});
+
+/// The same for a line, which `open` opens. `options.target` names it in errors.
+[[nodiscard]] Result<std::unique_ptr<Connection>> connect(line::Loop& loop, const model::Line& line,
+                                                          const Options& options, const OpenLine& open,
                                                           const line::TrafficFactory& traffic = {});
 
 }  // namespace takt::client

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "takt/client/connection.hpp"
 #include "takt/discover/target_scan.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/loop.hpp"
@@ -20,10 +21,6 @@ namespace takt::client {
 /// @returns what line::parse_target() and the parsers of discover return
 [[nodiscard]] Result<std::vector<discover::ScanTarget>> scan_targets(std::span<const std::string> urls,
                                                                      const discover::SerialChoices& choices);
-
-/// Opens a line as line::open_line() does.
-using OpenLine = std::function<Result<std::unique_ptr<line::Driver>>(
-    line::Loop& loop, const model::Line& line, Engine& engine, const line::DriverOptions& options)>;
 
 /// Opens the line of each setting of a target and runs a discover::TargetScan on it. The loop's thread only.
 class PortScan {
