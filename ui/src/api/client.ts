@@ -24,16 +24,20 @@ export function takeToken(): void {
   history.replaceState(null, '', url);
 }
 
-export function apiUrl(path: string, query: Record<string, string | number | undefined> = {}): string {
+type Query = Record<string, string | number | string[] | undefined>;
+
+/** A list is repeated: one parameter for each of its texts. */
+export function apiUrl(path: string, query: Query = {}): string {
   const url = new URL(`api/v1/${path}`, document.baseURI);
   url.searchParams.set('lang', language.value);
   for (const [key, value] of Object.entries(query))
-    if (value !== undefined) url.searchParams.set(key, String(value));
+    if (Array.isArray(value)) for (const one of value) url.searchParams.append(key, one);
+    else if (value !== undefined) url.searchParams.set(key, String(value));
   return url.toString();
 }
 
 /** For addresses that the browser opens by itself: streams and downloads. */
-export function openUrl(path: string, query: Record<string, string | number | undefined> = {}): string {
+export function openUrl(path: string, query: Query = {}): string {
   const token = sessionStorage.getItem(TOKEN_KEY);
   return apiUrl(path, token ? { ...query, token } : query);
 }
@@ -70,7 +74,7 @@ async function call<T>(method: string, url: string, body?: unknown, signal?: Abo
   return answer as T;
 }
 
-export const get = <T>(path: string, query = {}, signal?: AbortSignal) =>
+export const get = <T>(path: string, query: Query = {}, signal?: AbortSignal) =>
   call<T>('GET', apiUrl(path, query), undefined, signal);
 export const post = <T>(path: string, body: unknown, signal?: AbortSignal, query = {}) =>
   call<T>('POST', apiUrl(path, query), body, signal);

@@ -52,6 +52,11 @@ export interface ValueBatch {
   time: number;
   values: ValueChange[];
 }
+/** Instants of reads that found values unchanged: instant, first and last index. */
+export interface ReadBatch {
+  time: number;
+  reads: [number | null, number, number][];
+}
 export interface Notice {
   time: number;
   severity: 'info' | 'warning' | 'error';
@@ -62,6 +67,9 @@ export interface DeviceStatus {
   name: string;
   address: number;
   state: 'unknown' | 'answering' | 'not_answering' | 'switched_off' | 'link_down';
+  cause?: string;
+  /** The end of the back-off, after the time of the status. */
+  back_off: { next_probe_ms: number; pause_ms: number } | null;
   values: Record<Quality, number>;
   response_ms: number | null;
   sent: number;
@@ -82,7 +90,7 @@ export interface DeviceStatus {
     advised: string | null;
     text?: string;
   } | null;
-  late_responses: { text?: string } | null;
+  late_responses: { count: number; requests: number; longest_ms: number; text?: string } | null;
 }
 export interface LineStatus {
   name: string;
@@ -264,6 +272,75 @@ export interface CommandPreview {
   frames: { raw: string; words: string; bus_time_us: number }[];
   value_written: Scalar;
   rounded: boolean;
+}
+
+export interface WireItems {
+  variable: string;
+  /** Registers, or bits as 0 and 1; null: no response was seen yet. */
+  items: number[] | null;
+  bits: boolean;
+  function?: number;
+  start?: number;
+  quantity?: number;
+  received_at?: number;
+}
+
+export interface ItemRange {
+  first: number;
+  last: number;
+}
+export interface LearntGaps {
+  device: string;
+  unit: number;
+  function: number;
+  confirmed: ItemRange[];
+  refused: (ItemRange & { exception: number; since_s: number; checked_s: number })[];
+  untried: ItemRange[];
+  most_items: number | null;
+}
+export interface Learnt {
+  time: string;
+  lines: { name: string; learns: boolean; learnt: LearntGaps[] }[];
+}
+
+export interface FoundDevice {
+  target: string;
+  unit: number;
+  identity: string;
+  response_ms: number;
+  exception: number | null;
+  garbled: boolean;
+  doubled: boolean;
+  /** The line of the running project with this endpoint. */
+  line: string | null;
+  known_as: string | null;
+  line_node: Mapping | null;
+  device_node: Mapping | null;
+}
+export interface ProbedDevice {
+  target: string;
+  unit: number;
+  text: string;
+  summary: string;
+  line: string | null;
+  known_as: string | null;
+  keys: Mapping;
+}
+export interface Search {
+  id: number;
+  kind: 'none' | 'scan' | 'probe';
+  running: boolean;
+  cancelled: boolean;
+  elapsed_ms: number;
+  done: number;
+  total: number;
+  requests: number;
+  where: string;
+  error: string | null;
+  devices: FoundDevice[];
+  troubles: { kind: string; target: string; text: string }[];
+  absent_hosts: number;
+  probed: ProbedDevice[];
 }
 
 export interface Hop {

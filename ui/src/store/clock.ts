@@ -2,9 +2,9 @@
 import { signal } from '@preact/signals';
 import { programNow } from './info';
 
-const TICK_MS = 250;
+const TICK_MS = 200;
 
-/** The program's time, four times a second. A hidden page has no ticks. */
+/** The program's time, five times a second. A hidden page has no ticks. */
 export const tick = signal(programNow());
 export const second = signal(Math.floor(programNow() / 1000));
 

@@ -2,7 +2,7 @@
 // Changes are applied once for each frame of the screen.
 import { type Signal, signal } from '@preact/signals';
 import { openStream, type Stream } from '../api/stream';
-import type { LiveValue, Notice, Snapshot, Status, ValueBatch } from '../api/types';
+import type { LiveValue, Notice, ReadBatch, Snapshot, Status, ValueBatch } from '../api/types';
 import { connected, loadInfo, status } from './info';
 import { refreshProject } from './project';
 
@@ -74,12 +74,24 @@ function onValues(batch: ValueBatch): void {
   else if (!frame) frame = requestAnimationFrame(apply);
 }
 
+// The value stays as it is, so nothing is drawn for it: what shows an age looks at it with each tick.
+function onReads(batch: ReadBatch): void {
+  if (waiting.length > 0) apply();
+  for (const [good_at, first, last] of batch.reads)
+    for (let index = first; index <= last; ++index) {
+      const its = values.peek()[index];
+      if (its) its.peek().good_at = good_at;
+    }
+  valueTime.value = batch.time;
+}
+
 export function startLive(): Stream {
   return openStream(
     'stream',
     {
       snapshot: onSnapshot,
       values: onValues,
+      reads: onReads,
       status: (its: Status) => {
         status.value = its;
       },

@@ -47,6 +47,11 @@ export const live = {
     period: 'Period',
     enable: 'Poll enable',
   },
+  wire: {
+    waiting: 'waiting…',
+    from: (fn: string, start: string, quantity: string, time: string) =>
+      `As received at ${time}: function ${fn}, start ${start}, quantity ${quantity}`,
+  },
   format: {
     label: 'Format',
     normal: 'Decimal',

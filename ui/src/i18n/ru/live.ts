@@ -50,6 +50,11 @@ export const live: Translated<typeof source> = {
     period: 'Период',
     enable: 'Опрос',
   },
+  wire: {
+    waiting: 'ожидание…',
+    from: (fn: string, start: string, quantity: string, time: string) =>
+      `Как принято в ${time}: функция ${fn}, начало ${start}, количество ${quantity}`,
+  },
   format: {
     label: 'Формат',
     normal: 'Десятичный',

@@ -50,6 +50,11 @@ export const live: Translated<typeof source> = {
     period: 'Період',
     enable: 'Опитування',
   },
+  wire: {
+    waiting: 'очікування…',
+    from: (fn: string, start: string, quantity: string, time: string) =>
+      `Як прийнято о ${time}: функція ${fn}, початок ${start}, кількість ${quantity}`,
+  },
   format: {
     label: 'Формат',
     normal: 'Десятковий',

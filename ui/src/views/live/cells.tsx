@@ -1,10 +1,11 @@
 // The cells of the live table. Each subscribes to what it shows, so that a change draws a cell, not the table.
 import type { Signal } from '@preact/signals';
 import type { LiveValue } from '../../api/types';
-import { formatDuration, t } from '../../i18n';
+import { formatClock, formatDuration, t } from '../../i18n';
 import { second, tick } from '../../store/clock';
 import { recent } from '../../store/live';
 import { type Format, formatValue, sparkline } from './format';
+import { itemsText, wireItems } from './wire';
 
 export type Row = Signal<LiveValue>;
 
@@ -17,8 +18,27 @@ export const typeClass = (type: string) =>
         ? 'type-string'
         : 'type-int';
 
+/** As received; a value keeps its last registers when its device stops answering. */
+function WireCell({ name }: { name: string }) {
+  const texts = t.value.live.wire;
+  const its = wireItems.value.get(name);
+  if (!its?.items) return <span class="muted">{texts.waiting}</span>;
+  const title = texts.from(
+    `0x${(its.function ?? 0).toString(16).toUpperCase().padStart(2, '0')}`,
+    String(its.start),
+    String(its.quantity),
+    formatClock(its.received_at ?? 0, true),
+  );
+  return (
+    <span class="value mono" title={title}>
+      {itemsText(its)}
+    </span>
+  );
+}
+
 export function ValueCell({ row, format }: { row: Row; format: Format }) {
   const its = row.value;
+  if (format === 'registers' && its.line !== undefined) return <WireCell name={its.name} />;
   if (its.value === null) return <span class="muted">–</span>;
   const text =
     its.type === 'bool' && format === 'normal' && !its.words

@@ -45,7 +45,8 @@ export function hasBits(value: LiveValue): boolean {
 
 export function formatValue(value: LiveValue, format: Format): string {
   const its = value.value;
-  if (format === 'normal' || (typeof its !== 'number' && typeof its !== 'boolean')) return value.text;
+  if (format === 'normal' || format === 'registers' || (typeof its !== 'number' && typeof its !== 'boolean'))
+    return value.text;
   const bits = bitsOf(value.type, its);
   const size = BITS[value.type];
   if (bits === null || !size) return value.text;
@@ -54,8 +55,7 @@ export function formatValue(value: LiveValue, format: Format): string {
     .toUpperCase()
     .padStart(Math.ceil(size / 4), '0');
   if (format === 'hex') return `0x${hex}`;
-  if (format === 'binary') return grouped(bits.toString(2).padStart(size, '0'), 4);
-  return grouped(hex.padStart(4, '0'), 4);
+  return grouped(bits.toString(2).padStart(size, '0'), 4);
 }
 
 /** The points of a sparkline in a box; empty with fewer than two. */

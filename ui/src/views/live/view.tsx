@@ -14,6 +14,7 @@ import { AgeCell, QualityCell, type Row, SparkCell, typeClass, ValueCell } from 
 import { FORMATS, type Format, hasBits } from './format';
 import { Notices } from './notices';
 import { WhyDialog } from './why_dialog';
+import { wanted } from './wire';
 import { WriteDialog } from './write_dialog';
 import '../../style/live.css';
 
@@ -63,6 +64,15 @@ async function trigger(name: string): Promise<void> {
     toastError(failure);
   }
 }
+
+function setFormat(name: string, format: Format): void {
+  formats.value = { ...formats.peek(), [name]: format };
+  wanted.value = Object.keys(formats.peek()).filter((its) => formats.peek()[its] === 'registers');
+}
+
+/** Registers come from the wire, other formats from the bits of the value. */
+const fits = (its: LiveValue, format: Format) =>
+  format === 'normal' || (format === 'registers' ? its.line !== undefined : hasBits(its));
 
 function Actions({ row }: { row: Row }) {
   const texts = t.value.live;
@@ -119,14 +129,12 @@ function Actions({ row }: { row: Row }) {
         class="format"
         aria-label={`${texts.format.label}: ${its.name}`}
         title={texts.format.label}
-        disabled={!hasBits(its)}
+        disabled={!hasBits(its) && its.line === undefined}
         value={format}
-        onChange={(event) => {
-          formats.value = { ...formats.peek(), [its.name]: event.currentTarget.value as Format };
-        }}
+        onChange={(event) => setFormat(its.name, event.currentTarget.value as Format)}
       >
         {FORMATS.map((one) => (
-          <option key={one} value={one}>
+          <option key={one} value={one} disabled={!fits(its, one)}>
             {texts.format[one]}
           </option>
         ))}
