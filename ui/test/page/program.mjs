@@ -1,5 +1,6 @@
 // Starts `takt run` with the page on a free port, and a browser.
 import { spawn } from 'node:child_process';
+import { connect, createServer } from 'node:net';
 import { cpSync, mkdtempSync, appendFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -42,6 +43,33 @@ export class Plant {
     rmSync(this.folder, { recursive: true, force: true });
     return code;
   }
+}
+
+/** A device with the address 7 on a TCP port of its own. */
+export async function serve() {
+  const port = await new Promise((found) => {
+    const probe = createServer().listen(0, '127.0.0.1', () => {
+      const { port } = probe.address();
+      probe.close(() => found(port));
+    });
+  });
+  const process = spawn(TAKT, ['serve', '--listen', `127.0.0.1:${port}`, '--unit', '7']);
+  const ended = new Promise((done) => process.on('exit', done));
+  const connects = () =>
+    new Promise((done) => {
+      const socket = connect(port, '127.0.0.1', () => {
+        socket.destroy();
+        done(true);
+      }).on('error', () => done(false));
+    });
+  while (!(await connects())) await new Promise((done) => setTimeout(done, 20));
+  return {
+    port,
+    async stop() {
+      process.kill('SIGINT');
+      await ended;
+    },
+  };
 }
 
 export const browser = () =>

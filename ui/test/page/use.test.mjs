@@ -1,8 +1,8 @@
 // What people do with the page, by mouse and by keyboard.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { after, afterEach, before, beforeEach, test } from 'node:test';
-import { browser, openPage, Plant } from './program.mjs';
+import { browser, openPage, Plant, serve } from './program.mjs';
 
 let plant;
 let chromium;
@@ -123,4 +123,85 @@ test('the frames can be paused, filtered and downloaded', async () => {
   await page.getByRole('link', { name: 'Download capture' }).click();
   const bytes = readFileSync(await (await download).path());
   assert.equal(bytes.readUInt32LE(0), 0x0a0d0d0a, 'pcapng');
+});
+
+test('registers are shown as they were on the wire', async () => {
+  await page.goto(`${plant.url}#/live`);
+  await page.getByLabel('Format: Voltage L1').selectOption('registers');
+  const cell = page.locator('[role="row"]', { hasText: 'Voltage L1' }).locator('.value.mono');
+  await cell.waitFor();
+  assert.match(await cell.textContent(), /^[0-9A-F]{4}$/);
+  assert.match(await cell.getAttribute('title'), /function 0x04, start 100, quantity \d+/);
+});
+
+test('a scan of the running line finds its devices, and a new one is added to the draft', async () => {
+  await page.goto(`${plant.url}#/devices`);
+  await page.getByLabel('Where').selectOption('line:rs485-1');
+  await page.getByLabel('Addresses').fill('15-19');
+  await page.getByLabel('Time-out, ms').fill('30');
+  await page.getByRole('button', { name: 'Scan' }).click();
+  await page.getByText(/Found: 3 · requests/).waitFor();
+  const found = page.getByRole('grid', { name: 'Found devices' });
+  await found.getByText('Boiler').waitFor();
+  await found.getByText('Pump').waitFor();
+});
+
+test('a device of another host is found, probed and added to the project', async () => {
+  const device = await serve();
+  try {
+    await page.goto(`${plant.url}#/devices`);
+    await page.getByLabel('Target').fill(`tcp://127.0.0.1:${device.port}`);
+    await page.getByLabel('Addresses').fill('6-8');
+    await page.getByLabel('Time-out, ms').fill('200');
+    await page.getByRole('button', { name: 'Scan' }).click();
+    await page.getByText(/Found: 1 · requests/).waitFor();
+    await page.getByRole('button', { name: 'Add to project' }).click();
+    await page.getByRole('button', { name: 'In the draft: unit 7' }).click();
+    await page.getByRole('treeitem', { name: /unit 7/ }).waitFor();
+    await page.keyboard.press('Control+z');
+    await page.getByRole('treeitem', { name: /unit 7/ }).waitFor({ state: 'detached' });
+    assert.ok(!text().includes('unit 7'));
+  } finally {
+    await device.stop();
+  }
+});
+
+test('a device that does not answer is tried now, and the outcome is shown', async () => {
+  const device = await serve();
+  const two = await Plant.start('demo.yaml', ['--allow-write'], (file) =>
+    writeFileSync(
+      file,
+      `takt: 1
+lines:
+  - name: net
+    transport: tcp
+    host: 127.0.0.1
+    tcp_port: ${device.port}
+    framing: tcp
+    devices:
+      - name: Here
+        address: 7
+        poll_period: 100ms
+        variables: [{name: A, type: uint16, register: 0, read: 0x03}]
+      - name: Away
+        address: 8
+        poll_period: 60s
+        attempts: 1
+        backoff: 60s
+        variables: [{name: B, type: uint16, register: 0, read: 0x03}]
+`,
+    ),
+  );
+  try {
+    await page.goto(`${two.url}?lang=en#/devices`);
+    const row = page.locator('[role="row"]', { hasText: 'Away' });
+    await row.getByText('not answering').waitFor();
+    await row.getByText('Away').click();
+    await page.getByText(/next probe in|the probe is due/).waitFor();
+    await row.getByRole('button', { name: 'Try now' }).click();
+    await page.getByText(/Still no answer: exception 10\./).waitFor();
+  } finally {
+    await two.stop();
+    await device.stop();
+  }
 });

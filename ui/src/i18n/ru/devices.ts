@@ -1,6 +1,14 @@
 import { slavic, type Translated } from '..';
 import type { devices as source } from '../en/devices';
 
+const CAUSES: Record<string, string> = {
+  timeout: 'тайм-аут',
+  bad_checksum: 'неверная контрольная сумма',
+  unexpected_reply: 'неожиданный ответ',
+  ambiguous: 'неоднозначный ответ',
+  link_lost: 'соединение потеряно',
+};
+
 export const devices: Translated<typeof source> = {
   title: 'Устройства',
   columns: {
@@ -26,6 +34,61 @@ export const devices: Translated<typeof source> = {
   available: 'доступна',
   notGood: (n: number) => `${n} ${slavic('ru', n, 'нехорошее', 'нехороших', 'нехороших')}`,
   allGood: (n: number) => `${n} ${slavic('ru', n, 'хорошее', 'хороших', 'хороших')}`,
+  tryNow: 'Опросить',
+  attempt: {
+    trying: 'опрос…',
+    answers: 'Снова отвечает.',
+    silent: (cause: string) => `Ответа всё ещё нет${cause ? `: ${cause}` : ''}.`,
+    open: 'Результата пока нет.',
+  },
+  backOff: 'Пауза',
+  nextProbe: (time: string) => `следующая проба через ${time}`,
+  probeDue: 'пора пробовать',
+  pause: (time: string) => `(пауза ${time})`,
+  cause: (word: string) => CAUSES[word] ?? word.replace(/^exception/, 'исключение').replace('_', ' '),
+  lateness: 'Опоздавшие ответы',
+  latenessText: (n: string, of: string, longest: string) =>
+    `${n} из ${of} запросов, самый поздний через ${longest}`,
+  turnaroundLearnt: 'Планировщик использует изученное время реакции.',
+  learnt: {
+    title: 'Изученные промежутки',
+    answers: 'отвечает',
+    refuses: 'отказывает',
+    untried: 'ещё не проверено',
+    exception: (code: number, age: string) => `исключение ${code}, проверено ${age} назад`,
+    most: (n: number) => `Не больше ${n} элементов в одном запросе.`,
+    nothing: 'Между группами промежутков нет.',
+    off: 'Выключено: задайте устройству `gaps: learn`.',
+    functions: { 1: 'Флаги (coils)', 2: 'Дискретные входы', 3: 'Регистры хранения', 4: 'Входные регистры' },
+  },
+  search: {
+    title: 'Поиск устройств',
+    where: 'Где',
+    address: 'Узлы или порты',
+    line: (name: string) => `Линия ${name}`,
+    onLine: 'Запросы идут через работающую линию, когда нет других запросов. Опрос продолжается.',
+    target: 'Цель',
+    units: 'Адреса',
+    timeout: 'Тайм-аут, мс',
+    usual: 'обычный',
+    scan: 'Искать',
+    progress: (done: string, total: string, place: string) => `${done} из ${total} · ${place}`,
+    ended: (n: string, requests: string, time: string) => `Найдено: ${n} · запросов: ${requests} · ${time}`,
+    cancelled: 'отменено',
+    absent: (n: number) => `узлов без соединения: ${n}`,
+    found: 'Найденные устройства',
+    identity: 'Идентификация',
+    inProject: 'В проекте',
+    registers: 'Регистры',
+    add: 'Добавить в проект',
+    inDraft: (name: string) => `В черновике: ${name}`,
+    added: (name: string) => `${name}: добавлено в черновик. Сохраните его в разделе «Проект».`,
+    notAdded: (name: string) => `${name}: не добавлено, по этому адресу в черновике уже есть устройство.`,
+    probe: 'Проверить',
+    probed: (target: string, unit: number) => `Регистры: ${target}, адрес ${unit}`,
+    take: 'Применить',
+    addsRegisters: '«Добавить в проект» добавит устройство с этими регистрами.',
+  },
   details: 'Подробности',
   measured: 'Время реакции',
   measuredText: (longest: string, p999: string, n: string) =>

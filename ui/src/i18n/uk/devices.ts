@@ -1,6 +1,14 @@
 import { slavic, type Translated } from '..';
 import type { devices as source } from '../en/devices';
 
+const CAUSES: Record<string, string> = {
+  timeout: 'тайм-аут',
+  bad_checksum: 'хибна контрольна сума',
+  unexpected_reply: 'неочікувана відповідь',
+  ambiguous: 'неоднозначна відповідь',
+  link_lost: 'з’єднання втрачено',
+};
+
 export const devices: Translated<typeof source> = {
   title: 'Пристрої',
   columns: {
@@ -26,6 +34,66 @@ export const devices: Translated<typeof source> = {
   available: 'доступна',
   notGood: (n: number) => `${n} ${slavic('uk', n, 'недобре', 'недобрі', 'недобрих')}`,
   allGood: (n: number) => `${n} ${slavic('uk', n, 'добре', 'добрі', 'добрих')}`,
+  tryNow: 'Опитати',
+  attempt: {
+    trying: 'опитування…',
+    answers: 'Знову відповідає.',
+    silent: (cause: string) => `Відповіді досі немає${cause ? `: ${cause}` : ''}.`,
+    open: 'Результату поки немає.',
+  },
+  backOff: 'Пауза',
+  nextProbe: (time: string) => `наступна проба через ${time}`,
+  probeDue: 'час пробувати',
+  pause: (time: string) => `(пауза ${time})`,
+  cause: (word: string) => CAUSES[word] ?? word.replace(/^exception/, 'виняток').replace('_', ' '),
+  lateness: 'Запізнілі відповіді',
+  latenessText: (n: string, of: string, longest: string) =>
+    `${n} із ${of} запитів, найпізніша через ${longest}`,
+  turnaroundLearnt: 'Планувальник використовує вивчений час реакції.',
+  learnt: {
+    title: 'Вивчені проміжки',
+    answers: 'відповідає',
+    refuses: 'відмовляє',
+    untried: 'ще не перевірено',
+    exception: (code: number, age: string) => `виняток ${code}, перевірено ${age} тому`,
+    most: (n: number) => `Не більше ${n} елементів в одному запиті.`,
+    nothing: 'Між групами проміжків немає.',
+    off: 'Вимкнено: задайте пристрою `gaps: learn`.',
+    functions: {
+      1: 'Прапорці (coils)',
+      2: 'Дискретні входи',
+      3: 'Регістри зберігання',
+      4: 'Вхідні регістри',
+    },
+  },
+  search: {
+    title: 'Пошук пристроїв',
+    where: 'Де',
+    address: 'Вузли або порти',
+    line: (name: string) => `Лінія ${name}`,
+    onLine: 'Запити йдуть через працюючу лінію, коли немає інших запитів. Опитування триває.',
+    target: 'Ціль',
+    units: 'Адреси',
+    timeout: 'Тайм-аут, мс',
+    usual: 'звичайний',
+    scan: 'Шукати',
+    progress: (done: string, total: string, place: string) => `${done} із ${total} · ${place}`,
+    ended: (n: string, requests: string, time: string) => `Знайдено: ${n} · запитів: ${requests} · ${time}`,
+    cancelled: 'скасовано',
+    absent: (n: number) => `вузлів без з’єднання: ${n}`,
+    found: 'Знайдені пристрої',
+    identity: 'Ідентифікація',
+    inProject: 'У проєкті',
+    registers: 'Регістри',
+    add: 'Додати до проєкту',
+    inDraft: (name: string) => `У чернетці: ${name}`,
+    added: (name: string) => `${name}: додано до чернетки. Збережіть її в розділі «Проєкт».`,
+    notAdded: (name: string) => `${name}: не додано, за цією адресою в чернетці вже є пристрій.`,
+    probe: 'Перевірити',
+    probed: (target: string, unit: number) => `Регістри: ${target}, адреса ${unit}`,
+    take: 'Застосувати',
+    addsRegisters: '«Додати до проєкту» додасть пристрій із цими регістрами.',
+  },
   details: 'Подробиці',
   measured: 'Час реакції',
   measuredText: (longest: string, p999: string, n: string) =>

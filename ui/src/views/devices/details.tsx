@@ -2,15 +2,34 @@ import type { DeviceStatus, LineStatus } from '../../api/types';
 import { formatDuration, formatNumber, t } from '../../i18n';
 import { toast } from '../../shell/toasts';
 import { Icon } from '../../widgets/icon';
+import { LearntBlock } from './learnt';
+import { AttemptText, NextProbe, TryNow } from './try_now';
+
+/** A setting for the project, to be copied. */
+function Advice({ setting }: { setting: string }) {
+  return (
+    <p class="advice">
+      {t.value.devices.advised} <code>{setting}</code>
+      <button
+        type="button"
+        class="icon-button"
+        title={t.value.shell.copy}
+        aria-label={`${t.value.shell.copy}: ${setting}`}
+        onClick={() => {
+          void navigator.clipboard.writeText(setting).then(() => toast('good', setting));
+        }}
+      >
+        <Icon name="copy" />
+      </button>
+    </p>
+  );
+}
 
 /** What was measured and noticed of one device, with the setting to copy where one is advised. */
 export function Details({ line, device }: { line: LineStatus; device: DeviceStatus }) {
   const texts = t.value.devices;
-  const findings = [device.delays?.text, device.noise?.text, device.late_responses?.text].filter(
-    (text) => text !== undefined && text !== '',
-  );
-  const turnaround = device.turnaround;
-  const advised = turnaround?.advised;
+  const findings = [device.noise?.text].filter((text) => text !== undefined && text !== '');
+  const { turnaround, late_responses: late, delays } = device;
   return (
     <dl class="details">
       <dt>{texts.line(line.name)}</dt>
@@ -18,7 +37,22 @@ export function Details({ line, device }: { line: LineStatus; device: DeviceStat
         {texts.columns.address} {device.address}
       </dd>
       <dt>{texts.columns.state}</dt>
-      <dd>{t.value.state[device.state]}</dd>
+      <dd>
+        {t.value.state[device.state]}
+        {device.cause && <span class="muted"> ({texts.cause(device.cause)})</span>}
+        <AttemptText line={line} device={device} />
+      </dd>
+      {device.back_off && (
+        <>
+          <dt>{texts.backOff}</dt>
+          <dd>
+            <NextProbe device={device} />
+            <p>
+              <TryNow line={line} device={device} />
+            </p>
+          </dd>
+        </>
+      )}
       <dt>{texts.outages}</dt>
       <dd>{formatNumber(device.outages)}</dd>
       <dt>{texts.downtime}</dt>
@@ -34,25 +68,27 @@ export function Details({ line, device }: { line: LineStatus; device: DeviceStat
               formatDuration(turnaround.p999_ms),
               formatNumber(turnaround.exchanges),
             )}
-            {advised && (
-              <p class="advice">
-                {texts.advised} <code>{advised}</code>
-                <button
-                  type="button"
-                  class="icon-button"
-                  title={t.value.shell.copy}
-                  aria-label={t.value.shell.copy}
-                  onClick={() => {
-                    void navigator.clipboard.writeText(advised).then(() => toast('good', advised));
-                  }}
-                >
-                  <Icon name="copy" />
-                </button>
-              </p>
-            )}
+            {turnaround.learnt && <p class="muted">{texts.turnaroundLearnt}</p>}
+            {turnaround.advised && <Advice setting={`turnaround: ${turnaround.advised}`} />}
           </dd>
         </>
       )}
+      {(late || delays) && (
+        <>
+          <dt>{texts.lateness}</dt>
+          <dd>
+            {late &&
+              texts.latenessText(
+                formatNumber(late.count),
+                formatNumber(late.requests),
+                formatDuration(late.longest_ms),
+              )}
+            {delays && <p>{delays.text}</p>}
+            {delays && <Advice setting={`${delays.setting}: ${Math.ceil(delays.advised_ms)}ms`} />}
+          </dd>
+        </>
+      )}
+      <LearntBlock line={line} device={device} />
       <dt>{texts.findings}</dt>
       <dd>
         {findings.length === 0 && <span class="muted">{texts.well}</span>}

@@ -6,6 +6,8 @@ import { status } from '../../store/info';
 import { type Column, Grid } from '../../widgets/grid';
 import { Details } from './details';
 import { OutputList } from './outputs';
+import { SearchPanel } from './search';
+import { TryNow } from './try_now';
 import '../../style/devices.css';
 
 export const DEVICE_DOTS = {
@@ -26,34 +28,35 @@ const current = computed(() => {
   return null;
 });
 
-function columns(): Column<DeviceStatus>[] {
+function columns(line: LineStatus): Column<DeviceStatus>[] {
   const texts = t.value.devices.columns;
   const number = (key: 'sent' | 'failed' | 'exceptions' | 'late_answers', title: string, bad: boolean) => ({
     key,
     title,
-    width: '84px',
+    width: '98px',
     align: 'right' as const,
     cell: (its: DeviceStatus) => (
       <span class={bad && its[key] > 0 ? 'warn' : ''}>{formatNumber(its[key])}</span>
     ),
   });
   return [
-    { key: 'device', title: texts.device, width: 'minmax(120px, 1.2fr)', cell: (its) => <b>{its.name}</b> },
+    { key: 'device', title: texts.device, width: 'minmax(100px, 1fr)', cell: (its) => <b>{its.name}</b> },
     { key: 'address', title: texts.address, width: '64px', align: 'right', cell: (its) => its.address },
     {
       key: 'state',
       title: texts.state,
-      width: 'minmax(140px, 1fr)',
+      width: 'minmax(215px, 1.2fr)',
       cell: (its) => (
         <>
           <i class={`dot ${DEVICE_DOTS[its.state]}`} /> {t.value.state[its.state]}
+          <TryNow line={line} device={its} />
         </>
       ),
     },
     {
       key: 'values',
       title: texts.values,
-      width: '120px',
+      width: '112px',
       cell: (its) => {
         const bad = its.values.bad + its.values.uncertain;
         return bad > 0 ? (
@@ -111,7 +114,7 @@ function LinePanel({ line }: { line: LineStatus }) {
       </header>
       <Grid
         label={texts.line(line.name)}
-        columns={columns()}
+        columns={columns(line)}
         rows={line.devices}
         rowKey={(its) => its.name}
         rowClass={(its) => (chosen.value === `${line.name}/${its.name}` ? 'selected' : '')}
@@ -134,6 +137,7 @@ export function DevicesView() {
         {its.lines.map((line) => (
           <LinePanel key={line.name} line={line} />
         ))}
+        <SearchPanel lines={its.lines} />
         {its.outputs.length > 0 && <OutputList outputs={its.outputs} />}
       </div>
       <aside class="panel">
