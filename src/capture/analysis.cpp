@@ -1,0 +1,53 @@
+#include "takt/capture/analysis.hpp"
+
+namespace takt::capture {
+
+Analysis::Analysis(const TcpAnalyzerConfig& tcp, Duration timeout, ExchangeSink& sink)
+    : tcp_(tcp, sink), serial_(timeout, sink) {}
+
+void Analysis::on_packet(const Packet& packet) {
+    ++packets_.packets;
+    if (!packet.timed) {
+        ++packets_.untimed;
+        return;
+    }
+    count_time(packet.time_ns);
+    if (SerialAnalyzer::is_serial(packet.link)) {
+        ++packets_.serial;
+        return serial_.on_packet(packet);
+    }
+    Segment segment;
+    const auto content = decode_segment(packet, segment);
+    if (content != Content::segment) return count_other(packet, content);
+    ++packets_.segments;
+    tcp_.on_segment(segment, {packet.number, packet.time_ns});
+}
+
+void Analysis::end() {
+    tcp_.end();
+    serial_.end();
+}
+
+void Analysis::count_time(std::int64_t time_ns) {
+    const bool first = packets_.packets - packets_.untimed == 1;
+    if (first) packets_.first_ns = time_ns;
+    if (!first && time_ns < packets_.last_ns) ++packets_.backwards;
+    packets_.last_ns = time_ns;
+}
+
+void Analysis::count_other(const Packet& packet, Content content) {
+    switch (content) {
+        case Content::other_link:
+            if (packets_.other_link++ == 0)
+                packets_.first_other_link = static_cast<std::uint16_t>(packet.link);
+            break;
+        case Content::fragment: ++packets_.fragments; break;
+        case Content::cut: ++packets_.cut; break;
+        case Content::malformed: ++packets_.malformed; break;
+        case Content::not_ip:
+        case Content::not_tcp:
+        case Content::segment: ++packets_.other; break;
+    }
+}
+
+}  // namespace takt::capture

@@ -1,0 +1,135 @@
+#include "connection.hpp"
+
+#include "pdu_shape.hpp"
+#include "takt/wire/function.hpp"
+
+namespace takt::capture {
+namespace {
+
+bool is_less(const Endpoint& a, const Endpoint& b) {
+    return a.port != b.port ? a.port < b.port : a.address.bytes < b.address.bytes;
+}
+
+}  // namespace
+
+ConnectionKey key_of(const Segment& segment) {
+    if (is_less(segment.destination, segment.source)) return {segment.destination, segment.source};
+    return {segment.source, segment.destination};
+}
+
+Connection::Connection(const ConnectionKey& key, Roles roles, const TcpAnalyzerConfig& config,
+                       TcpCounts& counts, ExchangeSink& sink)
+    : key_(key),
+      config_(config),
+      counts_(counts),
+      sink_(sink),
+      roles_(roles),
+      roles_known_(roles.certain),
+      low_(*this, false, roles.certain),
+      high_(*this, true, roles.certain) {}
+
+// The acknowledgement comes first: a response acknowledges its request, of which segments may be missing.
+void Connection::on_segment(const Segment& segment, const PacketRef& packet) {
+    const bool from_high = segment.source == key_.high;
+    auto& sender = from(from_high);
+    auto& receiver = from(!from_high);
+    if (segment.syn) on_syn(sender, segment);
+    if (segment.ack) receiver.stream.acknowledged(segment.acknowledged, receiver);
+    if (segment.length > 0 && !segment.syn) sender.stream.push(segment, packet, sender);
+    if (segment.fin) {
+        sender.stream.end_at(segment.sequence + segment.length);
+        sender.ended = true;
+    }
+    if (segment.rst || (sender.ended && receiver.ended)) settle(NoResponse::unanswered);
+}
+
+// A second SYN with another number opens a new connection between the same ports.
+void Connection::on_syn(Direction& sender, const Segment& segment) {
+    const std::uint32_t first = segment.sequence + 1;
+    if (sender.stream.begun() && sender.stream.next() == first) return;
+    if (!segment.ack) settle(NoResponse::unanswered);
+    sender.stream.flush(sender);
+    sender.stream.begin(first);
+    sender.messages.begin_aligned();
+    sender.ended = false;
+    if (roles_known_ && roles_.certain) return;
+    roles_.server_is_high = (&sender == &high_) == segment.ack;
+    roles_known_ = true;
+}
+
+void Connection::on_adu(bool from_high, const Adu& adu) {
+    if (!roles_known_) check_roles(from_high, adu.pdu);
+    if (from_high == roles_.server_is_high)
+        on_response(adu);
+    else
+        on_request(adu);
+}
+
+/// Corrects a guess by a message that can only be a request, or only a response.
+void Connection::check_roles(bool from_high, Bytes pdu) {
+    const bool request = could_be_request(pdu);
+    if (request == could_be_response(pdu)) return;
+    roles_.server_is_high = request != from_high;
+    roles_known_ = true;
+}
+
+void Connection::on_request(const Adu& adu) {
+    while (const auto expired = waiting_.take_expired(adu.packet.time_ns, config_.forget))
+        sink_.on_no_response(observed(*expired), NoResponse::unanswered);
+    const RequestQueue::Waiting request{.transaction = adu.transaction,
+                                        .unit = adu.unit,
+                                        .function = adu.pdu[0],
+                                        .items = items_of(adu.pdu),
+                                        .packet = adu.packet,
+                                        .retransmissions = retransmissions()};
+    if (waiting_.push(request)) ++counts_.repeated_ids;
+    sink_.on_request(observed(request));
+}
+
+void Connection::on_response(const Adu& adu) {
+    const auto request = waiting_.take(adu.transaction, adu.unit, wire::requested_function(adu.pdu[0]));
+    if (!request) {
+        ++counts_.unmatched;
+        return;
+    }
+    const bool is_exception = wire::is_exception(adu.pdu[0]) && adu.pdu.size() > 1;
+    sink_.on_response(observed(*request), {.packet = adu.packet,
+                                           .exception = is_exception ? adu.pdu[1] : std::uint8_t{0},
+                                           .retransmissions = retransmissions() - request->retransmissions});
+}
+
+void Connection::settle(NoResponse why) {
+    low_.stream.flush(low_);
+    high_.stream.flush(high_);
+    while (const auto request = waiting_.take_oldest()) sink_.on_no_response(observed(*request), why);
+}
+
+void Connection::finish(NoResponse why) {
+    settle(why);
+    for (const auto* direction : {&low_, &high_}) {
+        counts_.streams.add(direction->stream.counts());
+        counts_.resynchronisations += direction->messages.resynchronisations();
+        counts_.skipped_bytes += direction->messages.skipped_bytes();
+    }
+    const bool has_messages = low_.messages.messages() + high_.messages.messages() > 0;
+    if (has_messages || roles_.certain)
+        ++counts_.connections;
+    else
+        ++counts_.foreign;
+}
+
+std::uint64_t Connection::retransmissions() const {
+    return low_.stream.counts().retransmissions + high_.stream.counts().retransmissions;
+}
+
+ObservedRequest Connection::observed(const RequestQueue::Waiting& waiting) const {
+    return {.route = {.client = roles_.server_is_high ? key_.low : key_.high,
+                      .server = roles_.server_is_high ? key_.high : key_.low},
+            .transaction = waiting.transaction,
+            .unit = waiting.unit,
+            .function = waiting.function,
+            .items = waiting.items,
+            .packet = waiting.packet};
+}
+
+}  // namespace takt::capture

@@ -1,0 +1,81 @@
+// One TCP connection: both directions, and the requests in flight.
+#pragma once
+
+#include <cstdint>
+
+#include "request_queue.hpp"
+#include "takt/capture/mbap_stream.hpp"
+#include "takt/capture/tcp_analyzer.hpp"
+#include "takt/capture/tcp_stream.hpp"
+
+namespace takt::capture {
+
+/// The ends of a connection, the same for both directions.
+struct ConnectionKey {
+    Endpoint low;
+    Endpoint high;
+    friend constexpr bool operator==(const ConnectionKey&, const ConnectionKey&) = default;
+};
+[[nodiscard]] ConnectionKey key_of(const Segment& segment);
+
+/// Which end of a connection is the server, and how that is known.
+struct Roles {
+    bool server_is_high = false;
+    bool certain = false;  ///< by the port; otherwise the bytes must show that this is Modbus
+};
+
+class Connection {
+public:
+    Connection(const ConnectionKey& key, Roles roles, const TcpAnalyzerConfig& config, TcpCounts& counts,
+               ExchangeSink& sink);
+    Connection(const Connection&) = delete;
+    Connection& operator=(const Connection&) = delete;
+
+    void on_segment(const Segment& segment, const PacketRef& packet);
+    /// Passes what waits and reports the requests without a response. Adds the counts.
+    void finish(NoResponse why);
+
+    [[nodiscard]] const ConnectionKey& key() const { return key_; }
+
+private:
+    /// The bytes that one end sent.
+    class Direction final : public StreamSink, public AduSink {
+    public:
+        Direction(Connection& connection, bool from_high, bool certain)
+            : connection_(connection), from_high_(from_high), messages(certain) {}
+        void on_data(const PacketRef& packet, Bytes bytes) override { messages.push(packet, bytes, *this); }
+        void on_gap() override { messages.on_gap(); }
+        void on_adu(const Adu& adu) override { connection_.on_adu(from_high_, adu); }
+
+    private:
+        Connection& connection_;
+        bool from_high_;
+
+    public:
+        TcpStream stream;
+        MbapStream messages;
+        bool ended = false;
+    };
+
+    [[nodiscard]] Direction& from(bool high) { return high ? high_ : low_; }
+    void on_syn(Direction& sender, const Segment& segment);
+    void on_adu(bool from_high, const Adu& adu);
+    void check_roles(bool from_high, Bytes pdu);
+    void on_request(const Adu& adu);
+    void on_response(const Adu& adu);
+    void settle(NoResponse why);
+    [[nodiscard]] std::uint64_t retransmissions() const;
+    [[nodiscard]] ObservedRequest observed(const RequestQueue::Waiting& waiting) const;
+
+    ConnectionKey key_;
+    const TcpAnalyzerConfig& config_;
+    TcpCounts& counts_;
+    ExchangeSink& sink_;
+    Roles roles_;
+    bool roles_known_;
+    Direction low_;
+    Direction high_;
+    RequestQueue waiting_;
+};
+
+}  // namespace takt::capture

@@ -1,0 +1,57 @@
+// Frames of serial lines to Modbus exchanges.
+#pragma once
+
+#include <cstdint>
+#include <map>
+
+#include "takt/base/time.hpp"
+#include "takt/capture/exchange.hpp"
+#include "takt/capture/packet.hpp"
+#include "takt/wire/prepared_request.hpp"
+
+namespace takt::capture {
+
+struct SerialCounts {
+    std::uint64_t frames = 0;
+    std::uint64_t damaged = 0;      ///< wrong checksum or length
+    std::uint64_t unmatched = 0;    ///< responses without a request
+    std::uint64_t line_errors = 0;  ///< events of an RTAC: framing, parity, overflow, break, lost data
+};
+
+/// One frame in each packet: RTU, or ASCII from ':' to CR LF. Link types user_0..user_15 hold the frame
+/// alone; rtac_serial has a header of 12 bytes before it (Wireshark, packet-rtacser.c).
+///
+/// Frames have no direction. A frame that answers the request before it is its response, otherwise it is the
+/// next request. A repetition of a write has the same bytes as its response: after `timeout` it counts as a
+/// new request. At most one request waits on an interface. Its time is that of its packet. Allocates for each
+/// interface. One owner, one thread.
+class SerialAnalyzer {
+public:
+    SerialAnalyzer(Duration timeout, ExchangeSink& sink) : timeout_(timeout), sink_(sink) {}
+
+    /// @param packet  of one of those link types
+    void on_packet(const Packet& packet);
+    void end();
+
+    [[nodiscard]] const SerialCounts& counts() const { return counts_; }
+    [[nodiscard]] static bool is_serial(LinkType link);
+
+private:
+    struct Line {
+        bool waits = false;
+        ObservedRequest request;
+        wire::PreparedRequest bytes;
+    };
+
+    void on_frame(Line& line, const Packet& packet, Bytes frame);
+    void on_pdu(Line& line, const Packet& packet, std::uint8_t unit, Bytes pdu);
+    [[nodiscard]] bool answers(const Line& line, const Packet& packet, std::uint8_t unit, Bytes pdu) const;
+    void on_request(Line& line, const Packet& packet, std::uint8_t unit, Bytes pdu);
+
+    Duration timeout_;
+    ExchangeSink& sink_;
+    SerialCounts counts_;
+    std::map<std::uint32_t, Line> lines_;  // by interface
+};
+
+}  // namespace takt::capture

@@ -1,0 +1,173 @@
+// Headers: IEEE 802.3 with 802.1Q, LINKTYPE_LINUX_SLL and _SLL2, RFC 791 (IPv4), RFC 8200 (IPv6), RFC 9293
+// (TCP).
+#include "takt/capture/segment.hpp"
+
+#include <algorithm>
+#include <optional>
+
+namespace takt::capture {
+namespace {
+
+constexpr std::uint16_t kIpv4 = 0x0800;
+constexpr std::uint16_t kIpv6 = 0x86DD;
+constexpr std::uint8_t kTcp = 6;
+constexpr std::size_t kIpv4Header = 20;
+constexpr std::size_t kIpv6Header = 40;
+constexpr std::size_t kTcpHeader = 20;
+constexpr int kMostTags = 4;        // VLAN tags
+constexpr int kMostExtensions = 8;  // IPv6 extension headers
+
+std::uint16_t u16(Bytes bytes, std::size_t at) {
+    return static_cast<std::uint16_t>(bytes[at] << 8U | bytes[at + 1]);
+}
+
+std::uint32_t u32(Bytes bytes, std::size_t at) {
+    return std::uint32_t{u16(bytes, at)} << 16U | u16(bytes, at + 2);
+}
+
+/// The network layer of a packet: its EtherType and its bytes.
+struct Network {
+    std::uint16_t type = 0;
+    Bytes bytes;
+};
+
+using Layer = std::optional<Network>;  // nothing: the packet is cut before it
+
+Layer after_header(Bytes bytes, std::size_t type_at, std::size_t header) {
+    if (bytes.size() < header) return std::nullopt;
+    return Network{u16(bytes, type_at), bytes.subspan(header)};
+}
+
+/// Removes VLAN tags (802.1Q, 802.1ad and the older 0x9100).
+Layer without_tags(Layer layer) {
+    for (int tags = 0; layer && tags < kMostTags; ++tags) {
+        if (layer->type != 0x8100 && layer->type != 0x88A8 && layer->type != 0x9100) break;
+        layer = after_header(layer->bytes, 2, 4);
+    }
+    return layer;
+}
+
+/// Decides by the version in the first byte.
+Layer raw_ip(Bytes bytes) {
+    if (bytes.empty()) return std::nullopt;
+    const unsigned version = bytes[0] >> 4U;
+    const std::uint16_t other = version == 6 ? kIpv6 : std::uint16_t{0};
+    return Network{version == 4 ? kIpv4 : other, bytes};
+}
+
+/// Both loopback headers are an address family; the packet itself says the version more reliably.
+Layer loopback(Bytes bytes) {
+    if (bytes.size() < 4) return std::nullopt;
+    return raw_ip(bytes.subspan(4));
+}
+
+/// @returns false: the link layer is unknown
+bool network_of(const Packet& packet, Layer& layer) {
+    switch (packet.link) {
+        case LinkType::ethernet: layer = without_tags(after_header(packet.data, 12, 14)); return true;
+        case LinkType::linux_cooked: layer = without_tags(after_header(packet.data, 14, 16)); return true;
+        case LinkType::linux_cooked_2: layer = without_tags(after_header(packet.data, 0, 20)); return true;
+        case LinkType::null:
+        case LinkType::loop: layer = loopback(packet.data); return true;
+        case LinkType::raw:
+        case LinkType::raw_bsd:
+        case LinkType::raw_openbsd:
+        case LinkType::ipv4:
+        case LinkType::ipv6: layer = raw_ip(packet.data); return true;
+        default: return false;
+    }
+}
+
+/// A packet's IP payload: the captured bytes, and their number on the wire.
+struct IpPayload {
+    Bytes bytes;
+    std::size_t length = 0;
+};
+
+// Packets that the kernel passed to the adapter as one for segmentation may have a total length of 0.
+Content decode_ipv4(Bytes bytes, std::size_t on_wire, Segment& segment, IpPayload& payload) {
+    if (bytes.size() < kIpv4Header) return Content::cut;
+    const std::size_t header = (bytes[0] & 0x0FU) * 4U;
+    const std::size_t total = u16(bytes, 2) == 0 ? on_wire : u16(bytes, 2);
+    if (header < kIpv4Header || total < header) return Content::malformed;
+    if ((u16(bytes, 6) & 0x3FFFU) != 0) return Content::fragment;
+    if (bytes[9] != kTcp) return Content::not_tcp;
+    if (bytes.size() < header) return Content::cut;
+    segment.identification = u16(bytes, 4);
+    for (auto [at, endpoint] : {std::pair{12U, &segment.source}, std::pair{16U, &segment.destination}}) {
+        endpoint->address.bytes = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};
+        std::copy_n(bytes.begin() + at, 4, endpoint->address.bytes.begin() + 12);
+    }
+    payload = {bytes.subspan(header, std::min(bytes.size(), total) - header), total - header};
+    return Content::segment;
+}
+
+/// Skips extension headers. `next` becomes the protocol behind them, `at` its position.
+Content skip_extensions(Bytes bytes, std::uint8_t& next, std::size_t& at) {
+    for (int i = 0; i < kMostExtensions; ++i) {
+        const bool is_options = next == 0 || next == 43 || next == 60;
+        const bool is_fragment = next == 44;
+        if (!is_options && !is_fragment && next != 51) return Content::segment;
+        if (bytes.size() < at + 8) return Content::cut;
+        if (is_fragment && (u16(bytes, at + 2) & 0xFFF9U) != 0) return Content::fragment;
+        const std::size_t length = is_fragment  ? 8
+                                   : is_options ? (bytes[at + 1] + 1U) * 8
+                                                : (bytes[at + 1] + 2U) * 4;
+        next = bytes[at];
+        at += length;
+    }
+    return Content::malformed;
+}
+
+Content decode_ipv6(Bytes bytes, std::size_t on_wire, Segment& segment, IpPayload& payload) {
+    if (bytes.size() < kIpv6Header) return Content::cut;
+    std::size_t total = kIpv6Header + u16(bytes, 4);
+    if (total == kIpv6Header) total = on_wire;
+    std::uint8_t next = bytes[6];
+    std::size_t at = kIpv6Header;
+    if (const auto content = skip_extensions(bytes, next, at); content != Content::segment) return content;
+    if (next != kTcp) return Content::not_tcp;
+    if (total < at) return Content::malformed;
+    if (bytes.size() < at) return Content::cut;
+    segment.identification = 0;
+    std::copy_n(bytes.begin() + 8, 16, segment.source.address.bytes.begin());
+    std::copy_n(bytes.begin() + 24, 16, segment.destination.address.bytes.begin());
+    payload = {bytes.subspan(at, std::min(bytes.size(), total) - at), total - at};
+    return Content::segment;
+}
+
+Content decode_tcp(const IpPayload& ip, Segment& segment) {
+    if (ip.bytes.size() < kTcpHeader) return ip.length < kTcpHeader ? Content::malformed : Content::cut;
+    const std::size_t header = (ip.bytes[12] >> 4U) * 4U;
+    if (header < kTcpHeader || header > ip.length) return Content::malformed;
+    segment.source.port = u16(ip.bytes, 0);
+    segment.destination.port = u16(ip.bytes, 2);
+    segment.sequence = u32(ip.bytes, 4);
+    segment.acknowledged = u32(ip.bytes, 8);
+    const std::uint8_t flags = ip.bytes[13];
+    segment.fin = (flags & 0x01U) != 0;
+    segment.syn = (flags & 0x02U) != 0;
+    segment.rst = (flags & 0x04U) != 0;
+    segment.ack = (flags & 0x10U) != 0;
+    segment.length = static_cast<std::uint32_t>(ip.length - header);
+    segment.payload = ip.bytes.subspan(std::min(header, ip.bytes.size()));
+    return Content::segment;
+}
+
+}  // namespace
+
+Content decode_segment(const Packet& packet, Segment& segment) {
+    Layer layer;
+    if (!network_of(packet, layer)) return Content::other_link;
+    if (!layer) return Content::cut;
+    const std::size_t before = packet.data.size() - layer->bytes.size();
+    const std::size_t on_wire =
+        packet.original_length - std::min<std::size_t>(before, packet.original_length);
+    IpPayload payload;
+    Content content = Content::not_ip;
+    if (layer->type == kIpv4) content = decode_ipv4(layer->bytes, on_wire, segment, payload);
+    if (layer->type == kIpv6) content = decode_ipv6(layer->bytes, on_wire, segment, payload);
+    return content == Content::segment ? decode_tcp(payload, segment) : content;
+}
+
+}  // namespace takt::capture
