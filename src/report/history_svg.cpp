@@ -45,15 +45,6 @@ text{font-family:system-ui,"DejaVu Sans","Noto Sans",Arial,sans-serif;font-size:
 .curve{stroke:#56b4e9}.band{fill:#56b4e9}}
 )";
 
-std::string page_language(text::Language language) {
-    switch (language) {
-        case text::Language::russian: return "ru";
-        case text::Language::ukrainian: return "uk";
-        case text::Language::english: break;
-    }
-    return "en";
-}
-
 bool is_dead(const store::HistoryBadSpan& span) {
     using enum value::Reason;
     return span.reason == not_answering || span.reason == timeout || span.reason == link_lost ||

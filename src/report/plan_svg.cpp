@@ -61,15 +61,6 @@ void draw_legend(Svg& svg, const Texts& texts, const Legend& legend, double y) {
     if (legend.background) entry("whole background", texts("app.when.always"));
 }
 
-std::string page_language(text::Language language) {
-    switch (language) {
-        case text::Language::russian: return "ru";
-        case text::Language::ukrainian: return "uk";
-        case text::Language::english: break;
-    }
-    return "en";
-}
-
 }  // namespace
 
 std::string plan_svg(const Texts& texts, const std::string& name, const model::Project& project,

@@ -54,6 +54,15 @@ std::string text_within(std::string_view text, double font_size, double width) {
     return fitted(text, static_cast<std::size_t>(std::max(width / (font_size * kMeanCharacter), 0.0)));
 }
 
+std::string_view page_language(text::Language language) {
+    switch (language) {
+        case text::Language::russian: return "ru";
+        case text::Language::ukrainian: return "uk";
+        case text::Language::english: break;
+    }
+    return "en";
+}
+
 void Svg::rect(const Box& box, std::string_view style, std::string_view attributes) {
     body_ += fmt::format("<rect class=\"{}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}/>\n", style,
                          number(box.x), number(box.y), number(box.width), number(box.height), attributes);

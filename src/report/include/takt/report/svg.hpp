@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "takt/text/language.hpp"
+
 namespace takt::report {
 
 /// Text as XML content or attribute value. Markup is escaped; characters that XML 1.0 does not allow (control
@@ -15,6 +17,9 @@ namespace takt::report {
 
 /// The text, cut with "…" so that its text_width() is at most `width` pixels.
 [[nodiscard]] std::string text_within(std::string_view text, double font_size, double width);
+
+/// The language as pages name it: "en", "ru", "uk".
+[[nodiscard]] std::string_view page_language(text::Language language);
 
 /// Coordinates are pixels from the upper left corner. `style` names classes of the page's style sheet.
 class Svg {
