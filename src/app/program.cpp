@@ -82,6 +82,7 @@ int run_program(int argc, char** argv) {
     add_convert(line, common);
     add_table_commands(line, common);
     add_history(line, common);
+    add_latency(line, common);
     add_replay(line, common);
     add_schema(line, common);
     add_client_commands(line, common);

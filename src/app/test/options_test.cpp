@@ -8,6 +8,7 @@
 #include "commands/client_commands.hpp"
 #include "commands/convert_command.hpp"
 #include "commands/ctl_command.hpp"
+#include "commands/latency_command.hpp"
 #include "commands/plan_command.hpp"
 #include "commands/probe_command.hpp"
 #include "commands/run_command.hpp"
@@ -145,6 +146,27 @@ TEST(Options, OfAWriteAndARawRequest) {
     const auto raw = options_of<RawOptions>("raw tcp://h --unit 0 03 00:05 0001");
     EXPECT_EQ(raw.bytes, (std::vector<std::string>{"03", "00:05", "0001"}));
     EXPECT_EQ(raw.unit, 0);
+}
+
+TEST(Options, OfLatency) {
+    const auto defaults = options_of<LatencyOptions>("latency a.pcap");
+    EXPECT_EQ(defaults.capture, "a.pcap");
+    EXPECT_EQ(defaults.timeout, 1s);
+    EXPECT_TRUE(defaults.ports.empty() && !defaults.limit && defaults.histogram == 0);
+    EXPECT_TRUE(defaults.grouping.client && defaults.grouping.server && defaults.grouping.unit &&
+                defaults.grouping.function);
+    const auto given = options_of<LatencyOptions>(
+        "latency - --limit 1ms --timeout 200ms --port 1502 --port 65535 --by server,unit --csv --svg -");
+    EXPECT_EQ(given.capture, "-");
+    EXPECT_EQ(given.limit, 1ms);
+    EXPECT_EQ(given.timeout, 200ms);
+    EXPECT_EQ(given.ports, (std::vector<std::uint16_t>{1502, 65535}));
+    EXPECT_TRUE(!given.grouping.client && given.grouping.server && given.grouping.unit &&
+                !given.grouping.function);
+    EXPECT_FALSE(options_of<LatencyOptions>("latency a --by none").grouping.unit);
+    for (const auto* const wrong : {"--port 0", "--port 65536", "--port x", "--by units", "--limit 1",
+                                    "--histogram 0", "--json --csv", "--csv --histogram 5"})
+        EXPECT_TRUE(parse("latency a " + std::string(wrong)).error) << wrong;
 }
 
 TEST(Options, OfAScanAndAProbe) {

@@ -7,6 +7,7 @@
 #include "commands/convert_command.hpp"
 #include "commands/ctl_command.hpp"
 #include "commands/history_command.hpp"
+#include "commands/latency_command.hpp"
 #include "commands/plan_command.hpp"
 #include "commands/probe_command.hpp"
 #include "commands/run_command.hpp"
@@ -43,6 +44,9 @@ ExitCode demo(const CommonOptions&, const DemoOptions& options) {
     return keep(options);
 }
 ExitCode history(const CommonOptions&, const HistoryOptions& options) {
+    return keep(options);
+}
+ExitCode latency(const CommonOptions&, const LatencyOptions& options) {
     return keep(options);
 }
 ExitCode plan(const CommonOptions&, const PlanOptions& options) {
@@ -93,6 +97,7 @@ Parsed parse(const std::string& line) {
     add_convert(command_line, common);
     add_table_commands(command_line, common);
     add_history(command_line, common);
+    add_latency(command_line, common);
     add_client_commands(command_line, common);
     add_finding_commands(command_line, common);
     g_options.reset();

@@ -1,0 +1,91 @@
+// The signals are blocked except while ppoll() waits, so that none is missed between the check and the wait.
+#include "stoppable_input.hpp"
+
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <utility>
+
+#include "takt/os/open.hpp"
+
+namespace takt::app {
+namespace {
+
+std::atomic<bool> g_stopped = false;
+
+void stop(int) {
+    g_stopped = true;
+}
+
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
+
+sigset_t take_signals() {
+    sigset_t set;
+    ::sigemptyset(&set);
+    for (const int signal : kSignals) {
+        struct sigaction now{};
+        if (::sigaction(signal, nullptr, &now) != 0 || now.sa_handler == SIG_IGN) continue;
+        ::sigaddset(&set, signal);
+        now = {};
+        now.sa_handler = stop;
+        ::sigaction(signal, &now, nullptr);
+    }
+    return set;
+}
+
+}  // namespace
+
+Result<StoppableInput> StoppableInput::open(const std::string& path) {
+    if (path == "-") return StoppableInput("stdin", {});
+    TAKT_TRY(auto file, os::open_for_reading(path));
+    return StoppableInput(path, std::move(file));
+}
+
+StoppableInput::StoppableInput(std::string path, os::Descriptor file)
+    : path_(std::move(path)), file_(std::move(file)) {
+    struct stat status{};
+    const int number = file_ ? file_.get() : STDIN_FILENO;
+    if (::fstat(number, &status) == 0 && S_ISREG(status.st_mode))
+        size_ = static_cast<std::uint64_t>(status.st_size);
+    taken_ = take_signals();
+    ::pthread_sigmask(SIG_BLOCK, &taken_, &before_);
+}
+
+StoppableInput::StoppableInput(StoppableInput&& other) noexcept
+    : path_(std::move(other.path_)),
+      file_(std::move(other.file_)),
+      size_(other.size_),
+      owns_(std::exchange(other.owns_, false)),
+      taken_(other.taken_),
+      before_(other.before_) {}
+
+StoppableInput::~StoppableInput() {
+    if (!owns_) return;
+    for (const int signal : kSignals)
+        if (::sigismember(&taken_, signal) == 1) ::signal(signal, SIG_DFL);
+    ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+}
+
+bool StoppableInput::stopped() {
+    return g_stopped;
+}
+
+Result<std::size_t> StoppableInput::read(std::span<std::uint8_t> storage) {
+    const int number = file_ ? file_.get() : STDIN_FILENO;
+    while (!g_stopped) {
+        pollfd waited{.fd = number, .events = POLLIN, .revents = 0};
+        if (::ppoll(&waited, 1, nullptr, &before_) < 0) {
+            if (errno == EINTR) continue;
+            return fail(Code::io_failed, path_, errno);
+        }
+        const auto count = ::read(number, storage.data(), storage.size());
+        if (count >= 0) return static_cast<std::size_t>(count);
+        if (errno != EINTR && errno != EAGAIN) return fail(Code::io_failed, path_, errno);
+    }
+    return std::size_t{0};
+}
+
+}  // namespace takt::app

@@ -1,0 +1,46 @@
+// A file or standard input, read until a signal stops it.
+#pragma once
+
+#include <csignal>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "takt/base/result.hpp"
+#include "takt/os/descriptor.hpp"
+
+namespace takt::app {
+
+/// While the object exists, SIGINT, SIGTERM, and SIGHUP unless it is ignored, end the input instead of the
+/// program. One at a time, on the main thread.
+class StoppableInput {
+public:
+    /// @param path  "-": standard input
+    /// @returns what os::open_for_reading() returns
+    [[nodiscard]] static Result<StoppableInput> open(const std::string& path);
+    ~StoppableInput();
+    StoppableInput(StoppableInput&& other) noexcept;
+    StoppableInput& operator=(StoppableInput&&) = delete;
+
+    /// Waits for bytes. @returns how many were stored; 0: the end, or a signal came; io_failed
+    [[nodiscard]] Result<std::size_t> read(std::span<std::uint8_t> storage);
+
+    /// A signal came. Stays so after the input was closed.
+    [[nodiscard]] static bool stopped();
+    /// Bytes of the file; nothing: unknown.
+    [[nodiscard]] std::optional<std::uint64_t> size() const { return size_; }
+
+private:
+    StoppableInput(std::string path, os::Descriptor file);
+
+    std::string path_;
+    os::Descriptor file_;  // none: standard input
+    std::optional<std::uint64_t> size_;
+    bool owns_ = true;  // whether this object took the signals
+    sigset_t taken_{};
+    sigset_t before_{};  // the mask of blocked signals
+};
+
+}  // namespace takt::app
