@@ -3,9 +3,12 @@
 slave.hpp and master.hpp take them, the examples' projects and tables. Run it again when a target's script changes."""
 import pathlib
 import random
+import struct
+import sys
 
 FUZZ = pathlib.Path(__file__).resolve().parent
 EXAMPLES = FUZZ.parent.parent / "examples"
+sys.path.insert(0, str(FUZZ.parent))
 # Request and response of every function.
 PDUS = [
     ("01 0013 0013", "01 03 CD6B05"), ("02 00C4 0016", "02 03 ACDB35"), ("03 006B 0003", "03 06 022B00000064"),
@@ -98,6 +101,30 @@ def seed_rules():
         write("rules", f"random-{seed}", bytes([seed]) + random.Random(seed).randbytes(700))
 
 
+def seed_captures():
+    """The size of the pieces, then a file: a connection with cut, repeated and missing segments; frames of a serial line."""
+    from captures import LINKS, Capture, Connection, adu
+    from frames import pcap, request
+    capture = Capture()
+    connection = Connection(capture)
+    for number, (asked, answered) in enumerate(PDUS[:12]):
+        question, answer = adu(number, 1, asked), adu(number, 1, answered)
+        connection.request(number * 100, question[:number])
+        connection.request(number * 100 + 1, question[number:], captured=number != 5)
+        connection.respond(number * 100 + 50, answer)
+        if number % 4 == 0:
+            connection.again(number * 100 + 60, True, answer)
+    connection.close(9999)
+    for number, link in enumerate(LINKS):
+        write("capture", f"pcap-{link}", bytes([number]) + capture.pcap(link, number % 2 == 0, "<>"[number % 2]))
+    write("capture", "pcapng", bytes([3]) + capture.pcapng("ethernet", 6, "<", 3))
+    write("capture", "pcapng-big", bytes([255]) + capture.pcapng("cooked", 9, ">"))
+    frames = [request(framing, 1, pdu) for framing in ("rtu", "ascii") for pair in PDUS[:8] for pdu in pair]
+    write("capture", "serial", bytes([9]) + pcap(147, frames))
+    write("capture", "rtac", bytes([9]) + pcap(250, [struct.pack(">IIBBH", 0, 0, 1 + n % 2, 0, 0) + f for n, f in enumerate(frames)]))
+
+
+seed_captures()
 seed_slaves()
 seed_masters()
 seed_texts()

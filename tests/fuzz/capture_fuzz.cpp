@@ -1,0 +1,40 @@
+// Arbitrary bytes as a capture, in pieces whose size is the first byte. Each request has one end.
+#include <algorithm>
+
+#include "input.hpp"
+#include "takt/capture/analysis.hpp"
+#include "takt/capture/capture_reader.hpp"
+#include "takt/capture/latency.hpp"
+
+namespace {
+
+using namespace takt;
+
+void read(capture::CaptureReader& reader, Bytes file, std::size_t piece) {
+    while (!file.empty()) {
+        const auto space = reader.space();
+        const auto count = std::min({piece, file.size(), space.size()});
+        std::copy_n(file.begin(), count, space.begin());
+        if (!reader.filled(count)) return;
+        file = file.subspan(count);
+    }
+    reader.end();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    fuzz::Input input({data, size});
+    const std::size_t piece = 1U + input.byte() * 16U;
+    capture::LatencyReport report({.limit = std::chrono::milliseconds(1), .microsecond_buckets = 10});
+    capture::Analysis analysis({}, std::chrono::seconds(1), report);
+    capture::CaptureReader reader(analysis);
+    read(reader, input.bytes(size), piece);
+    analysis.end();
+    report.end(analysis.packets().last_ns);
+    const auto& total = report.total();
+    fuzz::require(total.requests == total.decided() + total.open + total.broadcasts);
+    fuzz::require(total.exceeded <= total.decided());
+    fuzz::require(analysis.packets().packets == reader.packets());
+    return 0;
+}
