@@ -5,13 +5,14 @@
 #include <array>
 #include <cstring>
 
+#include "takt/capture/packet.hpp"
+#include "takt/capture/pcapng_format.hpp"
+
 namespace takt::web {
 namespace {
 
-constexpr std::uint32_t kSectionHeader = 0x0A0D0D0A;
-constexpr std::uint32_t kInterface = 1;
-constexpr std::uint32_t kEnhancedPacket = 6;
-constexpr std::uint16_t kRawIp = 101;  // LINKTYPE_RAW
+namespace format = capture::format;
+
 constexpr std::uint16_t kModbusPort = 502;
 constexpr std::uint16_t kFirstMasterPort = 49152;
 constexpr std::size_t kMostComment = 1024;
@@ -89,25 +90,25 @@ std::string ip_header(std::uint32_t from, std::uint32_t to, std::size_t payload)
 
 PcapngWriter::PcapngWriter() {
     std::string section;
-    put(section, std::uint32_t{0x1A2B3C4D});
+    put(section, format::kByteOrderMagic);
     put(section, std::uint16_t{1});  // version 1.0
     put(section, std::uint16_t{0});
     put(section, std::int64_t{-1});  // length not given
-    put_option(section, 4, "Takt");  // shb_userappl
-    put_option(section, 0, {});
-    block(kSectionHeader, section);
+    put_option(section, format::kUserApplication, "Takt");
+    put_option(section, format::kEndOfOptions, {});
+    block(format::kSectionHeader, section);
     std::string interface;
-    put(interface, kRawIp);
+    put(interface, static_cast<std::uint16_t>(capture::LinkType::raw));
     put(interface, std::uint16_t{0});
-    put(interface, std::uint32_t{0});                       // no limit of a packet's length
-    put_option(interface, 2, "takt");                       // if_name
-    put_option(interface, 9, std::string_view("\x09", 1));  // if_tsresol: ns
-    put_option(interface, 0, {});
-    block(kInterface, interface);
+    put(interface, std::uint32_t{0});  // no limit of a packet's length
+    put_option(interface, format::kInterfaceName, "takt");
+    put_option(interface, format::kTimeResolution, std::string(1, static_cast<char>(format::kNanoseconds)));
+    put_option(interface, format::kEndOfOptions, {});
+    block(format::kInterface, interface);
 }
 
 void PcapngWriter::block(std::uint32_t type, std::string_view body) {
-    const auto length = static_cast<std::uint32_t>(12 + body.size());
+    const auto length = static_cast<std::uint32_t>(format::kBlockFrame + body.size());
     put(bytes_, type);
     put(bytes_, length);
     bytes_ += body;
@@ -155,10 +156,10 @@ void PcapngWriter::add(const CapturedFrame& frame) {
     body += data;
     pad(body);
     if (!frame.comment.empty()) {
-        put_option(body, 1, frame.comment.substr(0, kMostComment));
-        put_option(body, 0, {});
+        put_option(body, format::kComment, frame.comment.substr(0, kMostComment));
+        put_option(body, format::kEndOfOptions, {});
     }
-    block(kEnhancedPacket, body);
+    block(format::kEnhancedPacket, body);
 }
 
 }  // namespace takt::web
