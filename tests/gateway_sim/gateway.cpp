@@ -123,15 +123,14 @@ std::unique_ptr<publish::OutputWork> Gateway::make_work() {
     if (!output.commandable.empty()) {
         const std::string topic = output.mqtt.control_topic;
         work.session.subscriptions = {{.filter = topic + "/command"}, {.filter = topic + "/set/#"}};
-        publish::CommandDeskOptions desk{
-            .output = output.name,
-            .control_topic = topic,
-            .expiry = output.command_expiry,
-            .id_prefix = "run" + std::to_string(run_) + "-",
-            .audit = [this](std::string_view line) {
-                observer_.on_audit(line);
-                return true;
-            }};
+        publish::CommandDeskOptions desk{.output = output.name,
+                                         .control_topic = topic,
+                                         .expiry = output.command_expiry,
+                                         .id_prefix = "run" + std::to_string(run_) + "-",
+                                         .audit = [this](std::string_view line) {
+                                             observer_.on_audit(line);
+                                             return true;
+                                         }};
         work.commands.emplace(publish::MqttWork::Commands{
             .desk = publish::CommandDesk(std::move(desk)),
             .rights = [](const host::ConfigurationPtr& configuration) {

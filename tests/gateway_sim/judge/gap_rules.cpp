@@ -65,9 +65,9 @@ void StreamJudge::check_found_gap(const SeenMessage& message) {
            journal_.record(sequence)->present)
         ++sequence;
     const auto first = sequence;
-    // After damage, or without the note in the cursor of what the quota removed, either cause is possible. The
-    // rest of a failed write looks like damage: what was behind it may have been in the same segment. What the
-    // quota removed and what is damaged behind it are two gaps.
+    // After damage, or without the note in the cursor of what the quota removed, either cause is possible.
+    // The rest of a failed write looks like damage: what was behind it may have been in the same segment.
+    // What the quota removed and what is damaged behind it are two gaps.
     const bool either = journal_.was_damaged() || journal_.is_torn(first - 1) ||
                         std::ranges::any_of(account_.runs(), &Run::cursor_failed);
     const auto is_gone = [&](const JournalJudge::Entry& entry) {
