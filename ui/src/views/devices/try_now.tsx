@@ -27,6 +27,9 @@ function find(line: string, device: string): DeviceStatus | undefined {
     ?.devices.find((its) => its.name === device);
 }
 
+/** Transactions without an answer of the device itself: a gateway answers for it with an exception. */
+const ended = (its: DeviceStatus) => its.failed + its.exceptions;
+
 /** Waits for the first status in which a transaction with the device has ended since then. */
 function outcome(line: string, device: string, before: DeviceStatus): Promise<Attempt> {
   const texts = t.peek().devices.attempt;
@@ -40,7 +43,7 @@ function outcome(line: string, device: string, before: DeviceStatus): Promise<At
       };
       if (!its) return end({ state: 'open', text: texts.open });
       if (its.state === 'answering') return end({ state: 'answers', text: texts.answers });
-      if (its.failed > before.failed)
+      if (ended(its) > ended(before))
         return end({
           state: 'silent',
           text: texts.silent(its.cause ? t.peek().devices.cause(its.cause) : ''),

@@ -6,10 +6,10 @@ import { t } from '../../i18n';
 import { at, formatPath, isMapping, type Path } from '../../store/document';
 import { draft, findingsByPath } from '../../store/project';
 import { Mark } from '../../widgets/mark';
-import { type CellKind, durationText, isYes, nodeText, plainType, rawOf } from './cells';
+import { type CellKind, durationText, isYes, milliseconds, nodeText, plainType, rawOf } from './cells';
 import { isProtected, readOnly, setKey } from './edit';
 import { LocalPick } from './local_pick';
-import { keyText, rangeText, rulesAt, wordText } from './rules';
+import { boundText, keyText, rangeText, rulesAt, wordText } from './rules';
 import { serverTransportOf, transportOf } from './tree';
 import { protocolText, wordType } from './words';
 
@@ -116,7 +116,11 @@ function defaultText(rule: FieldRule | undefined): string {
   const its = rule?.default;
   if (its === undefined || its === null) return '';
   if (rule?.kind === 'boolean') return t.value.shell[isYes(its) ? 'yes' : 'no'];
-  return rule?.kind === 'word' ? wordText(its) : rule?.kind === 'duration' ? durationText(its) : its;
+  return rule?.kind === 'word'
+    ? wordText(its)
+    : rule?.kind === 'duration'
+      ? boundText(milliseconds(its) ?? 0)
+      : its;
 }
 
 // The values of keys that are not in the file, where the rule does not name them.

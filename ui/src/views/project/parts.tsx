@@ -31,7 +31,7 @@ function valuesOf(node: Node | undefined): string[] {
   return Object.entries(node).flatMap(([key, value]) => (key === '$from' ? [] : valuesOf(value as Node)));
 }
 
-/** What tells an item from its neighbours: its name, or else its first values. */
+/** The title of an item: its name, or else its first values. */
 function titleOf(item: Node | undefined): string {
   const its = isMapping(item) && typeof item.name === 'string' ? item.name : valuesOf(item).join(' · ');
   return its.length > LONGEST_TITLE ? `${its.slice(0, LONGEST_TITLE)}…` : its;

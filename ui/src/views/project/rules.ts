@@ -42,7 +42,8 @@ export function rulesAt(path: Path, object: string): Record<string, FieldRule> {
 }
 
 const UNITS = { s: 1000, min: 60_000, h: 3_600_000, d: 86_400_000 } as const;
-function boundText(ms: number): string {
+/** Milliseconds as a number, or with a longer unit where they would be hard to read. */
+export function boundText(ms: number): string {
   const u = t.value.units;
   for (const unit of ['d', 'h', 'min'] as const)
     if (ms >= (unit === 'd' ? 2 : 1) * UNITS[unit] && ms % UNITS[unit] === 0 && ms > 65_535)

@@ -3,15 +3,15 @@
 import { useEffect, useRef } from 'preact/hooks';
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
-import type { History, HistoryMark } from '../../api/types';
-import { formatClock, formatNumber, language, t } from '../../i18n';
+import type { History } from '../../api/types';
+import { formatNumber, language, t } from '../../i18n';
 import { theme } from '../../shell/theme';
+import { color, drawMarks, marksNear } from './chart_marks';
 import { changesOf, type Curve, curveOf, type Span, type SpanKind, spansOf } from './data';
 import { cursors, frozen, goLive, marks, pens, range, width, zoomTo } from './state';
 
 const LANE = 16;
 
-const color = (name: string) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 export const penColor = (index: number) => `var(--pen-${(index % 6) + 1})`;
 const penCanvasColor = (index: number) => color(`--pen-${(index % 6) + 1}`);
 
@@ -43,26 +43,6 @@ function hatch(u: uPlot, span: Span): void {
     ctx.lineTo(x1, bbox.top);
   }
   ctx.stroke();
-  ctx.restore();
-}
-
-function vertical(u: uPlot, time: number, stroke: string, label: string): void {
-  const { ctx, bbox } = u;
-  const x = u.valToPos(time, 'x', true);
-  if (x < bbox.left || x > bbox.left + bbox.width) return;
-  ctx.save();
-  ctx.strokeStyle = stroke;
-  ctx.fillStyle = stroke;
-  ctx.lineWidth = devicePixelRatio;
-  ctx.setLineDash(label ? [] : [2 * devicePixelRatio, 3 * devicePixelRatio]);
-  ctx.beginPath();
-  ctx.moveTo(x, bbox.top);
-  ctx.lineTo(x, bbox.top + bbox.height);
-  ctx.stroke();
-  if (label) {
-    ctx.font = `${12 * devicePixelRatio}px sans-serif`;
-    ctx.fillText(label, x + 3 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
-  }
   ctx.restore();
 }
 
@@ -133,50 +113,13 @@ function drawLanes(u: uPlot, drawn: Drawn[]): void {
     }
     ctx.font = `${11 * devicePixelRatio}px sans-serif`;
     ctx.fillStyle = color('--text');
+    // An edge around the name: it is read above a filled lane too.
+    ctx.strokeStyle = color('--surface');
+    ctx.lineWidth = 3 * devicePixelRatio;
+    ctx.strokeText(its.name, bbox.left + 4 * devicePixelRatio, top + height - 5 * devicePixelRatio);
     ctx.fillText(its.name, bbox.left + 4 * devicePixelRatio, top + height - 5 * devicePixelRatio);
     ctx.restore();
   }
-}
-
-const MARK_COLORS = { info: '--idle', warning: '--warn', error: '--bad' } as const;
-const markColor = (its: HistoryMark) =>
-  its.kind === 'command' && its.severity === 'info' ? '--accent' : MARK_COLORS[its.severity];
-
-/** A flag at the top of a command's line. */
-function flag(u: uPlot, time: number, fill: string): void {
-  const { ctx, bbox } = u;
-  const x = u.valToPos(time, 'x', true);
-  if (x < bbox.left || x > bbox.left + bbox.width) return;
-  const size = 5 * devicePixelRatio;
-  ctx.save();
-  ctx.fillStyle = fill;
-  ctx.beginPath();
-  ctx.moveTo(x - size, bbox.top);
-  ctx.lineTo(x + size, bbox.top);
-  ctx.lineTo(x, bbox.top + 1.6 * size);
-  ctx.fill();
-  ctx.restore();
-}
-
-const MARK_DISTANCE = 5; // pixels
-
-/** The texts of the marks at a place of the chart. */
-function marksNear(u: uPlot, left: number): string {
-  return marks
-    .peek()
-    .filter((its) => Math.abs(u.valToPos(its.time / 1000, 'x') - left) <= MARK_DISTANCE)
-    .map((its) => `${formatClock(its.time, true)} ${its.text}`)
-    .join('\n');
-}
-
-function drawMarks(u: uPlot): void {
-  for (const its of marks.peek()) {
-    vertical(u, its.time / 1000, color(markColor(its)), '');
-    if (its.kind === 'command') flag(u, its.time / 1000, color(markColor(its)));
-  }
-  const { a, b } = cursors.peek();
-  if (a !== null) vertical(u, a / 1000, color('--text'), 'A');
-  if (b !== null) vertical(u, b / 1000, color('--text'), 'B');
 }
 
 const DAY = 86_400;
