@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxNameBytes = 64;
 constexpr Duration kCleanInterval = std::chrono::minutes(1);
-constexpr Duration kSurveyInterval = std::chrono::milliseconds(20);  // 50 MB/s at most
+constexpr Duration kSurveyInterval = std::chrono::milliseconds(20);  // 12 MB/s at most
 constexpr Duration kSurveyAgain = std::chrono::seconds(1);           // after an error
 
 bool is_in(std::uint64_t value, std::uint64_t least, std::uint64_t greatest) {

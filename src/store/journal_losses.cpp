@@ -6,7 +6,7 @@
 namespace takt::store {
 namespace {
 
-constexpr std::size_t kStepBytes = 1U << 20;
+constexpr std::size_t kStepBytes = 256U << 10;
 
 }  // namespace
 

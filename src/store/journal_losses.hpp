@@ -48,7 +48,7 @@ public:
     /// Goes to `start`. The survey ends with the record that is the last durable one now.
     void begin(const StreamPosition& start);
     [[nodiscard]] bool done() const { return !reader_; }
-    /// Reads about 1 MB. @returns the errors of the storage: try again later
+    /// Reads about 256 KB. @returns the errors of the storage: try again later
     Result<void> step();
 
 private:

@@ -1,4 +1,4 @@
-// The journal on a disk that works.
+// The journal: syncs, reads, repeats, cursors, restarts.
 #include "takt/store/journal.hpp"
 
 #include <gtest/gtest.h>
@@ -299,6 +299,7 @@ TEST_F(JournalTest, DeliversWhatWaitsIfACursorFileIsMissing) {
     }
     EXPECT_EQ(repeated(kCloud), 4U) << "the gap of the first start, and three records";
     EXPECT_EQ(repeated(kSite), 0U);
+    journal_->rewind(kCloud);
     acknowledge_all(kCloud);
     EXPECT_EQ(journal_->counters(kCloud).waiting, 0U);
 }

@@ -48,7 +48,7 @@ struct JournalLoss {
 /// the cursor: they continue after a restart with the last durable state.
 ///
 /// A missing sample is dropped as soon as it is known to be missing. After a start the journal reads what
-/// waits, in steps of 1 MB from open() on: until it has read it, gaps and damage of earlier runs count as
+/// waits, in steps of 256 KB from open() on: until it has read it, gaps and damage of earlier runs count as
 /// waiting. Damage that comes later is known when it is read.
 struct DestinationCounters {
     std::uint64_t appended = 0;   ///< since the destination was created, missing samples included
