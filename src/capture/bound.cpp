@@ -65,8 +65,8 @@ double upper_bound(std::uint64_t events, std::uint64_t trials) {
 }
 
 std::uint64_t one_in(double probability) {
-    constexpr double kRounding = 1e-9;
-    const double exact = 1 / probability + kRounding;
+    constexpr double kRounding = 1e-12;  // 1 / (3.0 / 3e9) is a little less than 1e9
+    const double exact = (1 + kRounding) / probability;
     if (exact < 1) return 1;
     const auto whole = static_cast<std::uint64_t>(exact);
     std::uint64_t unit = 1;

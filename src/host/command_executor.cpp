@@ -111,6 +111,7 @@ void CommandExecutor::pull(Instant t, std::unique_ptr<CommandRequest> command) {
     for (const bool on : {false, true, false})
         if (const auto done = master_.set(t, slot, on); !done)
             return refuse(t, std::move(command), done.error());
+    command->outcome.value = true;
     end(std::move(command));
     surroundings_.on_changed(slot);
 }

@@ -422,7 +422,8 @@ TEST(Guarantee, CoprimePeriodsOfAStreamDoNotExplode) {
                                  .read = wire::Function::read_holding_registers,
                                  .quantity = 1,
                                  .period = period,
-                                 .stream = 1});
+                                 .stream = 1,
+                                 .deadline = period});
     const auto found = guarantee_line(made, line);
     EXPECT_EQ(found.ages[0][0], 65'497ms + *found.requests[0].response);
 }

@@ -40,8 +40,9 @@ TEST_F(LiveHubTest, BeginsWithAllValuesThenChangesAndTheState) {
 
 // The registers of a simulated device that can be written stay as they are.
 TEST(LiveHub, ReportsReadsThatFindValuesUnchanged) {
-    const auto constant = [](const char* name, int reg) {
-        return host::test::variable_of(name, reg, ", write: 0x10");
+    const auto constant = [](const std::string& name, int reg) {
+        return "          - {name: " + name + ", type: string, length: 2, register: " + std::to_string(reg) +
+               ", read: 0x03}\n";
     };
     RunningHost running(host::test::project_with(host::test::line_of(
         "plant",

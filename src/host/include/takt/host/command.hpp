@@ -79,7 +79,7 @@ struct Outcome {
     value::Quality quality = value::Quality::good;  ///< of get
     std::optional<Instant> good_at;                 ///< of get: when the value was last read well, or set
     value::Reason cause = value::Reason::ok;  ///< of get, if `reason` is not_answering: the last failure
-    value::Value value;                       ///< get: the value; set, write: the value that was asked for
+    value::Value value;                       ///< get: the value; set, write: that was asked for; pull: true
     value::Value written;                     ///< with Reason::differs: what was written
     value::Value read_back;                   ///< and what was read
     std::optional<value::SlotId> trigger;     ///< the local that caused a `set` to be written
