@@ -138,6 +138,7 @@ struct Run {
 Run measure(const std::string& path) {
     const auto takt = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "takt";
     const auto start = std::chrono::steady_clock::now();
+    std::fflush(stdout);  // the child must not write it again
     const auto child = ::fork();
     if (child == 0) {
         if (std::freopen("/dev/null", "w", stdout) == nullptr) ::_exit(127);

@@ -36,7 +36,7 @@ std::string progress_bar(std::size_t done, std::size_t total, std::size_t width)
 
 std::string progress_line(const Texts& texts, const Done& done, Duration elapsed, const std::string& what) {
     const double seconds = std::max(static_cast<double>(elapsed.count()) / 1e9, kLeastSeconds);
-    auto text = done.total == 0
+    auto text = done.total == 0 && !done.requests
                     ? what
                     : texts("app.progress", {{"percent", std::to_string(percent(done))}, {"what", what}});
     if (done.requests)

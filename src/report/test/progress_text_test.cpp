@@ -42,6 +42,7 @@ TEST(ProgressText, LinesInEveryLanguage) {
         EXPECT_EQ(progress_line(texts, {5, 20, 30}, 10s, "x"), share("25", "x") + rate("3.0") + left);
         EXPECT_EQ(progress_line(texts, {20, 20, 30}, 10s, "x"), share("100", "x") + rate("3.0"));
         EXPECT_EQ(progress_line(texts, {5, 20}, 10s, "x"), share("25", "x")) << "nothing is sent";
+        EXPECT_EQ(progress_line(texts, {5, 0}, 10s, "x"), "x") << "the total is unknown";
         expect_complete(progress_line(texts, {1, 2, 3}, 4s, "x"));
     }
 }
