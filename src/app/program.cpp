@@ -85,6 +85,7 @@ int run_program(int argc, char** argv) {
     add_latency(line, common);
     add_replay(line, common);
     add_schema(line, common);
+    add_selftest(line, common);
     add_client_commands(line, common);
     add_finding_commands(line, common);
     const auto commands = line.commands();

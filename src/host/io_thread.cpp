@@ -182,6 +182,7 @@ void IoThread::begin() {
 }
 
 void IoThread::run() {
+    if (options_.begin_thread) options_.begin_thread(*loop_);
     loop_->run();
     const Instant t = line::now();
     append_waiting();

@@ -110,14 +110,30 @@ void Loop::Impl::wait(Instant end) {
         at_once = at_once || !tasks.empty();
     }
     const Instant until = std::min(timers.next(), end);
+    int count = 0;
+    if (spin > Duration::zero() && !at_once) {
+        count = spin_until(until);
+        at_once = count != 0;
+    }
     at_once = at_once || until <= now();
     if (!at_once) set_alarm(until);
     constexpr int kForever = -1;
-    const int count =
-        ::epoll_wait(epoll.get(), events.data(), static_cast<int>(kEvents), at_once ? 0 : kForever);
+    if (count == 0) count = poll_events(at_once ? 0 : kForever);
     ready_left = ready.size();
     event_next = 0;
     event_count = static_cast<std::size_t>(std::max(count, 0));
+}
+
+int Loop::Impl::poll_events(int timeout_ms) {
+    return ::epoll_wait(epoll.get(), events.data(), static_cast<int>(kEvents), timeout_ms);
+}
+
+// Tasks of other threads arrive as an event of the bell.
+int Loop::Impl::spin_until(Instant until) {
+    const Instant end = std::min(until, after(now(), spin));
+    int count = 0;
+    while (count == 0 && now() < end) count = poll_events(0);
+    return count;
 }
 
 // An alarm that is set for an earlier instant stays. It causes one spurious wake-up, and setting a timer to a
@@ -187,6 +203,10 @@ bool Loop::run_until(const std::function<bool()>& done, Duration limit) {
     while (!done() && !impl_->stopped)
         if (!impl_->run_one(end)) break;
     return done();
+}
+
+void Loop::set_spin(Duration spin) {
+    impl_->spin = spin;
 }
 
 void Loop::stop() {

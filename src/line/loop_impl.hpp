@@ -54,6 +54,7 @@ struct Loop::Impl {
     os::Descriptor alarm;  // a timerfd: to the microsecond, without the slack of a time-out
     os::Descriptor bell;   // an eventfd: rung by other threads
     Instant alarm_at = kNever;
+    Duration spin{};  // of polling before each sleep
     std::array<epoll_event, kEvents> events{};
     std::size_t event_count = 0;
     std::size_t event_next = 0;
@@ -82,6 +83,8 @@ struct Loop::Impl {
 
 private:
     void wait(Instant end);
+    [[nodiscard]] int poll_events(int timeout_ms);
+    [[nodiscard]] int spin_until(Instant until);
     void set_alarm(Instant when);
     bool run_event();
     bool run_timer();

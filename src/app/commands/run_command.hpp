@@ -5,6 +5,7 @@
 #include <string>
 
 #include "commands/common_options.hpp"
+#include "commands/realtime_mode.hpp"
 #include "exit_code.hpp"
 #include "takt/base/time.hpp"
 #include "takt/line/target.hpp"
@@ -34,6 +35,7 @@ struct RunOptions {
     bool quiet = false;        ///< no values: changes of state only
     std::string device;        ///< values and events of this device only; empty: all
     std::string state;         ///< file of retained values; empty: beside the project (of the demo: none)
+    RealtimeMode realtime;
     WebOptions web;
 };
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -39,6 +40,7 @@ public:
                        const std::string& token) {
         TAKT_CHECK(work_loop_.begin(options_.traffic, [this] { reload(); }));
         TAKT_TRY(host_, host::ProjectHost::start(project, plan, host_options(prepare)));
+        print_realtime(texts_, options_.realtime, realtime_.get_future().get(), options_.json);
         TAKT_CHECK(begin_outputs(project));
         console_.emplace(
             texts_,
@@ -128,7 +130,7 @@ private:
         return outputs_ ? outputs_->status() : std::vector<publish::OutputStatus>();
     }
 
-    [[nodiscard]] host::HostOptions host_options(const PrepareDevices& prepare) const {
+    [[nodiscard]] host::HostOptions host_options(const PrepareDevices& prepare) {
         host::HostOptions options;
         options.project_file = options_.file;
         options.state_file = options_.state;
@@ -136,6 +138,9 @@ private:
         options.learnt_file = options_.learnt;
         options.record_traffic = !options_.traffic.empty();
         options.prepare = prepare;
+        options.begin_thread = [this](line::Loop& loop) {
+            realtime_.set_value(begin_realtime(options_.realtime, loop));
+        };
         options.log = log;
         options.on_failed_start = [this](const auto& notice) {
             console::put_notice(texts_, messages(), notice);
@@ -161,6 +166,7 @@ private:
     const RunOptions& options_;
     os::LineWriter out_;
     WorkLoop work_loop_;
+    std::promise<std::vector<os::RealtimeResult>> realtime_;  // kept by the I/O thread
     std::unique_ptr<host::ProjectHost> host_;
     std::mutex outputs_mutex_;  // of the optional itself
     std::optional<publish::Outputs> outputs_;

@@ -63,6 +63,8 @@ public:
     }
 
     void work() {
+        const auto steps = begin_realtime(options_.realtime, work_loop_.loop());
+        print_realtime(texts_, options_.realtime, steps, false);
         work_loop_.work(options_.run_for);
         const auto statistics = endpoints_->close();
         if (options_.json)

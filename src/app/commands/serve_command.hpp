@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "commands/common_options.hpp"
+#include "commands/realtime_mode.hpp"
 #include "exit_code.hpp"
 #include "takt/base/time.hpp"
 #include "takt/endpoint/blank_spec.hpp"
@@ -32,6 +33,7 @@ struct ServeOptions {
     std::vector<sim::FaultRule> faults;
     std::string control_path;  ///< Unix socket for commands to the devices; empty: none
     bool commands_from_stdin = false;
+    RealtimeMode realtime;
     std::string line;  ///< the devices of this line of the project alone; empty: of all lines
 };
 

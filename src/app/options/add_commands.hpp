@@ -18,6 +18,7 @@ void add_history(CommandLine& line, const CommonOptions& common);
 void add_latency(CommandLine& line, const CommonOptions& common);
 void add_replay(CommandLine& line, const CommonOptions& common);
 void add_schema(CommandLine& line, const CommonOptions& common);
+void add_selftest(CommandLine& line, const CommonOptions& common);
 void add_client_commands(CommandLine& line, const CommonOptions& common);   ///< read, write, raw
 void add_finding_commands(CommandLine& line, const CommonOptions& common);  ///< scan, probe
 

@@ -274,6 +274,11 @@ Option Command::flag(const std::string& name, bool& target, const std::string& h
     return Option(app_->add_flag(name, target, help));
 }
 
+Option Command::flag_or_number(const std::string& name, int without, int& target, const std::string& help) {
+    Option option(app_->add_flag(name + '{' + std::to_string(without) + '}', target, help));
+    return option.add_range(0, std::numeric_limits<int>::max());
+}
+
 Option Command::text(const std::string& name, std::function<void(const std::string&)> read,
                      const std::string& help) {
     return Option(app_->add_option_function<std::string>(name, std::move(read), help));

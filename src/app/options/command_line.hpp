@@ -74,6 +74,9 @@ public:
 
     /// @param name  "!--name" sets `target` to false.
     Option flag(const std::string& name, bool& target, const std::string& help);
+    /// A flag that may have a number, "--name" or "--name=NUMBER".
+    /// @param without  what "--name" alone sets
+    Option flag_or_number(const std::string& name, int without, int& target, const std::string& help);
 
     /// The readers below call reject() for a value that they do not accept.
     Option text(const std::string& name, std::function<void(const std::string&)> read,

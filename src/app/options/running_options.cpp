@@ -53,6 +53,7 @@ void add_run(CommandLine& line, const CommonOptions& common) {
     run.flag("--stdin", options.commands_from_stdin, "help.run.stdin");
     run.value("--control", options.control_path, "help.run.control").value_name("PATH");
     run.value("--state", options.state, "help.run.state").value_name("FILE");
+    add_realtime(run, options.realtime);
     add_web(run, options.web);
 }
 

@@ -123,6 +123,7 @@ void add_serve(CommandLine& line, const CommonOptions& common) {
     add_serve_limits(serve, options.limits);
     add_serve_state(serve, options);
     add_serve_faults(serve, options);
+    add_realtime(serve, options.realtime);
     // A project describes its devices and servers itself.
     for (const auto* const name :
          {"--unit", "--fill", "--range", "--read-only", "--retain", "--limit", "--overlay", "--object",

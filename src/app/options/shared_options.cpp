@@ -20,17 +20,23 @@ void check_target(const std::string& option, const std::string& url) {
 
 namespace {
 
-/// At most a year; a number with a sign is out of range too.
-Option add_time(Command& command, const std::string& name, std::pair<Duration, const char*> least,
+struct TimeLimit {
+    Duration time;
+    const char* text;
+};
+
+constexpr TimeLimit kYear{std::chrono::hours(366 * 24), "8784h"};
+
+/// A number with a sign is out of range too.
+Option add_time(Command& command, const std::string& name, TimeLimit least, TimeLimit greatest,
                 std::function<void(Duration)> set, const std::string& help) {
-    static constexpr Duration kLongest = std::chrono::hours(366 * 24);
     const auto read = [=, set = std::move(set)](const std::string& text) {
         const bool is_negative = text.starts_with('-') && model::parse_duration(text.substr(1));
         const auto time = model::parse_duration(text);
         const bool too_large = !time && time.error() == model::ScalarError::too_large;
-        if (is_negative || too_large || (time && (*time < least.first || *time > kLongest)))
+        if (is_negative || too_large || (time && (*time < least.time || *time > greatest.time)))
             reject({"app.option.range",
-                    {{"option", name}, {"value", text}, {"least", least.second}, {"greatest", "8784h"}}});
+                    {{"option", name}, {"value", text}, {"least", least.text}, {"greatest", greatest.text}}});
         if (!time) reject({"app.option.duration", {{"option", name}, {"value", text}}});
         set(*time);
     };
@@ -41,12 +47,23 @@ Option add_time(Command& command, const std::string& name, std::pair<Duration, c
 
 Option add_duration(Command& command, const std::string& name, std::function<void(Duration)> set,
                     const std::string& help) {
-    return add_time(command, name, {Duration::zero(), "0s"}, std::move(set), help);
+    return add_time(command, name, {Duration::zero(), "0s"}, kYear, std::move(set), help);
 }
 
 Option add_wait(Command& command, const std::string& name, std::function<void(Duration)> set,
                 const std::string& help) {
-    return add_time(command, name, {std::chrono::milliseconds(1), "1ms"}, std::move(set), help);
+    return add_time(command, name, {std::chrono::milliseconds(1), "1ms"}, kYear, std::move(set), help);
+}
+
+void add_realtime(Command& command, RealtimeMode& mode) {
+    command.flag_or_number("--realtime", kRealtimePriority, mode.priority, "help.realtime")
+        .range(os::kLeastPriority, os::kMostPriority)
+        .group("help.label.realtime");
+    command.value("--cpu", mode.cpu, "help.realtime.cpu").range(0, 1023).group("help.label.realtime");
+    add_time(
+        command, "--spin", {Duration::zero(), "0s"}, {std::chrono::milliseconds(100), "100ms"},
+        [&mode](Duration time) { mode.spin = time; }, "help.realtime.spin")
+        .group("help.label.realtime");
 }
 
 const std::map<std::string, DataType>& type_words() {

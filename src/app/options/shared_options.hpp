@@ -7,6 +7,7 @@
 #include <string>
 
 #include "commands/client_options.hpp"
+#include "commands/realtime_mode.hpp"
 #include "options/command_line.hpp"
 #include "takt/base/data_type.hpp"
 #include "takt/base/time.hpp"
@@ -28,6 +29,9 @@ Option add_duration(Command& command, const std::string& name, std::function<voi
 /// The same, at least 1 ms.
 Option add_wait(Command& command, const std::string& name, std::function<void(Duration)> set,
                 const std::string& help);
+
+/// --realtime, --cpu and --spin.
+void add_realtime(Command& command, RealtimeMode& mode);
 
 /// The words for the four areas.
 inline const std::map<std::string, wire::Area> kAreas{{"coils", wire::Area::coil},

@@ -8,6 +8,7 @@
 #include <array>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 #include <thread>
 
 #include "support.hpp"
@@ -124,6 +125,34 @@ TEST(Loop, PostsFromOtherThreadsInOrder) {
     ASSERT_EQ(got.size(), 100u);
     EXPECT_TRUE(std::ranges::is_sorted(got));
     EXPECT_TRUE(loop->stopped());
+}
+
+// Each wait is longer than the loop spins: it spins first, and then sleeps.
+TEST(Loop, ThatSpinsSleepsAfterwardsAndMissesNothing) {
+    const auto loop = make_loop();
+    loop->set_spin(200us);
+    const Instant start = now();
+    int ticks = 0;
+    Timer* self = nullptr;
+    Timer repeated(*loop, [&](Instant t) {
+        EXPECT_GE(t, start + 2ms);
+        if (++ticks < 5) self->set(t + 2ms);
+    });
+    self = &repeated;
+    repeated.set(start + 2ms);
+    int posted = 0;
+    std::thread other([&] {
+        for (int i = 0; i < 20; ++i) {
+            loop->post([&] { ++posted; });
+            std::this_thread::sleep_for(100us * i);
+        }
+    });
+    EXPECT_TRUE(loop->run_until([&] { return ticks == 5 && posted == 20; }, kDeadline));
+    other.join();
+    const std::clock_t before = std::clock();
+    EXPECT_FALSE(loop->run_until([] { return false; }, 200ms));
+    const auto used = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+    EXPECT_LT(used, 0.1) << "it has slept";
 }
 
 TEST(Loop, MayBeStoppedBeforeItRuns) {

@@ -15,6 +15,10 @@
 #include "takt/plan/plan.hpp"
 #include "takt/sim/devices.hpp"
 
+namespace takt::line {
+class Loop;
+}
+
 namespace takt::host {
 
 struct HostOptions {
@@ -27,6 +31,8 @@ struct HostOptions {
     bool record_traffic = false;
     /// Prepares the devices of a simulated line before it starts; may be empty.
     std::function<void(std::size_t line, sim::Devices& devices)> prepare;
+    /// The I/O thread calls it once, before its loop runs; may be empty.
+    std::function<void(line::Loop& loop)> begin_thread;
     std::function<Log(std::string_view category)> log;  ///< may be empty: silent
     /// Gets the notices of a start that fails, which no session can read; may be empty.
     std::function<void(const Notice&)> on_failed_start;

@@ -38,6 +38,10 @@ public:
     /// @returns done()
     bool run_until(const std::function<bool()>& done, Duration limit);
 
+    /// Before the loop sleeps, it polls its descriptors for this long, which saves the time of waking up and
+    /// takes the processor. Not while it runs, but from a callback.
+    void set_spin(Duration spin);
+
     /// Makes run() and run_until() return after the callback in progress. Any thread.
     void stop();
     [[nodiscard]] bool stopped() const;
