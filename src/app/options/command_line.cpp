@@ -42,6 +42,7 @@ public:
     }
     std::string make_option_opts(const CLI::Option* option) const override {
         if (option->get_type_size() == 0) return {};  // a flag
+        if (option->get_expected_max() == 0) return "[=" + option->get_type_name() + ']';
         std::string text;
         if (!option->get_positional()) text += ' ' + option->get_type_name();
         if (option->get_expected_max() > 1) text += " ...";

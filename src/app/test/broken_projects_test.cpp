@@ -170,6 +170,8 @@ const std::multimap<std::string, std::string>& values() {
                                                                  {"--audit", "out.audit"},
                                                                  {"--fault", "exception=2"},
                                                                  {"--listen", "127.0.0.1:0"},
+                                                                 {"--cpu", "0"},
+                                                                 {"--spin", "10us"},
                                                                  {"--fill", "zero"}};
     return kValues;
 }
