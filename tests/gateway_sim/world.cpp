@@ -294,7 +294,8 @@ Result World::run() {
         step();
     }
     if (!complaints_.any()) judge_.check_progress(scenario_.end - 5s);
-    if (!complaints_.any()) judge_.finish(scenario_.quiet_from + 15s, scenario_.end - 15s);
+    // A command may wait for its expiry, at most 20 s, where the interval of its variable is that long.
+    if (!complaints_.any()) judge_.finish(scenario_.quiet_from + 15s, scenario_.end - 25s);
     Result result{.seed = scenario_.seed, .hash = judge_.hash(), .counts = complaints_.counts()};
     result.counts["steps"] = steps_;
     result.counts["frames"] = bus_.frames();
