@@ -8,7 +8,7 @@ export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
   const count = (key: 'sampled' | 'delivered' | 'waiting' | 'dropped') => ({
     key,
     title: texts.output[key],
-    width: '104px',
+    width: '92px',
     align: 'right' as const,
     cell: (its: OutputStatus) => formatNumber(its[key]),
   });
@@ -23,13 +23,13 @@ export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
           {
             key: 'name',
             title: texts.output.name,
-            width: 'minmax(90px, 0.7fr)',
+            width: 'minmax(80px, 0.7fr)',
             cell: (its) => <b>{its.name}</b>,
           },
           {
             key: 'state',
             title: texts.output.state,
-            width: '120px',
+            width: '112px',
             cell: (its) => (
               <>
                 <i class={`dot ${its.failure ? 'bad' : its.state === 'delivering' ? 'good' : ''}`} />{' '}
@@ -40,7 +40,7 @@ export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
           {
             key: 'destination',
             title: texts.output.destination,
-            width: 'minmax(160px, 1.3fr)',
+            width: 'minmax(120px, 1.3fr)',
             cell: (its) => <span title={its.destination}>{its.destination}</span>,
           },
           count('sampled'),
@@ -50,7 +50,7 @@ export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
           {
             key: 'failure',
             title: texts.output.failure,
-            width: 'minmax(140px, 1fr)',
+            width: 'minmax(110px, 1fr)',
             cell: (its) => <span title={its.failure ?? ''}>{its.failure ?? '–'}</span>,
           },
         ]}
