@@ -41,8 +41,8 @@ public:
         return name.substr(0, name.find('{'));  // "--no-identify{false}"
     }
     std::string make_option_opts(const CLI::Option* option) const override {
-        if (option->get_type_size() == 0) return {};  // a flag
-        if (option->get_expected_max() == 0) return "[=" + option->get_type_name() + ']';
+        const bool flag = option->get_type_size() == 0 || option->get_expected_max() == 0;
+        if (flag) return option->get_type_name().empty() ? "" : "[=" + option->get_type_name() + ']';
         std::string text;
         if (!option->get_positional()) text += ' ' + option->get_type_name();
         if (option->get_expected_max() > 1) text += " ...";
