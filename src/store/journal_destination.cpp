@@ -81,7 +81,7 @@ void JournalDestination::announce_reads() {
 
 bool JournalDestination::needs_quota_end() const {
     const CursorState& durable = cursor_.durable();
-    return segments_->quota_end.sequence > std::max(state_.position.sequence, durable.quota_end.sequence);
+    return segments_->quota_end.sequence > std::max(durable.position.sequence, durable.quota_end.sequence);
 }
 
 Result<void> JournalDestination::save() {

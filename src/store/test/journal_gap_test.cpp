@@ -226,6 +226,22 @@ TEST_F(JournalGapTest, ALaterStartKnowsWhatTheQuotaHasRemoved) {
     }
 }
 
+// The quota removes what was acknowledged, but not durably: the cursors become durable first. Otherwise a
+// start after a kill would take the segment for a damaged one.
+TEST_F(JournalGapTest, TheQuotaRemovesNothingBehindADurableCursor) {
+    options_.quota_bytes = 3 * options_.segment_bytes;
+    start();
+    append_records(3);
+    for (const auto id : {kCloud, kSite}) acknowledge_all(id);
+    const auto first = disk_.contents().begin()->first;
+    while (disk_.contents().contains(first)) append_records(1);
+    start();  // without close()
+    const auto entry = journal_->read(kCloud);
+    ASSERT_TRUE(entry && *entry);
+    EXPECT_FALSE((*entry)->gap);
+    EXPECT_EQ((*entry)->header.sequence, 5U);
+}
+
 TEST_F(JournalGapTest, ASegmentThatIsGoneBetweenOthersHasTheCauseOfItsRemoval) {
     options_.quota_bytes = 4 * options_.segment_bytes;
     for (const bool by_quota : {true, false}) {
