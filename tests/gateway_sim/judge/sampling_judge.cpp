@@ -106,7 +106,8 @@ void SamplingJudge::on_sample(const publish::Series& series, const publish::Samp
     selected.delivered = selected.state;
     selected.last_sample = clock_.now;
     if (sample.cause == publish::SampleCause::period) selected.last_period = clock_.now;
-    selected.losses.clear();
+    // A local may change several times in one instant, which a loss may end.
+    std::erase_if(selected.losses, [&](const Loss& loss) { return loss.last_wall_ns < sample.wall_ns; });
 }
 
 /// Changes up to the first one that the sample shows; 0: none.
