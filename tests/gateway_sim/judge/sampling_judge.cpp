@@ -52,7 +52,9 @@ void SamplingJudge::after_sampling() {
     constexpr Duration kCollect = std::chrono::milliseconds(60);
     for (const auto& [name, selected] : selected_) {
         const auto& policy = selected.policy;
+        // A value that was never read has samples of changes only, of its reason.
         if (!selected.delivered || !selected.state) continue;
+        if (selected.state->quality == value::Quality::never_read) continue;
         if (policy.skip_bad) continue;
         const auto late = [&](Duration length, Instant last) {
             return length > Duration{} && last != Instant{} && clock_.now - last > length + kCollect;
