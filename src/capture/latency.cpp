@@ -1,3 +1,5 @@
+// Every count is kept twice: in the series of the exchange and in the total. Memory is bounded by
+// kMostSeries, kMostPolls and kSlowest; beyond them exchanges are counted in others_, or have no period.
 #include "takt/capture/latency.hpp"
 
 #include <algorithm>
@@ -6,6 +8,7 @@
 namespace takt::capture {
 namespace {
 
+// One step of the finalizer of SplitMix64.
 std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
     hash = (hash ^ value) * 0xBF58476D1CE4E5B9U;
     return hash ^ hash >> 31U;
@@ -29,6 +32,7 @@ bool is_faster(const SlowExchange& a, const SlowExchange& b) {
     return a.time() < b.time();
 }
 
+// A heap with the fastest of the slow exchanges in front: the next one to give way.
 bool heap_order(const SlowExchange& a, const SlowExchange& b) {
     return is_faster(b, a);
 }
@@ -82,6 +86,8 @@ void LatencyReport::on_request(const ObservedRequest& request) {
     follow_period(request, series);
 }
 
+// A poll is a request for the same items from the same client. It is kept as a hash of 64 bits: of 100,000
+// polls two collide with a probability below 1e-9, and would share one period.
 void LatencyReport::follow_period(const ObservedRequest& request, Series& series) {
     const auto hash = mixed(hash_of(full_key(request)), request.items);
     if (polls_.size() >= kMostPolls && !polls_.contains(hash)) return;
@@ -135,6 +141,7 @@ void LatencyReport::count_unanswered(const ObservedRequest& request) {
     }
 }
 
+// A request without a response at the end is unanswered only if its time-out has passed within the capture.
 void LatencyReport::end(std::int64_t time_ns) {
     for (const auto& request : undecided_) {
         if (time_ns - request.packet.time_ns > config_.timeout.count()) {

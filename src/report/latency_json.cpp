@@ -1,3 +1,4 @@
+// The object of `takt latency --json` (docs/commands/latency.md). A time that was not measured is null.
 #include <fmt/format.h>
 
 #include "latency_parts.hpp"

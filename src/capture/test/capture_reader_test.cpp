@@ -1,3 +1,4 @@
+// Captures are made byte by byte, in both byte orders, and given in pieces of several sizes.
 #include "takt/capture/capture_reader.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Packets of every link layer, made byte by byte.
 #include "takt/capture/segment.hpp"
 
 #include <gtest/gtest.h>

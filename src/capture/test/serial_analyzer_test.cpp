@@ -1,3 +1,4 @@
+// Frames of serial lines: pairing follows the order, because RTU does not mark requests and responses.
 #include "takt/capture/serial_analyzer.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// The invariant of each case: bytes are passed once, in the order of their numbers, whatever the order of the
+// segments.
 #include "takt/capture/tcp_stream.hpp"
 
 #include <gtest/gtest.h>

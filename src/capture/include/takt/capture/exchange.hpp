@@ -8,7 +8,7 @@
 
 namespace takt::capture {
 
-/// Between whom a request passed.
+/// The two endpoints of a request, or its serial line.
 struct Route {
     bool serial = false;          ///< on a serial line: the endpoints are empty
     std::uint32_t interface = 0;  ///< serial: the interface of the capture; else 0

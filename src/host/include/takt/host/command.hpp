@@ -70,7 +70,7 @@ struct Outcome {
     std::optional<model::ServiceVariable> service;  ///< instead of `slot`
     Instant t;
     std::optional<Error> error;  ///< the host did not accept it; nothing was sent or changed
-    /// Of probe: refused if the device is in no back-off; the reason tells a link that is down.
+    /// A probe is refused if its device is in no back-off. Its reason is link_lost if the link is down.
     value::CommandResult result = value::CommandResult::done;
     value::Reason reason = value::Reason::ok;  ///< why it was refused or is unknown; get: of the quality
     Progress progress = Progress::settled;     ///< of a `set` with result done
