@@ -29,9 +29,9 @@ beforeEach(async () => {
   errors = [];
 });
 afterEach(async () => {
-  assert.deepEqual(errors, []);
   await context?.close();
   await plant?.stop();
+  assert.deepEqual(errors, []);
 });
 
 const startWith = (project) =>

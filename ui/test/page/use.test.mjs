@@ -21,9 +21,9 @@ beforeEach(async () => {
   page = await openPage(context, `${plant.url}?lang=en&theme=light`, errors);
 });
 afterEach(async () => {
-  assert.deepEqual(errors, []);
   await context?.close();
   await plant?.stop();
+  assert.deepEqual(errors, []);
 });
 
 const text = () => readFileSync(plant.file, 'utf8');
@@ -201,6 +201,7 @@ lines:
     await row.getByRole('button', { name: 'Try now' }).click();
     await page.getByText(/Still no answer: exception 10\./).waitFor();
   } finally {
+    await page.goto('about:blank'); // a page that outlives its program reports refused connections
     await two.stop();
     await device.stop();
   }
