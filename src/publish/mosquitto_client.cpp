@@ -50,6 +50,16 @@ MqttFailureKind kind_of_result(int result) {
     }
 }
 
+// libmosquitto describes the first as "Unknown error.", the second as "A TLS error occurred."
+const char* text_of_result(int result) {
+    switch (result) {
+        case MOSQ_ERR_KEEPALIVE: return "no response to PINGREQ";
+        case MOSQ_ERR_TLS:
+        case MOSQ_ERR_TLS_HANDSHAKE: return "the TLS handshake failed; is it a port for TLS?";
+        default: return mosquitto_strerror(result);
+    }
+}
+
 // Why libmosquitto did not accept a message; none: the connection failed.
 std::optional<MqttReason> rejection(int result) {
     switch (result) {
@@ -171,7 +181,7 @@ MqttFailure MosquittoClient::failure_of(int result, int error) const {
         return {MqttFailureKind::tls, {}, "TLS ended before CONNACK; is a client certificate required?"};
     if (result == MOSQ_ERR_ERRNO)
         return {error == EPROTO ? MqttFailureKind::tls : kind_of_errno(error), {}, std::strerror(error)};
-    return {kind_of_result(result), {}, mosquitto_strerror(result)};
+    return {kind_of_result(result), {}, text_of_result(result)};
 }
 
 int MosquittoClient::fd() const {
