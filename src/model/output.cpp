@@ -136,7 +136,7 @@ Output interpret_output(Interpretation& state, const Node& node, const std::stri
     if (output.transport == OutputTransport::history) {
         check_history(state, reader);
         report_keys_without_effect(reader, kMqttKeys, name(output.transport));
-    } else if (transport || !reader.given("transport")) {
+    } else if (transport || !reader.given("transport") || reader.given("brokers")) {
         output.mqtt = read_mqtt(state, reader, output.name);
         output.command_expiry = reader.duration("command_expiry").value_or(output.command_expiry);
         if (reader.given("command_expiry") && !reader.given("commands"))

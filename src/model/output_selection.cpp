@@ -254,6 +254,10 @@ public:
         const bool each = selection_.message == MessageScope::variable;
         selection_.topic = keys_.topic.value_or(*TopicTemplate::parse(kDefaultTopics[scope]));
         selection_.retain = keys_.retain.value_or(each);
+        // A message of several values holds those that changed; only by period it holds all.
+        if (!each && selection_.retain && policy.on_change)
+            reader_.report(Rule::output_retain_partial, "retain", "retain: false",
+                           {{"message", std::string(kMessageScopes[scope])}});
         if (!each && selection_.topic.has(TopicPart::variable))
             reader_.report(Rule::topic_variable, "topic", {},
                            {{"message", std::string(kMessageScopes[scope])}});

@@ -174,6 +174,7 @@ constexpr std::array kRules{
     Entry{Rule::output_none_writable, "output.none_writable", Severity::warning},
     Entry{Rule::output_select_empty, "output.select_empty", Severity::warning},
     Entry{Rule::output_empty, "output.empty"},
+    Entry{Rule::output_retain_partial, "output.retain_partial", Severity::warning},
     Entry{Rule::output_quota_short, "output.quota_short", Severity::warning},
     Entry{Rule::topic_unknown_part, "topic.unknown_part"},
     Entry{Rule::topic_brace, "topic.brace"},

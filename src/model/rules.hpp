@@ -174,8 +174,9 @@ enum class Rule : std::uint8_t {
     output_none_writable,
     output_select_empty,
     output_empty,
-    output_quota_short,  // {output}, {time}, {rate}, {needed}
-    topic_unknown_part,  // {part}, {nearest}
+    output_retain_partial,  // {message}
+    output_quota_short,     // {output}, {time}, {rate}, {needed}
+    topic_unknown_part,     // {part}, {nearest}
     topic_brace,
     topic_wildcard,
     topic_empty_level,

@@ -167,7 +167,7 @@ TEST(Output, AnEntryInheritsTheKeysOfItsOutput) {
         "{variables: [Flow], heartbeat: 30s, message: variable, topic: 'b/{variable}', bad_quality: "
         "publish}, "
         "{devices: [Pump], period: 10s, on_change: true, retain: true}]");
-    EXPECT_EQ(findings_text(checked), "");
+    EXPECT_EQ(findings_text(checked), "?output.retain_partial retain=true [retain: false]");
     const auto& selections = checked.project.outputs.at(0).selections;
     ASSERT_EQ(selections.size(), 3U);
     EXPECT_EQ(selections[0].policy,
@@ -198,6 +198,9 @@ TEST(Output, MistakesOfTheConnectionAreFindings) {
          "field.length name=abcdefghijklmnopqrstuvwxyz0123456 "
          "[1..32]"},
         {"transport: mqtts", "field.unknown_word transport=mqtts [mqtt, history]"},
+        {"transport: mqtts, keep_alive: 0s",
+         "field.unknown_word transport=mqtts [mqtt, history]; field.out_of_range keep_alive=0s "
+         "[5s..18h]"},
         {"transport: history", "?field.without_effect brokers="},
         {"brokers: ~",
          "field.missing brokers= [mqtts://HOST, mqtts://HOST:8883, mqtt://192.168.1.5, "
@@ -313,7 +316,11 @@ TEST(Output, MistakesOfTheSelectionAreFindings) {
         {"topic: 'a/{device}'", "topic.shared topic=a/{device}"},
         {"topic: 'a/{device}', message: request", ""},
         {"topic: a, message: device", ""},
-        {"topic: a, message: device, retain: true", "topic.shared topic=a"},
+        {"topic: a, message: device, retain: true, period: 1s", "topic.shared topic=a"},
+        {"message: device, retain: true", "?output.retain_partial retain=true [retain: false]"},
+        {"message: request, retain: true, period: 1s, on_change: true",
+         "?output.retain_partial retain=true [retain: false]"},
+        {"message: device, retain: true, period: 1s", ""},
         {"topic: 'a/{variable}', message: device", "topic.variable topic=a/{variable}"},
         {"control_topic: 'c/{device}'", "topic.unknown_part control_topic=c/{device} [{output}]"},
         {"control_topic: 'c/#'", "topic.wildcard control_topic=c/# [{output}]"},
