@@ -1,10 +1,12 @@
-// The files that outputs name.
+// The files and environment variables that outputs name.
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "takt/host/project_file.hpp"
 
@@ -26,6 +28,17 @@ std::string_view trouble_of(const std::string& path, bool secret) {
     return {};
 }
 
+model::Finding warning_of(std::string_view code, const model::Output& output, std::size_t index,
+                          std::string_view key, std::string value) {
+    return {.severity = model::Severity::warning,
+            .code = std::string(code),
+            .location = output.location,
+            .path = "outputs[" + std::to_string(index) + "]." + std::string(key),
+            .value = std::move(value),
+            .allowed = {},
+            .arguments = {{"key", std::string(key)}}};
+}
+
 }  // namespace
 
 void check_output_files(LoadedProject& loaded, const std::string& project_file) {
@@ -38,17 +51,14 @@ void check_output_files(LoadedProject& loaded, const std::string& project_file) 
               NamedFile{"key_file", mqtt.key_file, true}, NamedFile{"ca_file", mqtt.ca_file, false},
               NamedFile{"certificate_file", mqtt.certificate_file, false}}) {
             if (name.empty()) continue;
-            const auto path = (folder / name).string();
+            auto path = (folder / name).string();
             const auto code = trouble_of(path, secret);
-            if (code.empty()) continue;
-            loaded.findings.push_back({.severity = model::Severity::warning,
-                                       .code = std::string(code),
-                                       .location = output.location,
-                                       .path = "outputs[" + std::to_string(i) + "]." + std::string(key),
-                                       .value = path,
-                                       .allowed = {},
-                                       .arguments = {{"key", std::string(key)}}});
+            if (!code.empty()) loaded.findings.push_back(warning_of(code, output, i, key, std::move(path)));
         }
+        const auto& variable = mqtt.password_env;
+        if (!variable.empty() && std::getenv(variable.c_str()) == nullptr)
+            loaded.findings.push_back(
+                warning_of("output.variable_unset", output, i, "password_env", variable));
     }
 }
 

@@ -161,10 +161,13 @@ void add_commands(const ProjectOutputsOptions& options, const model::Output& out
 
 std::unique_ptr<OutputWork> mqtt_work(const ProjectOutputsOptions& options, const model::Output& output,
                                       const host::Configuration& configuration) {
+    const auto unusable = [&](std::string reason) {
+        return std::make_unique<UnusableWork>(model::url_of(output.mqtt.brokers.front()), std::move(reason));
+    };
     const auto password = password_of(output.mqtt, options.project_file);
-    if (!password) return std::make_unique<UnusableWork>(password.error());
+    if (!password) return unusable(password.error());
     auto session = options.open_session({.events = false});
-    if (!session) return std::make_unique<UnusableWork>(std::string(name(session.error().code)));
+    if (!session) return unusable(std::string(name(session.error().code)));
     auto composer = std::make_unique<MqttComposer>(output, configuration);
     MqttWork::Options work;
     work.session = session_options(output, *composer, options.project_file, *password);

@@ -10,7 +10,8 @@ namespace takt::publish {
 
 class UnusableWork final : public OutputWork {
 public:
-    explicit UnusableWork(std::string failure) : failure_(std::move(failure)) {}
+    UnusableWork(std::string destination, std::string failure)
+        : destination_(std::move(destination)), failure_(std::move(failure)) {}
 
     void begin(Instant, store::Journal&, store::DestinationId) override {}
     void work(Instant) override {}
@@ -22,10 +23,12 @@ public:
     [[nodiscard]] bool stopped() const override { return true; }
     void report(Instant, OutputStatus& status) const override {
         status.state = OutputState::stopped;
+        status.destination = destination_;
         status.failure = failure_;
     }
 
 private:
+    std::string destination_;
     std::string failure_;
 };
 

@@ -70,6 +70,24 @@ TEST(ProjectFile, FilesOfOutputsAreChecked) {
     EXPECT_EQ(findings_of(), "");
 }
 
+TEST(ProjectFile, AnUnsetEnvironmentVariableOfAPasswordIsAWarning) {
+    const auto findings_of = [](const std::string& variable) {
+        auto loaded = load_project_text(
+            "plant.yaml", std::string(kLearning) +
+                              "outputs:\n  - {name: o, transport: mqtt, brokers: [mqtts://b], user: u, "
+                              "password_env: " +
+                              variable + "}\n");
+        check_output_files(loaded, "plant.yaml");
+        std::string all;
+        for (const auto& finding : loaded.findings)
+            all += finding.code + ' ' + finding.path + '=' + finding.value;
+        return all;
+    };
+    EXPECT_EQ(findings_of("TAKT_NO_SUCH_VARIABLE"),
+              "output.variable_unset outputs[0].password_env=TAKT_NO_SUCH_VARIABLE");
+    EXPECT_EQ(findings_of("PATH"), "");
+}
+
 TEST(ProjectFile, FindingsAreInTheOrderOfTheText) {
     std::string text = kLearning;
     text += "          - {name: Bad, type: nonsense, register: 5, read: 0x03}\nlocals: 5\nunknown_key: 1\n";
