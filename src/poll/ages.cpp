@@ -37,8 +37,10 @@ void LinePoller::Run::make_ages() {
 }
 
 void LinePoller::Run::expire_ages(Instant t) {
-    while (const auto stale = ages_->take_stale(t))
+    while (const auto stale = ages_->take_stale(t)) {
+        for (const auto reader : stale->readers) ++requests_[reader].traffic.late_refreshes;
         statuses_.values_stale(t, stale->variables, stale->readers);
+    }
 }
 
 void LinePoller::Run::report_overrun(Instant t, std::size_t index, bool overrun) {

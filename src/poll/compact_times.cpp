@@ -43,8 +43,14 @@ void CountRange<buckets>::add(std::size_t bucket, std::uint64_t times) {
     (*high_)[bucket - first_] += carry;
 }
 
-RequestTimes times_of(const CompactLatencyStatistics& times) {
-    RequestTimes result{.p50 = times.percentile(50), .p99 = times.percentile(99)};
+HistogramSnapshot snapshot_of(const HeapOptional<CompactLatencyStatistics>& optional) {
+    if (!optional) return {};
+    const auto& times = *optional;
+    HistogramSnapshot result{.count = times.count(),
+                             .p50 = times.percentile(50),
+                             .p99 = times.percentile(99),
+                             .longest = times.max(),
+                             .buckets = {}};
     const auto add = [](std::uint32_t count, std::uint64_t more) {
         return static_cast<std::uint32_t>(std::min<std::uint64_t>(count + more, UINT32_MAX));
     };

@@ -44,7 +44,7 @@ using CompactHistogram = timing::BasicHistogram<3, 26, 1000, CountRange>;
 using CompactLatencyStatistics = timing::BasicLatencyStatistics<CompactHistogram>;
 
 /// The percentiles and the buckets with a count.
-[[nodiscard]] RequestTimes times_of(const CompactLatencyStatistics& times);
+[[nodiscard]] HistogramSnapshot snapshot_of(const HeapOptional<CompactLatencyStatistics>& times);
 
 }  // namespace takt::poll
 

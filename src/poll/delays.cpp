@@ -34,6 +34,7 @@ void LinePoller::Run::measure_delay(std::size_t index, const bus::Outcome& outco
     if (outcome.status == bus::Status::ambiguous) return device.times.on_response(delay, false);
     if (outcome.status == bus::Status::timeout) return device.times.on_missing();
     if (!answered || outcome.response.empty()) return;
+    exchange_times_.on_response(config, outcome, delay);
     const Duration silence = line_.is_serial() ? engine_.silence() : Duration::zero();
     const Duration tolerated =
         std::max(device.model->turnaround.value_or(Duration::zero()), silence) + config.margin;

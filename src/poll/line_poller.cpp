@@ -113,7 +113,7 @@ LineStatistics LinePoller::statistics(Instant t) const {
     statistics.availability = run_->availability_;
     const bool answered = statistics.counters.time.count() > 0;
     for (const auto index : run_->plan_->longest_round) {
-        const auto& time = run_->requests_[index].attempt_time;
+        const auto& time = run_->requests_[index].traffic.attempt_time;
         if (answered && time.count() > 0)
             statistics.measured_cycle += std::max(time.mean() + silence, config.request_gap);
     }
@@ -146,16 +146,22 @@ void LinePoller::admit_guests() {
     run_->admit_guests();
 }
 
-RequestTimes LinePoller::request_times(std::size_t request) const {
+HistogramSnapshot LinePoller::request_times(std::size_t request) const {
     TAKT_ASSERT(request < run_->requests_.size());
-    const auto& times = run_->requests_[request].times;
-    return times ? times_of(*times) : RequestTimes{};
+    return snapshot_of(run_->requests_[request].traffic.times);
+}
+
+LineTimes LinePoller::line_times() const {
+    return run_->exchange_times_.times();
 }
 
 RequestStatistics LinePoller::request(std::size_t request) const {
     TAKT_ASSERT(request < run_->requests_.size());
     const auto& run = run_->requests_[request];
-    RequestStatistics statistics{.counters = run.counters, .period = run.plan->period};
+    const auto& traffic = run.traffic;
+    RequestStatistics statistics{.counters = traffic.counters, .period = run.plan->period};
+    statistics.over_cost = traffic.over_cost;
+    statistics.late_refreshes = traffic.late_refreshes;
     if (run.read) {
         statistics.skipped = run_->reads_.skipped(request);
         const auto& meter = run_->periods_.request(request);

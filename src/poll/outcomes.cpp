@@ -15,12 +15,14 @@ constexpr int kRecentResponses = 8;  // whose mean DeviceStatistics::recent_time
 
 }  // namespace
 
-void RequestRun::count(const bus::Outcome& outcome) {
+void RequestTraffic::count(const bus::Outcome& outcome, Duration silence, Duration cost) {
     const auto timed = counters.time.count();
     counters.count(outcome);
     if (counters.time.count() == timed) return;
+    const Duration time = outcome.ended_at - outcome.sent_at;
     if (!times) times = HeapOptional(CompactLatencyStatistics());
-    times->record(outcome.ended_at - outcome.sent_at);
+    times->record(time);
+    if (time > cost - silence) ++over_cost;
 }
 
 // Counts the outcome and updates the health of the device. Called before the values are taken: it may degrade
@@ -31,7 +33,9 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     --device.in_flight;
     if (writes(kind_of(outcome.id))) device.writing = false;
     count_outcome(index, outcome);
-    if (request) request->count(outcome);
+    if (request)
+        request->traffic.count(outcome, engine_.silence(),
+                               writes(kind_of(outcome.id)) ? request->write_cost : request->read_cost);
     note_busy(outcome);
     const OutcomeClass outcome_class = classify(outcome);
     const Instant t = outcome.ended_at;
@@ -84,7 +88,7 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     const bool whole = distinct_reads_.whole(index);
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request);
     const Instant t = outcome.ended_at;
-    if (outcome.sent) request.attempt_time.record(t - outcome.sent_at);
+    if (outcome.sent) request.traffic.attempt_time.record(t - outcome.sent_at);
     if (outcome_class.reason == Reason::ok && whole && !reads_.by_trigger(index))
         periods_.answered(outcome.sent_at, index);
     // The return of the device has released all its reads at once. This one has just been read, or is read

@@ -77,9 +77,7 @@ void LinePoller::Run::carry_read(Instant t, const OldReads& before, std::size_t 
     });
     if (same != old.end()) {
         const std::size_t rank = read.rank;
-        request.counters = same->counters;
-        request.attempt_time = same->attempt_time;
-        request.times = same->times;
+        request.traffic = same->traffic;
         const auto found = static_cast<std::size_t>(same - old.begin());
         statuses_.carry(index, before.reasons[found]);
         periods_.carry_request(index, before.meters[found]);
@@ -114,8 +112,7 @@ void LinePoller::Run::carry_write(const std::vector<RequestRun>& old,
                                   std::size_t index) {
     const auto before = write_groups_.carry(index, old_groups);
     if (!before || requests_[index].read) return;
-    requests_[index].counters = old[*before].counters;
-    requests_[index].times = old[*before].times;
+    requests_[index].traffic = old[*before].traffic;
 }
 
 void LinePoller::Run::carry_commands() {

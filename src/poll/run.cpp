@@ -48,6 +48,13 @@ WriteKind kind_of(const plan::Request& request) {
     return request.read_modify_write ? WriteKind::modify : WriteKind::whole;
 }
 
+// With several requests in flight a response waits for others, which C does not include.
+Duration longest_cost(const model::Line& line, const plan::RequestCosts& costs) {
+    if (plan::requests_in_flight(line) > 1 || costs.empty()) return Duration::max();
+    return std::chrono::microseconds(
+        std::ranges::max(costs, {}, &plan::TransactionCost::transaction).transaction);
+}
+
 }  // namespace
 
 LinePoller::Run::Run(const model::Project& project, const plan::LinePlan& plan,
@@ -154,6 +161,7 @@ void LinePoller::Run::add_read(std::size_t index, const std::optional<plan::Requ
     if (polled) job.deadline = polled->deadline.value_or(period);
     job.rank = 2 * index;
     run.read = std::move(job);
+    run.read_cost = longest_cost(line_, polled ? polled->costs : triggered->costs);
     std::optional<RateLimitedEvent> trigger;
     if (triggered) {
         trigger.emplace(triggered->admission);
@@ -164,7 +172,8 @@ void LinePoller::Run::add_read(std::size_t index, const std::optional<plan::Requ
 }
 
 void LinePoller::Run::add_write(std::size_t index, const plan::RequestJob& planned) {
-    const auto& run = requests_[index];
+    auto& run = requests_[index];
+    run.write_cost = longest_cost(line_, planned.costs);
     const auto& request = *run.plan;
     WriteGroup job{.plan = &request, .function = *request.write, .kind = kind_of(request)};
     if (planned.read_back) job.read_back = std::make_unique<ReadBack>(prepared(*planned.read_back));
@@ -222,6 +231,7 @@ void LinePoller::Run::on_bytes(Instant t, Bytes bytes) {
 }
 
 void LinePoller::Run::on_tick(Instant t) {
+    if (const Instant due = next_wakeup(); due <= t) exchange_times_.on_wakeup(t - due);
     engine_.on_tick(t);
     take_outcomes();
     commands_.expire(t);

@@ -13,6 +13,7 @@
 #include "command_queue.hpp"
 #include "distinct_reads.hpp"
 #include "engine_buffers.hpp"
+#include "exchange_times.hpp"
 #include "gap_learner.hpp"
 #include "line_match.hpp"
 #include "link_watch.hpp"
@@ -72,6 +73,7 @@ public:
     ValuePublisher publisher_;
     Statuses statuses_;
     PeriodWatch periods_;
+    ExchangeTimes exchange_times_;
     LinkWatch link_;
     LoadMeter load_;
     AvailabilityMeter availability_;

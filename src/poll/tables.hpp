@@ -23,18 +23,30 @@
 
 namespace takt::poll {
 
+/// What was counted and measured of the transactions of a request. Another plan with the same request
+/// continues it.
+struct RequestTraffic {
+    bus::TransactionCounters counters;
+    bus::TimeStatistics attempt_time;              // of its reads, answered or not
+    HeapOptional<CompactLatencyStatistics> times;  // of its responses; made with the first one
+    std::uint64_t over_cost = 0;                   // RequestStatistics
+    std::uint64_t late_refreshes = 0;              // likewise
+
+    /// A transaction of a read, a write or both; `sent` or not.
+    /// @param silence  after the response; part of `cost`
+    /// @param cost     C
+    void count(const bus::Outcome& outcome, Duration silence, Duration cost);
+};
+
 /// One request of the plan that runs.
 struct RequestRun {
     const plan::Request* plan = nullptr;
     std::size_t device = 0;
     std::vector<std::size_t> variables;  // indices into Run::variables_
     std::optional<ReadJob> read;
-    bus::TransactionCounters counters;
-    bus::TimeStatistics attempt_time;              // of its reads, answered or not
-    HeapOptional<CompactLatencyStatistics> times;  // of its responses; made with the first one
-
-    /// Of a read, a write or both; `sent` or not.
-    void count(const bus::Outcome& outcome);
+    RequestTraffic traffic;
+    Duration read_cost = Duration::max();   // C of its read
+    Duration write_cost = Duration::max();  // the longest C of its write and what belongs to it
 };
 
 /// One device of the line, for as long as the poller lives.

@@ -91,9 +91,7 @@ void LinePoller::Run::take_over_read(Instant t, const Run& old, const LineMatch&
         return;
     }
     const auto& other = old.requests_[*found];
-    request.counters = other.counters;
-    request.attempt_time = other.attempt_time;
-    request.times = other.times;
+    request.traffic = other.traffic;
     statuses_.carry(index, old.statuses_.of_request(*found));
     periods_.carry_request(index, old.periods_.request(*found));
     reads_.take_over(index, old.reads_, *found);
@@ -112,8 +110,7 @@ void LinePoller::Run::take_over_write(const Run& old, const LineMatch& match, st
         const bool same_members = match.same_variables(members, before.members);
         write_groups_.take_over(index, before, same_members);
         if (!same_members || request.read) continue;
-        request.counters = old.requests_[r].counters;
-        request.times = old.requests_[r].times;
+        request.traffic = old.requests_[r].traffic;
     }
 }
 

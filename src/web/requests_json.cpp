@@ -22,7 +22,7 @@ file::Json names_of(const model::Device& device, const plan::Request& request) {
     return names;
 }
 
-file::Json histogram_json(const poll::RequestTimes& times) {
+file::Json histogram_json(const poll::HistogramSnapshot& times) {
     auto list = file::Json::array();
     for (const auto& bucket : times.buckets) {
         auto pair = file::Json::array();
@@ -34,7 +34,7 @@ file::Json histogram_json(const poll::RequestTimes& times) {
 }
 
 void set_counters(file::Json& object, const poll::RequestStatistics& statistics,
-                  const poll::RequestTimes& times) {
+                  const poll::HistogramSnapshot& times) {
     const auto& counters = statistics.counters;
     object.set("period_ms",
                statistics.period ? file::Json(report::milliseconds(*statistics.period)) : file::Json());
@@ -55,7 +55,7 @@ void set_counters(file::Json& object, const poll::RequestStatistics& statistics,
 }
 
 file::Json request_json(const model::Line& line, const plan::Request& request,
-                        const poll::RequestStatistics& statistics, const poll::RequestTimes& times) {
+                        const poll::RequestStatistics& statistics, const poll::HistogramSnapshot& times) {
     const auto& device = line.devices[request.device];
     auto object = file::Json::object();
     object.set("device", device.name);

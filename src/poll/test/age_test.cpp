@@ -66,6 +66,7 @@ TEST(Ages, AValueThatIsNotReadAnyMoreBecomesStaleAtItsProvedAge) {
                                         bench.age(0, static_cast<std::size_t>(index)) + 1ns);
         EXPECT_EQ(bench.slot(name).reason, Reason::stale);
         EXPECT_FALSE(value::is_empty(bench.slot(name).value)) << "the value stays";
+        EXPECT_EQ(bench.master.line(0).request(static_cast<std::size_t>(index)).late_refreshes, 1U);
     }
 }
 

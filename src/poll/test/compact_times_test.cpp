@@ -65,16 +65,19 @@ TEST(CompactHistogram, CountsBeyond32Bits) {
 }
 
 TEST(CompactLatencyStatistics, AreCopiedToAFixedSize) {
-    CompactLatencyStatistics times;
-    EXPECT_TRUE(times_of(times).buckets.empty());
-    for (int i = 1; i <= 100; ++i) times.record(i * 1ms);
-    const auto copy = times_of(times);
+    EXPECT_EQ(snapshot_of({}).count, 0U);
+    HeapOptional times(CompactLatencyStatistics{});
+    EXPECT_TRUE(snapshot_of(times).buckets.empty());
+    for (int i = 1; i <= 100; ++i) times->record(i * 1ms);
+    const auto copy = snapshot_of(times);
+    EXPECT_EQ(copy.count, 100U);
+    EXPECT_EQ(copy.longest, 100ms);
     EXPECT_NEAR(static_cast<double>(copy.p50.count()), 50e6, 50e6 / 8);
     EXPECT_NEAR(static_cast<double>(copy.p99.count()), 99e6, 99e6 / 8);
     EXPECT_EQ(copy.buckets.back().upper_us, 100'000U);
     for (int bits = 0; bits < 40; ++bits)
-        for (std::int64_t part = 8; part < 16; ++part) times.record(Duration(part << bits));
-    const auto full = times_of(times);
+        for (std::int64_t part = 8; part < 16; ++part) times->record(Duration(part << bits));
+    const auto full = snapshot_of(times);
     EXPECT_EQ(full.buckets.size(), full.buckets.capacity());
     std::uint64_t count = 0;
     for (const auto& bucket : full.buckets) count += bucket.count;

@@ -34,13 +34,13 @@ struct Snapshot {
         bool was_up = false;       ///< at some time
         std::optional<Error> why;  ///< of a link that is down
         poll::LineStatistics statistics;
-        std::vector<poll::DeviceStatistics> devices;      ///< by index in the line
-        std::vector<model::MeasuredTimes> times;          ///< likewise
-        std::vector<poll::RequestStatistics> requests;    ///< by index in `plan`, which then is there too
-        std::vector<poll::RequestTimes> request_times;    ///< likewise
-        std::vector<poll::VariableStatistics> variables;  ///< of all devices, in the order of the project
-        std::shared_ptr<const plan::LinePlan> plan;       ///< that runs
-        std::vector<model::Learnt> learnt;                ///< by index of the device
+        std::vector<poll::DeviceStatistics> devices;         ///< by index in the line
+        std::vector<model::MeasuredTimes> times;             ///< likewise
+        std::vector<poll::RequestStatistics> requests;       ///< by index in `plan`, which then is there too
+        std::vector<poll::HistogramSnapshot> request_times;  ///< likewise
+        std::vector<poll::VariableStatistics> variables;     ///< of all devices, in the order of the project
+        std::shared_ptr<const plan::LinePlan> plan;          ///< that runs
+        std::vector<model::Learnt> learnt;                   ///< by index of the device
     };
 
     ConfigurationPtr configuration;

@@ -205,7 +205,9 @@ public:
     [[nodiscard]] DeviceStatistics device(std::size_t device) const;
     /// By the index of the request in the plan.
     [[nodiscard]] RequestStatistics request(std::size_t request) const;
-    [[nodiscard]] RequestTimes request_times(std::size_t request) const;
+    /// The response times of a request, from its start to the end of the response.
+    [[nodiscard]] HistogramSnapshot request_times(std::size_t request) const;
+    [[nodiscard]] LineTimes line_times() const;
     /// By its indices in the line.
     [[nodiscard]] VariableStatistics variable(std::size_t device, std::size_t variable) const;
     /// The plan that runs. Changes when it is replaced, in transmit().

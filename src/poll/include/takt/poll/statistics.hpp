@@ -40,17 +40,24 @@ struct RequestStatistics {
     Duration recent_period{};   ///< mean of about the last eight
     bool overrun = false;       ///< reads start later than the period says, beyond a tolerance of 5 %
     std::uint64_t skipped = 0;  ///< releases that passed while an earlier one was still waiting
+    /// Answered transactions that took longer than their C of the proof. A line with several requests in
+    /// flight counts none: there a response waits for others.
+    std::uint64_t over_cost = 0;
+    /// How often values of a read became older than their bound (the proved age, else `max_age`) before it
+    /// was repeated.
+    std::uint64_t late_refreshes = 0;
 };
 
-/// The response times of one request, answered ones, within 12.5 % (from the start of the request to the end
-/// of its response). In memory of fixed size, so that a copy does not allocate.
-struct RequestTimes {
+/// Durations, within 12.5 %. In memory of fixed size, so that a copy does not allocate.
+struct HistogramSnapshot {
     struct Bucket {
         std::uint32_t upper_us = 0;  ///< the longest of them, rounded up
         std::uint32_t count = 0;     ///< at most UINT32_MAX
     };
+    std::uint64_t count = 0;
     Duration p50{};
     Duration p99{};
+    Duration longest{};  ///< exact
     /// Those with a count, ascending. The last one has all longer times where there are more.
     InplaceVector<Bucket, 64> buckets;
 };
@@ -107,6 +114,17 @@ struct LineStatistics {
     double recent_utilization = 0;  ///< the same of the last five to ten seconds; 0 without a link
     /// availability.at(t). The line is down while its link is down, or while none of its devices answers.
     AvailabilityMeter availability;
+};
+
+/// The parts of the time of a line. Empty ones were not measured.
+struct LineTimes {
+    /// Serial line: the characters of request and response at the bit rate, computed. Of answered ones.
+    HistogramSnapshot wire;
+    /// From the end of a request to the first byte of its response, over all devices. On a network: the whole
+    /// round trip, not with several requests in flight.
+    HistogramSnapshot turnaround;
+    /// How late this program woke up for the line: the measured part of `host.jitter`.
+    HistogramSnapshot host;
 };
 
 /// Why a request is sent.
