@@ -116,7 +116,7 @@ void HostConsole::end(const endpoint::Statistics& served) {
     if (control_commands_) control_commands_->take_outcomes();
     read_session();
     put_served(served);
-    if (const auto last = session_->snapshot({.values = true, .statistics = true}))
+    if (const auto last = session_->snapshot({.values = true, .statistics = true, .times = true}))
         view_->end(*last,
                    environment_.outputs ? environment_.outputs() : std::vector<publish::OutputStatus>());
 }

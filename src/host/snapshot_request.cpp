@@ -52,6 +52,7 @@ std::shared_ptr<SnapshotBuffer> make_snapshot_buffer(const ConfigurationPtr& con
             snapshot.values.push_back(slot_with_memory(configuration->info({i}), kLongestValueText));
     }
     snapshot.lines.resize(project.lines.size());
+    if (parts.statistics && parts.times) snapshot.line_times.resize(project.lines.size());
     for (std::size_t l = 0; l < project.lines.size(); ++l) {
         auto& line = snapshot.lines[l];
         if (parts.learnt) line.learnt = learnt_with_memory(project.lines[l], more);
@@ -156,6 +157,7 @@ void SnapshotFill::copy_line(ProjectEngine& engine, Instant t) {
             line.requests.push_back(poller.request(r));
         for (std::size_t r = 0; buffer_->parts.times && r < line.requests.size(); ++r)
             line.request_times.push_back(poller.request_times(r));
+        if (buffer_->parts.times) buffer_->snapshot.line_times[line_] = poller.line_times();
     }
     if (buffer_->parts.plan || buffer_->parts.statistics) line.plan = engine.running_plan(line_);
     if (buffer_->parts.learnt && !poller.copy_learnt(t, line.learnt)) buffer_->too_small = true;

@@ -10,6 +10,7 @@
 
 #include "takt/report/event_report.hpp"
 #include "takt/report/formatting.hpp"
+#include "takt/report/line_times_report.hpp"
 #include "takt/report/response_times_report.hpp"
 #include "takt/report/text_table.hpp"
 #include "takt/report/word_wrap.hpp"
@@ -202,6 +203,7 @@ std::string times_text(const host::Snapshot& snapshot, const Texts& texts, std::
     const auto& devices = snapshot.configuration->project().lines[line].devices;
     for (std::size_t i = 0; i < devices.size(); ++i)
         text += response_times_text(texts, devices[i], snapshot.lines[line].times[i]);
+    if (line < snapshot.line_times.size()) text += line_times_text(texts, snapshot.line_times[line]);
     return text;
 }
 
@@ -300,6 +302,8 @@ file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
         devices.push_back(std::move(device));
     }
     object.set("devices", std::move(devices));
+    object.set("times", index < snapshot.line_times.size() ? line_times_json(snapshot.line_times[index])
+                                                           : file::Json());
     auto requests = file::Json::array();
     for (std::size_t i = 0; i < state.plan->requests.size(); ++i) {
         const auto& request = state.plan->requests[i];
@@ -315,6 +319,8 @@ file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
                   measured_json(measured.real_period.count() > 0, measured.real_period.mean()));
         entry.set("overrun", measured.overrun);
         entry.set("skipped", measured.skipped);
+        entry.set("longer_than_proved", measured.over_cost);
+        entry.set("late_refreshes", measured.late_refreshes);
         entry.set("counters", counters_json(measured.counters));
         requests.push_back(std::move(entry));
     }
@@ -335,7 +341,7 @@ std::string summary_text(const Texts& texts, const host::Snapshot& snapshot, std
                 wrapped(findings_text(snapshot, texts, i) + idle_noise_text(snapshot, texts, i) +
                             times_text(snapshot, texts, i),
                         columns) +
-                '\n' + table(request_table);
+                '\n' + table(request_table) + wrapped(broken_bounds_text(texts, snapshot, i), columns);
     }
     return text;
 }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "takt/report/formatting.hpp"
+#include "takt/report/line_times_report.hpp"
 
 namespace takt::web {
 namespace {
@@ -20,17 +21,6 @@ file::Json names_of(const model::Device& device, const plan::Request& request) {
     auto names = file::Json::array();
     for (const auto variable : request.variables) names.push_back(device.variables[variable].name);
     return names;
-}
-
-file::Json histogram_json(const poll::HistogramSnapshot& times) {
-    auto list = file::Json::array();
-    for (const auto& bucket : times.buckets) {
-        auto pair = file::Json::array();
-        pair.push_back(bucket.upper_us);
-        pair.push_back(bucket.count);
-        list.push_back(std::move(pair));
-    }
-    return list;
 }
 
 void set_counters(file::Json& object, const poll::RequestStatistics& statistics,
@@ -51,7 +41,9 @@ void set_counters(file::Json& object, const poll::RequestStatistics& statistics,
     object.set("p50_us", microseconds_or_null(times.p50, measured));
     object.set("p99_us", microseconds_or_null(times.p99, measured));
     object.set("longest_us", microseconds_or_null(counters.time.max(), measured));
-    object.set("histogram", histogram_json(times));
+    object.set("histogram", report::histogram_json(times));
+    object.set("longer_than_proved", statistics.over_cost);
+    object.set("late_refreshes", statistics.late_refreshes);
 }
 
 file::Json request_json(const model::Line& line, const plan::Request& request,
@@ -83,6 +75,7 @@ file::Json requests_json(const host::Snapshot& snapshot) {
         object.set("cycle_us", report::whole_microseconds(line.statistics.planned_cycle));
         object.set("measured_cycle_us", microseconds_or_null(line.statistics.measured_cycle,
                                                              line.statistics.measured_cycle > Duration{}));
+        object.set("times", report::line_times_json(snapshot.line_times[i]));
         auto requests = file::Json::array();
         for (std::size_t r = 0; line.plan && r < line.plan->requests.size() && r < line.request_times.size();
              ++r)

@@ -93,6 +93,7 @@ TEST(ProjectEngine, ProbesADeviceOnRequest) {
     EXPECT_EQ(line.devices[1].state, poll::DeviceState::answering);
     ASSERT_EQ(line.request_times.size(), line.requests.size());
     EXPECT_FALSE(line.request_times[0].buckets.empty());
+    EXPECT_GT(snapshot->snapshot.line_times.at(0).turnaround.count, 0U);
 }
 
 TEST(ProjectEngine, SendsRequestsOfGuestsBesidePolling) {

@@ -233,13 +233,16 @@ TEST(SummaryReport, JsonOfARequest) {
     snapshot.lines[0].plan = std::make_shared<const plan::LinePlan>(plan);
     snapshot.lines[0].requests.resize(2);
     snapshot.lines[0].requests[0].skipped = 8;
+    snapshot.lines[0].requests[0].over_cost = 9;
+    snapshot.lines[0].requests[0].late_refreshes = 10;
     const auto json = summary_json(snapshot);
     const std::string times = R"("period_ms":null,"real_period_ms":null,"overrun":false,"skipped":)";
     EXPECT_EQ(at(json, "lines", 0, "requests").dump(),
               R"([{"device":"Котёл","function":3,"write_function":null,"start":500,"quantity":4,)" + times +
-                  R"(8,"counters":{)" + kNoCounters +
+                  R"(8,"longer_than_proved":9,"late_refreshes":10,"counters":{)" + kNoCounters +
                   R"(}},{"device":"Котёл","function":null,"write_function":5,"start":3,"quantity":1,)" +
-                  times + R"(0,"counters":{)" + kNoCounters + "}}]");
+                  times + R"(0,"longer_than_proved":0,"late_refreshes":0,"counters":{)" + kNoCounters +
+                  "}}]");
     expect_contains(summary_text(english(), snapshot), "0x03 500..503");
 }
 

@@ -21,7 +21,7 @@ namespace takt::host {
 struct SnapshotParts {
     bool values = true;
     bool statistics = false;  ///< of lines, devices, requests and variables
-    bool times = false;       ///< of requests, with statistics
+    bool times = false;       ///< histograms of requests and lines, with statistics
     bool plan = false;        ///< the plans that run
     bool learnt = false;      ///< of devices with `gaps: learn`
     bool endpoints = false;   ///< statistics of the project's servers
@@ -50,6 +50,7 @@ struct Snapshot {
     /// transactions.
     std::vector<value::Slot> values;
     std::vector<Line> lines;
+    std::vector<poll::LineTimes> line_times;  ///< by line
     endpoint::Statistics endpoints;
 };
 
