@@ -19,9 +19,14 @@ std::uint64_t token_of(std::uint64_t sequence, std::size_t index) {
     return (sequence << kIndexBits) + index + 1;
 }
 
+bool have_same_messages(const MessageLimits& a, const MessageLimits& b) {
+    return a.packet == b.packet && (a.packet == kNoPacketLimit || a.version == b.version);
+}
+
 }  // namespace
 
 std::optional<SourceMessage> JournalMessages::next(Instant now, const MessageLimits& limits) {
+    if (!have_same_messages(limits, limits_)) change_limits(limits);
     for (;;) {
         while (next_ < composed_.size()) {
             const auto token = records_.back().first_token + next_;
@@ -31,11 +36,20 @@ std::optional<SourceMessage> JournalMessages::next(Instant now, const MessageLim
             highest_token_ = std::max(highest_token_, token);
             return SourceMessage{.token = token, .repeated = repeated, .message = std::move(message)};
         }
-        if (!read_record(now, limits)) return std::nullopt;
+        if (!read_record(now)) return std::nullopt;
     }
 }
 
-bool JournalMessages::read_record(Instant now, const MessageLimits& limits) {
+// Nothing is in flight when the limits change: the session has rewound what was.
+void JournalMessages::change_limits(const MessageLimits& limits) {
+    limits_ = limits;
+    if (highest_token_ == 0) return;
+    rewind();
+    other_limits_token_ = highest_token_;
+    finished_token_ = std::min(finished_token_, token_of(journal_.acknowledged(destination_) + 1, 0) - 1);
+}
+
+bool JournalMessages::read_record(Instant now) {
     const auto entry = journal_.read(destination_);
     failure_.reset();
     if (!entry) failure_ = entry.error();
@@ -43,39 +57,51 @@ bool JournalMessages::read_record(Instant now, const MessageLimits& limits) {
     const auto& header = (*entry)->header;
     if ((*entry)->repeated && header.sequence > highest_record_) last_of_earlier_run_ = header.sequence;
     highest_record_ = std::max(highest_record_, header.sequence);
-    composed_.clear();
-    next_ = 0;
-    StreamPlace place{.epoch = header.epoch,
-                      .first = header.samples_before + 1,
-                      .packet_limit = limits.packet,
-                      .version = limits.version};
     const bool is_gap = (*entry)->gap.has_value();
     const auto first_token = token_of(header.sequence, is_gap ? MessageComposer::kMostMessages - 1 : 0);
-    if (header.sequence <= last_of_earlier_run_)
-        place.repeated = MessageComposer::kMostMessages;
-    else if (highest_token_ >= first_token)
-        place.repeated = static_cast<std::size_t>(highest_token_ - first_token) + 1;
-
-    bool readable = true;
-    if ((*entry)->gap)
-        composer_.compose(*(*entry)->gap, place, composed_);
-    else if (const auto batch = decode_samples((*entry)->payload))
-        composer_.compose(*batch, place, composed_);
-    else
-        readable = false;
+    const bool readable = compose(**entry, place_of(header, first_token));
     TAKT_ASSERT(composed_.size() <= (is_gap ? 1 : MessageComposer::kMostMessages));
 
     Record record{
         .sequence = header.sequence, .first_token = first_token, .wall_ns = header.wall_ns, .samples = {}};
-    for (const auto& composed : composed_) record.samples.push_back(composed.samples);
-    records_.push_back(std::move(record));
-    if (!readable) {
-        // The entry is in flight, and has that many samples: this cannot fail.
-        static_cast<void>(journal_.reject(destination_, header.sequence, header.samples));
-        rejected_ += header.samples;
+    std::uint64_t gaps = 0;
+    for (const auto& composed : composed_) {
+        record.samples.push_back(composed.samples);
+        record.too_large += composed.too_large;
+        gaps += composed.too_large > 0 ? 1 : 0;
     }
+    // The entry is in flight, and has that many samples: this cannot fail.
+    const auto dropped = readable ? record.too_large : header.samples;
+    if (dropped > 0) static_cast<void>(journal_.reject(destination_, header.sequence, dropped, gaps));
+    if (!readable) rejected_ += header.samples;
+    records_.push_back(std::move(record));
     finish_records(now, finished_token_);
     return true;
+}
+
+StreamPlace JournalMessages::place_of(const store::RecordHeader& header, std::uint64_t first_token) const {
+    StreamPlace place{.epoch = header.epoch,
+                      .first = header.samples_before + 1,
+                      .packet_limit = limits_.packet,
+                      .version = limits_.version};
+    if (header.sequence <= last_of_earlier_run_ || other_limits_token_ >= first_token)
+        place.repeated = MessageComposer::kMostMessages;
+    else if (highest_token_ >= first_token)
+        place.repeated = static_cast<std::size_t>(highest_token_ - first_token) + 1;
+    return place;
+}
+
+/// @returns whether the record can be read
+bool JournalMessages::compose(const store::JournalEntry& entry, const StreamPlace& place) {
+    composed_.clear();
+    next_ = 0;
+    if (entry.gap) {
+        composer_.compose(*entry.gap, place, composed_);
+        return true;
+    }
+    const auto batch = decode_samples(entry.payload);
+    if (batch) composer_.compose(*batch, place, composed_);
+    return batch.has_value();
 }
 
 void JournalMessages::acknowledge(Instant now, std::uint64_t token) {
@@ -102,6 +128,7 @@ void JournalMessages::finish_records(Instant now, std::uint64_t token) {
         const bool has_messages = !record.samples.empty();
         if (has_messages && record.first_token + record.samples.size() - 1 > token) return;
         static_cast<void>(journal_.acknowledge(now, destination_, record.sequence));
+        too_large_ += record.too_large;
         records_.pop_front();
         if (records_.empty()) composed_.clear();
     }

@@ -119,15 +119,15 @@ std::string group_message(std::span<const PlacedSample> samples, std::uint64_t e
     return object.dump();
 }
 
-std::string gap_message(const store::Gap& gap, std::uint64_t first, std::uint64_t epoch, bool repeated) {
+std::string gap_message(const MissingSamples& missing, std::uint64_t epoch, bool repeated) {
     auto what = Json::object();
-    what.set("cause", store::name(gap.cause));
-    what.set("samples", gap.samples);
-    what.set("first", time_text(gap.first_wall_ns));
-    what.set("last", time_text(gap.last_wall_ns));
+    what.set("cause", missing.cause);
+    what.set("samples", missing.samples);
+    what.set("first", time_text(missing.first_wall_ns));
+    what.set("last", time_text(missing.last_wall_ns));
     auto object = Json::object();
     object.set("gap", std::move(what));
-    set_place(object, epoch, first, repeated);
+    set_place(object, epoch, missing.first_number, repeated);
     return object.dump();
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mqtt_packet.hpp"
 #include "takt/publish/output_slot.hpp"
 
 namespace takt::publish {
@@ -55,27 +56,90 @@ void MqttComposer::compose(const SampleBatch& batch, const StreamPlace& place,
         const auto& series = batch.series[sample.series];
         add_to_group(route_of(series), {&series, &sample, place.first + i});
     }
-    for (const auto& [route, samples] : groups_) {
-        const bool repeated = out.size() < place.repeated;
-        ComposedMessage composed;
-        composed.samples = samples.size();
-        composed.message.topic = route->topic;
-        composed.message.retain = route->retain;
-        composed.message.properties.content_type = "application/json";
-        composed.message.payload = route->scope == model::MessageScope::variable
-                                       ? variable_message(samples.front(), place.epoch, repeated)
-                                       : group_message(samples, place.epoch, repeated);
-        out.push_back(std::move(composed));
+    if (place.packet_limit != kNoPacketLimit) split_groups(place);
+    too_large_.reset();
+    for (const auto& group : groups_) {
+        if (group.too_large) {
+            add_missing(group.samples.front(), place, out);
+            continue;
+        }
+        add_gap(place, out);
+        out.push_back({.message = message_of(*group.route, group.samples, place, out.size() < place.repeated),
+                       .samples = group.samples.size()});
     }
+    add_gap(place, out);
+}
+
+// Halves each message that the broker does not take. Sizes are those of a repeated message, which is the
+// longer one: a record then has the same messages each time.
+void MqttComposer::split_groups(const StreamPlace& place) {
+    const auto fits = [&](const Group& group) {
+        const auto message = message_of(*group.route, group.samples, place, true);
+        return publish_packet_size(message, place.version) <= place.packet_limit;
+    };
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+        while (!fits(groups_[i])) {
+            auto& samples = groups_[i].samples;
+            groups_[i].too_large = samples.size() == 1;
+            if (groups_[i].too_large) break;
+            const auto half = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+            Group rest{.route = &route_of(*half->series), .samples = {half, samples.end()}};
+            samples.erase(half, samples.end());
+            groups_.push_back(std::move(rest));
+        }
+    }
+    std::ranges::sort(groups_, {}, [](const Group& group) { return group.samples.front().number; });
+}
+
+MqttMessage MqttComposer::message_of(const Route& route, std::span<const PlacedSample> samples,
+                                     const StreamPlace& place, bool repeated) {
+    MqttMessage message{.topic = route.topic};
+    message.retain = route.retain;
+    message.properties.content_type = "application/json";
+    message.payload = route.scope == model::MessageScope::variable
+                          ? variable_message(samples.front(), place.epoch, repeated)
+                          : group_message(samples, place.epoch, repeated);
+    return message;
+}
+
+/// Joins samples that follow each other to one gap.
+void MqttComposer::add_missing(const PlacedSample& sample, const StreamPlace& place,
+                               std::vector<ComposedMessage>& out) {
+    const auto wall_ns = sample.sample->wall_ns;
+    if (too_large_ && too_large_->first_number + too_large_->samples != sample.number) add_gap(place, out);
+    if (!too_large_)
+        too_large_ = MissingSamples{.cause = "too_large",
+                                    .first_number = sample.number,
+                                    .first_wall_ns = wall_ns,
+                                    .last_wall_ns = wall_ns};
+    ++too_large_->samples;
+    too_large_->first_wall_ns = std::min(too_large_->first_wall_ns, wall_ns);
+    too_large_->last_wall_ns = std::max(too_large_->last_wall_ns, wall_ns);
+}
+
+void MqttComposer::add_gap(const StreamPlace& place, std::vector<ComposedMessage>& out) {
+    const auto missing = std::exchange(too_large_, {});
+    if (missing)
+        out.push_back(
+            {.message = gap_of(*missing, place, out.size() < place.repeated), .too_large = missing->samples});
+}
+
+MqttMessage MqttComposer::gap_of(const MissingSamples& missing, const StreamPlace& place,
+                                 bool repeated) const {
+    MqttMessage message{.topic = control_topic("gap")};
+    message.properties.content_type = "application/json";
+    message.payload = gap_message(missing, place.epoch, repeated);
+    return message;
 }
 
 void MqttComposer::compose(const store::Gap& gap, const StreamPlace& place,
                            std::vector<ComposedMessage>& out) {
-    ComposedMessage composed;
-    composed.message.topic = control_topic("gap");
-    composed.message.properties.content_type = "application/json";
-    composed.message.payload = gap_message(gap, place.first, place.epoch, place.repeated > 0);
-    out.push_back(std::move(composed));
+    const MissingSamples missing{.cause = store::name(gap.cause),
+                                 .samples = gap.samples,
+                                 .first_number = place.first,
+                                 .first_wall_ns = gap.first_wall_ns,
+                                 .last_wall_ns = gap.last_wall_ns};
+    out.push_back({.message = gap_of(missing, place, place.repeated > 0)});
 }
 
 std::string MqttComposer::control_topic(std::string_view last_level) const {

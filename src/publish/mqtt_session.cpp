@@ -278,7 +278,7 @@ std::size_t MqttSession::State::window_now() const {
 }
 
 std::size_t MqttSession::State::packet_limit() const {
-    return connected.maximum_packet.value_or(std::numeric_limits<std::size_t>::max());
+    return connected.maximum_packet ? *connected.maximum_packet : kNoPacketLimit;
 }
 
 std::optional<MqttAction> MqttSession::State::publish_action(Instant now, MqttMessage&& message) {
@@ -416,6 +416,7 @@ MqttStatus MqttSession::status() const {
     if (!state.version) return status;
     status.qos_0_only = state.qos_0_only();
     status.retain_unavailable = !state.connected.retain_available;
+    status.maximum_packet = state.connected.maximum_packet;
     status.keep_alive = state.connected.server_keep_alive
                             ? std::chrono::seconds(*state.connected.server_keep_alive)
                             : state.options.keep_alive;

@@ -17,6 +17,7 @@ void OutputLog::note(const OutputStatus& status) {
     note_destination(status);
     note_journal(status);
     note_unrecorded(status);
+    note_too_large(status);
     note_set_aside(status);
 }
 
@@ -43,6 +44,18 @@ void OutputLog::note_unrecorded(const OutputStatus& status) {
     if (!first) return;
     const LogArgument name{.name = "name", .text = status.name};
     log_.message(LogLevel::error, "log.output.unrecorded", std::array{name});
+}
+
+// Once in a run; their number is in the status.
+void OutputLog::note_too_large(const OutputStatus& status) {
+    if (too_large_noted_ || status.too_large == 0) return;
+    too_large_noted_ = true;
+    const auto limit = status.mqtt ? status.mqtt->maximum_packet : std::nullopt;
+    const auto bytes = limit ? std::to_string(*limit) : std::string("?");
+    const std::array arguments{LogArgument{.name = "name", .text = status.name},
+                               LogArgument{.name = "destination", .text = status.destination},
+                               LogArgument{.name = "bytes", .text = bytes}};
+    log_.message(LogLevel::error, "log.output.too_large", arguments);
 }
 
 void OutputLog::note_set_aside(const OutputStatus& status) {

@@ -20,6 +20,7 @@ private:
     void note_destination(const OutputStatus& status);
     void note_journal(const OutputStatus& status);
     void note_unrecorded(const OutputStatus& status);
+    void note_too_large(const OutputStatus& status);
     void note_set_aside(const OutputStatus& status);
 
     Log log_;
@@ -27,6 +28,7 @@ private:
     std::string failure_;
     bool journal_failed_ = false;
     std::uint64_t unrecorded_ = 0;
+    bool too_large_noted_ = false;
     std::string set_aside_;
 };
 

@@ -218,8 +218,9 @@ Result<void> Journal::acknowledge(Instant now, DestinationId destination, std::u
     return {};
 }
 
-Result<void> Journal::reject(DestinationId destination, std::uint64_t sequence, std::uint64_t samples) {
-    return state_->at(destination).reject(sequence, samples);
+Result<void> Journal::reject(DestinationId destination, std::uint64_t sequence, std::uint64_t samples,
+                             std::uint64_t gaps) {
+    return state_->at(destination).reject(sequence, samples, gaps);
 }
 
 void Journal::rewind(DestinationId destination) {

@@ -56,7 +56,7 @@ Result<void> JournalDestination::acknowledge(std::uint64_t sequence) {
 }
 
 // Each state in flight counts all entries before it.
-Result<void> JournalDestination::reject(std::uint64_t sequence, std::uint64_t samples) {
+Result<void> JournalDestination::reject(std::uint64_t sequence, std::uint64_t samples, std::uint64_t gaps) {
     const auto sequence_of = [](const CursorState& state) { return state.position.sequence; };
     const auto entry = std::ranges::lower_bound(in_flight_, sequence, {}, sequence_of);
     if (entry == in_flight_.end() || sequence_of(*entry) != sequence)
@@ -67,6 +67,7 @@ Result<void> JournalDestination::reject(std::uint64_t sequence, std::uint64_t sa
     std::for_each(entry, in_flight_.end(), [&](CursorState& state) {
         state.delivered -= samples;
         state.dropped += samples;
+        state.gaps += gaps;
     });
     return {};
 }

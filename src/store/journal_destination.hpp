@@ -33,7 +33,7 @@ public:
     /// @returns out_of_range
     Result<void> acknowledge(std::uint64_t sequence);
     /// @returns out_of_range
-    Result<void> reject(std::uint64_t sequence, std::uint64_t samples);
+    Result<void> reject(std::uint64_t sequence, std::uint64_t samples, std::uint64_t gaps);
     void rewind();
     /// No entry was handed out that read() did not return; to be called before a save at the end of reading.
     void withdraw_announcement();

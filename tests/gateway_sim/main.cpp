@@ -14,7 +14,7 @@ namespace takt::gatewaysim {
 namespace {
 
 /// What many seeds must have seen.
-constexpr std::array<std::string_view, 28> kKinds{"killed",
+constexpr std::array<std::string_view, 29> kKinds{"killed",
                                                   "power_cut",
                                                   "orderly_stop",
                                                   "crashed_at_operation",
@@ -41,7 +41,8 @@ constexpr std::array<std::string_view, 28> kKinds{"killed",
                                                   "command_after_outage",
                                                   "command_repeated",
                                                   "command_before_suback",
-                                                  "published_gap_quota"};
+                                                  "published_gap_quota",
+                                                  "published_gap_too_large"};
 
 std::string replay(const Options& options, std::uint64_t seed) {
     return "takt-gateway-sim " + seeds::replay_arguments(options, seed);

@@ -19,14 +19,19 @@ constexpr std::array<std::string_view, 1> kNames{"cloud"};
 constexpr store::DestinationId kCloud{0};
 const Series kSeries{"Power", "Meter", "rs485-1", "kW", DataType::int16, false};
 
-/// A message for each sample with its number, and one for each gap.
+/// A message for each sample with its number, and one for each gap. A sample whose value is above the limit
+/// of a packet is too large.
 class PlainComposer final : public MessageComposer {
 public:
     void compose(const SampleBatch& batch, const StreamPlace& place,
                  std::vector<ComposedMessage>& out) override {
         for (std::size_t i = 0; i < batch.samples.size(); ++i) {
             if (batch.samples[i].cause == SampleCause::heartbeat) continue;  // not for this output
-            out.push_back({{.topic = "t", .payload = std::to_string(place.first + i)}, 1});
+            if (std::get<std::int64_t>(batch.samples[i].value) >
+                static_cast<std::int64_t>(std::min(place.packet_limit, kNoPacketLimit / 2)))
+                out.push_back({.message = {.topic = "gap", .payload = "large"}, .too_large = 1});
+            else
+                out.push_back({{.topic = "t", .payload = std::to_string(place.first + i)}, 1});
             if (i < place.repeated) out.back().message.payload += '*';
         }
     }
@@ -45,18 +50,21 @@ protected:
     }
 
     void append(std::size_t samples, SampleCause cause = SampleCause::change) {
+        append_values(std::vector<std::int64_t>(samples, 1), cause);
+    }
+    void append_values(const std::vector<std::int64_t>& values, SampleCause cause = SampleCause::change) {
         SamplePayload payload(4096);
-        for (std::size_t i = 0; i < samples; ++i)
-            ASSERT_TRUE(payload.add(kSeries, {.series = 0, .value = std::int64_t{1}, .cause = cause}));
+        for (const auto value : values)
+            ASSERT_TRUE(payload.add(kSeries, {.series = 0, .value = value, .cause = cause}));
         const auto bytes = payload.take();
-        ASSERT_TRUE(journal_->append(now_, {samples, 0, 0, bytes}));
+        ASSERT_TRUE(journal_->append(now_, {values.size(), 0, 0, bytes}));
         sync();
     }
     void sync() {
         now_ += 200ms;
         journal_->on_tick(now_, 0);
     }
-    std::optional<SourceMessage> next() { return messages_->next(now_, {}); }
+    std::optional<SourceMessage> next() { return messages_->next(now_, {.packet = packet_}); }
     /// The payloads of all messages that wait.
     std::vector<std::string> all() {
         std::vector<std::string> texts;
@@ -74,6 +82,7 @@ protected:
     std::optional<store::Journal> journal_;
     PlainComposer composer_;
     std::optional<JournalMessages> messages_;
+    std::size_t packet_ = kNoPacketLimit;
     std::vector<std::uint64_t> tokens_;  // of all()
 };
 
@@ -153,6 +162,45 @@ TEST_F(JournalMessagesTest, ARejectedMessageIsDropped) {
     EXPECT_EQ(counters().delivered, 2U);
     EXPECT_EQ(counters().dropped, 1U);
     EXPECT_EQ(messages_->rejected(), 1U);
+}
+
+TEST_F(JournalMessagesTest, SamplesThatAreTooLargeAreDroppedWithAGap) {
+    packet_ = 10;
+    append_values({1, 20, 1});
+    EXPECT_EQ(all(), (Texts{"0", "1", "large", "3"}));
+    EXPECT_EQ(counters().dropped, 1U);
+    EXPECT_EQ(counters().gaps, 1U);
+    EXPECT_EQ(counters().waiting, 2U);
+    messages_->acknowledge(now_, tokens_[0]);
+    messages_->rewind();
+    tokens_.clear();
+    EXPECT_EQ(all(), (Texts{"1*", "large*", "3*"}));
+    EXPECT_EQ(messages_->too_large(), 0U);
+    for (const auto token : tokens_) messages_->acknowledge(now_, token);
+    EXPECT_EQ(counters().dropped, 1U);
+    EXPECT_EQ(counters().gaps, 1U);
+    EXPECT_EQ(counters().delivered, 2U);
+    EXPECT_EQ(counters().waiting, 0U);
+    EXPECT_EQ(messages_->too_large(), 1U);
+}
+
+// The next broker takes the sample: the messages of the record are other ones.
+TEST_F(JournalMessagesTest, WithOtherLimitsARecordIsSentWholeAgain) {
+    packet_ = 10;
+    append_values({1, 20, 1});
+    append(1);
+    EXPECT_EQ(all().size(), 5U);
+    for (std::size_t i = 0; i < 3; ++i) messages_->acknowledge(now_, tokens_[i]);
+    packet_ = 100;
+    tokens_.clear();
+    append(1);
+    EXPECT_EQ(all(), (Texts{"1*", "2*", "3*", "4*", "5"}));
+    messages_->acknowledge(now_, tokens_[0]);
+    messages_->rewind();
+    EXPECT_EQ(all(), (Texts{"2*", "3*", "4*", "5*"})) << "with the same limits the rest";
+    for (std::size_t i = 1; i < 5; ++i) messages_->acknowledge(now_, tokens_[i]);
+    EXPECT_EQ(counters().dropped, 0U);
+    EXPECT_EQ(counters().delivered, 5U);
 }
 
 // The record is damaged on the disk after its first message was acknowledged.

@@ -74,11 +74,9 @@ TEST(MessageFormat, AGroupHasEachVariable) {
 }
 
 TEST(MessageFormat, AGapHasItsCauseAndCount) {
-    EXPECT_EQ(
-        gap_message({.cause = store::GapCause::quota, .samples = 5, .first_wall_ns = 0, .last_wall_ns = kNow},
-                    8, 2, true),
-        R"({"gap":{"cause":"quota","samples":5,"first":"1970-01-01T00:00:00.000Z",)"
-        R"("last":"2025-11-24T16:00:00.123Z"},"epoch":2,"seq":8,"repeated":true})");
+    EXPECT_EQ(gap_message({.cause = "quota", .samples = 5, .first_number = 8, .last_wall_ns = kNow}, 2, true),
+              R"({"gap":{"cause":"quota","samples":5,"first":"1970-01-01T00:00:00.000Z",)"
+              R"("last":"2025-11-24T16:00:00.123Z"},"epoch":2,"seq":8,"repeated":true})");
 }
 
 }  // namespace

@@ -48,6 +48,16 @@ TEST(OutputLog, HasChangesAndNoAttempts) {
                                         "3 log.output.failed cloud mqtt://b:1883 lost app.output.waiting"}));
 }
 
+TEST(OutputLog, HasSamplesThatAreTooLargeOnce) {
+    Lines lines;
+    OutputLog log(lines.log());
+    OutputStatus status{.name = "cloud", .destination = "mqtt://b:1883"};
+    status.mqtt = MqttStatus{.maximum_packet = 512};
+    log.note(status);
+    for (status.too_large = 1; status.too_large < 4; ++status.too_large) log.note(status);
+    EXPECT_EQ(lines.lines, (std::vector<std::string>{"4 log.output.too_large cloud mqtt://b:1883 512"}));
+}
+
 TEST(OutputLog, HasAnErrorOfTheJournalOnce) {
     Lines lines;
     OutputLog log(lines.log());

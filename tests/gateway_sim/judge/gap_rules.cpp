@@ -16,6 +16,7 @@ std::string text(const SeenGap& gap) {
 void StreamJudge::check_gap(const SeenMessage& message) {
     const auto& gap = *message.gap;
     if (gap.cause == "restart") return check_restart(message);
+    if (gap.cause == "too_large") return check_too_large(message);
     if (gap.cause == "quota" || gap.cause == "damaged") return check_found_gap(message);
     check_written_gap(message);
 }
@@ -34,6 +35,24 @@ void StreamJudge::check_restart(const SeenMessage& message) {
             "gap_true",
             time_text(record->facts.gap->first_wall_ns) + " to " + time_text(record->facts.gap->last_wall_ns),
             text(gap));
+}
+
+// With packets of this size only a long text is too large.
+void StreamJudge::check_too_large(const SeenMessage& message) {
+    const auto& gap = *message.gap;
+    constexpr std::size_t kLong = 30;
+    std::vector<std::int64_t> times;
+    for (std::uint64_t number = gap.number; number < gap.number + gap.samples; ++number) {
+        const auto* sample = sample_of(message.epoch, number);
+        const auto* value = sample ? std::get_if<std::string>(&sample->value) : nullptr;
+        if (!packet_limit_ || value == nullptr || value->size() <= kLong)
+            return fail("gap_true", "samples that are too large for a packet", text(gap));
+        times.push_back(sample->wall_ns);
+        check_durable(number);
+    }
+    if (times.empty() || gap.first != time_text(*std::ranges::min_element(times)) ||
+        gap.last != time_text(*std::ranges::max_element(times)))
+        fail("gap_true", "the times of the samples that are too large", text(gap));
 }
 
 /// A gap that was written to the journal: its truth was judged then.

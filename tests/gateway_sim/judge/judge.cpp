@@ -174,12 +174,12 @@ void Judge::on_event(const MqttEvent& event) {
 void Judge::on(const MqttConnected& connected) {
     connection_.open = true;
     connection_.limits = connected;
-    stream_.on_connection(connected.retain_available);
+    stream_.on_connection(connected);
 }
 
 void Judge::on(const MqttClosed& /*closed*/) {
     connection_.exists = connection_.open = connection_.subscribed = false;
-    stream_.on_connection(true);
+    stream_.on_connection({});
 }
 
 void Judge::on(const MqttAcknowledged& acknowledged) {

@@ -31,16 +31,16 @@ StreamJudge::StreamJudge(Account& account, const JournalJudge& journal, const Cl
     const auto& output = configuration.project().outputs.at(0);
     for (const auto& value : output.values) {
         const auto& selection = output.selections.at(value.selection);
-        groups_ = groups_ || selection.message != model::MessageScope::variable;
         const auto slot = publish::slot_of(configuration.slots(), value.subject);
         routes_[configuration.info(slot).name] = {value.topic, selection.retain};
     }
     for (const auto& broker : scenario.brokers) limited_ = limited_ || broker.limits.maximum_packet;
 }
 
-void StreamJudge::on_connection(bool retains) {
+void StreamJudge::on_connection(const publish::MqttConnected& limits) {
     begin_pass();
-    broker_retains_ = retains;
+    broker_retains_ = limits.retain_available;
+    packet_limit_ = limits.maximum_packet;
     sent_.clear();
 }
 
@@ -195,27 +195,14 @@ StreamJudge::Sample& StreamJudge::at(std::uint64_t number) {
 }
 
 bool StreamJudge::is_finished(std::uint64_t number) const {
-    if (number <= samples_.size() && (samples_[number - 1].fate & kFinished) != 0) return true;
-    return may_be_too_large(number);
+    return number <= samples_.size() && (samples_[number - 1].fate & kFinished) != 0;
 }
 
-// A long text, or several samples in one message, may exceed the packets of a broker. Nobody sees then that
-// the message was left out.
-bool StreamJudge::may_be_too_large(std::uint64_t number) const {
-    if (!limited_) return false;
-    if (groups_) return true;
-    constexpr std::size_t kLong = 30;
-    const auto* record = journal_.record_of_sample(number);
-    if (record == nullptr) return false;
-    for (const Run& run : account_.runs()) {
-        if (run.epoch != record->facts.epoch) continue;
-        const Unit* unit = run.unit_of(number);
-        if (unit == nullptr || unit->lost()) continue;
-        const auto* value =
-            std::get_if<std::string>(&unit->batch.samples[number - run.base - 1 - unit->offset].value);
-        if (value != nullptr && value->size() > kLong) return true;
-    }
-    return false;
+const publish::Sample* StreamJudge::sample_of(std::uint64_t epoch, std::uint64_t number) const {
+    const Run* run = account_.run_of(epoch);
+    const Unit* unit = run ? run->unit_of(number) : nullptr;
+    if (unit == nullptr || unit->lost() || (run->end && number > *run->end)) return nullptr;
+    return &unit->batch.samples[number - run->base - 1 - unit->offset];
 }
 
 void StreamJudge::advance_finished() const {
@@ -242,8 +229,7 @@ void StreamJudge::on_cut(std::uint64_t samples) {
 
 bool StreamJudge::has_arrived(std::uint64_t number) const {
     constexpr std::uint8_t kArrived = kReceived | kCovered | kRejected | kUnproved;
-    if (number <= samples_.size() && (samples_[number - 1].fate & kArrived) != 0) return true;
-    return may_be_too_large(number);
+    return number <= samples_.size() && (samples_[number - 1].fate & kArrived) != 0;
 }
 
 std::uint64_t StreamJudge::delivered_through() const {

@@ -29,7 +29,7 @@ public:
     /// The broker has a message.
     void on_received(publish::MqttToken token);
     /// A connection is open, or is not any more.
-    void on_connection(bool retains);
+    void on_connection(const publish::MqttConnected& limits);
 
     [[nodiscard]] std::optional<std::string> unfinished(std::uint64_t sequence,
                                                         std::uint64_t samples) const override;
@@ -71,6 +71,7 @@ private:
     void check_restart(const SeenMessage& message);
     void check_written_gap(const SeenMessage& message);
     void check_found_gap(const SeenMessage& message);
+    void check_too_large(const SeenMessage& message);
     [[nodiscard]] bool begins_behind(const SeenGap& gap, std::uint64_t sequence) const;
     void check_durable(std::uint64_t number);
     void check_order(const SeenMessage& message);
@@ -79,7 +80,7 @@ private:
     void mark_sent(const SeenMessage& message);
     void finish_message(const Sent& sent, std::uint8_t fate);
     static void finish_restart(Run& run, std::uint8_t fate);
-    [[nodiscard]] bool may_be_too_large(std::uint64_t number) const;
+    [[nodiscard]] const publish::Sample* sample_of(std::uint64_t epoch, std::uint64_t number) const;
     [[nodiscard]] Sample& at(std::uint64_t number);
     [[nodiscard]] bool is_finished(std::uint64_t number) const;
     void advance_finished() const;
@@ -94,8 +95,8 @@ private:
     const Clock& clock_;
     const Scenario& scenario_;
     Complaints& complaints_;
-    bool limited_ = false;  ///< a broker takes packets up to a size only
-    bool groups_ = false;   ///< a message has several samples
+    bool limited_ = false;                       ///< a broker takes packets up to a size only
+    std::optional<std::uint32_t> packet_limit_;  ///< of the connection
     struct Route {
         std::string topic;
         bool retain = false;

@@ -9,7 +9,6 @@
 
 #include "takt/host/snapshot.hpp"
 #include "takt/publish/sample.hpp"
-#include "takt/store/journal_record.hpp"
 
 namespace takt::publish {
 
@@ -18,6 +17,15 @@ struct PlacedSample {
     const Series* series = nullptr;
     const Sample* sample = nullptr;
     std::uint64_t number = 0;  ///< from 1 on, without holes but for gaps
+};
+
+/// Samples that are missing, in their place in the stream.
+struct MissingSamples {
+    std::string_view cause;
+    std::uint64_t samples = 0;
+    std::uint64_t first_number = 0;  ///< of the first of them
+    std::int64_t first_wall_ns = 0;
+    std::int64_t last_wall_ns = 0;
 };
 
 /// RFC 3339 in UTC, with milliseconds: 2026-11-24T02:30:00.123Z. Rounded down.
@@ -31,10 +39,7 @@ struct PlacedSample {
 [[nodiscard]] std::string group_message(std::span<const PlacedSample> samples, std::uint64_t epoch,
                                         bool repeated);
 
-/// Samples that are missing in this place.
-/// @param first  number of the first of them
-[[nodiscard]] std::string gap_message(const store::Gap& gap, std::uint64_t first, std::uint64_t epoch,
-                                      bool repeated);
+[[nodiscard]] std::string gap_message(const MissingSamples& missing, std::uint64_t epoch, bool repeated);
 
 /// Lines and devices with their states and counters.
 /// @param snapshot  with statistics

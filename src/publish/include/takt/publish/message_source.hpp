@@ -11,11 +11,12 @@
 
 namespace takt::publish {
 
+inline constexpr std::size_t kNoPacketLimit = std::numeric_limits<std::size_t>::max();
+
 /// What the current connection permits.
 struct MessageLimits {
     MqttVersion version = MqttVersion::v5;
-    /// Bytes of a PUBLISH packet, see publish_packet_size(). The greatest value: no limit.
-    std::size_t packet = std::numeric_limits<std::size_t>::max();
+    std::size_t packet = kNoPacketLimit;  ///< bytes of a PUBLISH packet, see publish_packet_size()
 };
 
 struct SourceMessage {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,7 +20,8 @@ namespace takt::publish {
 /// to the topic of the first selection's template.
 ///
 /// Messages are in the order of their first samples. One message has each variable once, so the messages of a
-/// variable are in the order of its samples.
+/// variable are in the order of its samples. A message that the broker does not take for its size is split; a
+/// gap with the cause `too_large` replaces samples that are too large alone.
 class MqttComposer final : public MessageComposer {
 public:
     MqttComposer(const model::Output& output, const host::Configuration& configuration);
@@ -41,10 +44,18 @@ private:
     struct Group {
         const Route* route = nullptr;
         std::vector<PlacedSample> samples;
+        bool too_large = false;  // one sample, which no packet can carry
     };
 
     [[nodiscard]] const Route& route_of(const Series& series);
     void add_to_group(const Route& route, const PlacedSample& sample);
+    void split_groups(const StreamPlace& place);
+    void add_missing(const PlacedSample& sample, const StreamPlace& place, std::vector<ComposedMessage>& out);
+    void add_gap(const StreamPlace& place, std::vector<ComposedMessage>& out);
+    [[nodiscard]] static MqttMessage message_of(const Route& route, std::span<const PlacedSample> samples,
+                                                const StreamPlace& place, bool repeated);
+    [[nodiscard]] MqttMessage gap_of(const MissingSamples& missing, const StreamPlace& place,
+                                     bool repeated) const;
 
     std::string name_;
     std::string control_topic_;
@@ -52,6 +63,7 @@ private:
     std::map<std::pair<std::string, std::string>, Route> routes_;  // by device and variable
     std::vector<Group> groups_;                                    // scratch, the messages of one batch
     std::map<std::string_view, std::size_t> open_;                 // scratch, by topic: the group that grows
+    std::optional<MissingSamples> too_large_;                      // scratch, not among the messages yet
 };
 
 }  // namespace takt::publish

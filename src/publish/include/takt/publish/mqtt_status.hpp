@@ -50,10 +50,11 @@ struct MqttStatus {
     bool subscribed = false;             ///< the broker accepted all subscriptions of this connection
     bool qos_0_only = false;             ///< the broker takes QoS 0 only: delivery is not proved
     bool retain_unavailable = false;     ///< the broker keeps no retained messages
-    std::chrono::seconds keep_alive{0};  ///< of the connection, possibly the broker's
-    std::size_t window = 0;              ///< messages that may be in flight now
-    std::size_t in_flight = 0;           ///< messages that the broker has not acknowledged
-    std::size_t live_waiting = 0;        ///< live messages in the queue, those in flight included
+    std::optional<std::uint32_t> maximum_packet;  ///< bytes of a packet that the broker takes; none: no limit
+    std::chrono::seconds keep_alive{0};           ///< of the connection, possibly the broker's
+    std::size_t window = 0;                       ///< messages that may be in flight now
+    std::size_t in_flight = 0;                    ///< messages that the broker has not acknowledged
+    std::size_t live_waiting = 0;                 ///< live messages in the queue, those in flight included
     bool refusing = false;  ///< the broker refuses a message of the source; it is sent again after pauses
     /// That is not over, of the connection, else of a message, the subscriptions, or a live message.
     std::optional<MqttFailure> failure;

@@ -47,6 +47,7 @@ struct OutputStatus {
     std::uint64_t commands_refused = 0;     ///< of them, before the host got them
     std::uint64_t answers_dropped = 0;      ///< too many waited for the broker
     std::uint64_t commands_unrecorded = 0;  ///< without a line in commands.log, which could not be written
+    std::uint64_t too_large = 0;            ///< samples that exceed the largest packet of the broker
     std::string set_aside;  ///< of a history: where a damaged file was moved; empty: there was none
 };
 

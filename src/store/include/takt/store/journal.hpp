@@ -139,9 +139,11 @@ public:
     /// @returns out_of_range: no entry with this number was read and not acknowledged. Nothing was changed
     Result<void> acknowledge(Instant now, DestinationId destination, std::uint64_t sequence);
     /// Counts samples of an entry as dropped that the destination can never take; to be called before its
-    /// acknowledgement. A rewind() forgets it. @returns out_of_range: as acknowledge(), or the entry has
-    /// fewer samples
-    Result<void> reject(DestinationId destination, std::uint64_t sequence, std::uint64_t samples);
+    /// acknowledgement. A rewind() forgets it.
+    /// @param gaps  that the destination gets in their place
+    /// @returns out_of_range: as acknowledge(), or the entry has fewer samples
+    Result<void> reject(DestinationId destination, std::uint64_t sequence, std::uint64_t samples,
+                        std::uint64_t gaps = 0);
     /// The next read() begins after the last acknowledged entry. Entries that were read before are
     /// `repeated`.
     void rewind(DestinationId destination);
