@@ -110,7 +110,7 @@ void TransactionCore::handle(Instant t, const wire::FramerStep& step) {
         on_frame(t, frame);
         bytes_since_gap_ = 0;
     } else if (step.fault != FrameFault::none) {
-        if (observer_) observer_->on_fault(t, step.fault);
+        if (observer_) observer_->on_fault(t, step.fault, framer_.dropped());
         noise_ += bytes_since_gap_;
         on_fault(t, step);
         bytes_since_gap_ = 0;

@@ -82,7 +82,7 @@ void LineTraffic::on_frame(Instant t, wire::Direction direction, UnitId unit, By
                          raw.size(), bytes, words));
 }
 
-void LineTraffic::on_fault(Instant t, wire::FrameFault fault) {
+void LineTraffic::on_fault(Instant t, wire::FrameFault fault, Bytes /*raw*/) {
     log_.put(fmt::format("[{}] TRA : {}::({}) dropped: {}", iso_time(t), line_, port_, wire::name(fault)));
 }
 
@@ -101,7 +101,7 @@ void TapLog::put(const host::Session& session, const host::TrafficRecord& record
         const auto side = of_line ? LineTraffic::Side::master : LineTraffic::Side::slave;
         source = sources_.try_emplace(key, log_, *line, side).first;
     }
-    if (record.fault) return source->second.on_fault(record.t, *record.fault);
+    if (record.fault) return source->second.on_fault(record.t, *record.fault, record.raw);
     source->second.on_frame(record.t, record.direction, record.unit, record.pdu, record.raw);
 }
 

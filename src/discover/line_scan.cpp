@@ -95,8 +95,8 @@ void LineScan::on_frame(Instant t, wire::Direction direction, UnitId from, Bytes
 }
 
 // Bytes that do not check may be the late response of the previous unit, broken by the request to this one.
-void LineScan::on_fault(Instant t, wire::FrameFault fault) {
-    if (observer_) observer_->on_fault(t, fault);
+void LineScan::on_fault(Instant t, wire::FrameFault fault, Bytes raw) {
+    if (observer_) observer_->on_fault(t, fault, raw);
     if (before_ && visit_.step == Step::ask) revisit(*before_);
 }
 

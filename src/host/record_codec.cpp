@@ -322,22 +322,21 @@ Event decode_event(std::span<const std::uint64_t> record) {
     return event;
 }
 
-void encode(std::uint32_t generation, const TrafficSource& source, Instant t, wire::Direction direction,
-            UnitId unit, std::optional<wire::FrameFault> fault, Bytes pdu, Bytes raw,
-            std::vector<std::uint64_t>& record) {
+void encode(const TrafficView& frame, std::vector<std::uint64_t>& record) {
     WordWriter writer(record);
-    auto kind = source.kind;
-    auto index = source.index;
-    all(writer, generation, kind, index, t, direction, unit.value, fault);
-    writer.bytes({reinterpret_cast<const char*>(pdu.data()), pdu.size()});
-    writer.bytes({reinterpret_cast<const char*>(raw.data()), raw.size()});
+    auto numbers = frame;  // members are visited as if they were written
+    all(writer, numbers.generation, numbers.source.kind, numbers.source.index, numbers.t, numbers.direction,
+        numbers.unit.value, numbers.fault);
+    writer.bytes(frame.peer);
+    for (const auto bytes : {frame.pdu, frame.raw})
+        writer.bytes({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 TrafficRecord decode_traffic(std::span<const std::uint64_t> record) {
     RecordReader reader(record);
     TrafficRecord result;
     all(reader, result.generation, result.source.kind, result.source.index, result.t, result.direction,
-        result.unit.value, result.fault, result.pdu, result.raw);
+        result.unit.value, result.fault, result.peer, result.pdu, result.raw);
     return result;
 }
 

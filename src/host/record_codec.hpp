@@ -19,9 +19,19 @@ void encode(const Event& event, std::vector<std::uint64_t>& record);
 void encode(std::uint32_t generation, const value::Event& event, std::vector<std::uint64_t>& record);
 [[nodiscard]] Event decode_event(std::span<const std::uint64_t> record);
 
-void encode(std::uint32_t generation, const TrafficSource& source, Instant t, wire::Direction direction,
-            UnitId unit, std::optional<wire::FrameFault> fault, Bytes pdu, Bytes raw,
-            std::vector<std::uint64_t>& record);
+/// A TrafficRecord that points to data of the caller.
+struct TrafficView {
+    std::uint32_t generation = 0;
+    TrafficSource source;
+    Instant t;
+    wire::Direction direction = wire::Direction::sent;
+    UnitId unit;
+    std::optional<wire::FrameFault> fault;
+    std::string_view peer;
+    Bytes pdu;
+    Bytes raw;
+};
+void encode(const TrafficView& frame, std::vector<std::uint64_t>& record);
 [[nodiscard]] TrafficRecord decode_traffic(std::span<const std::uint64_t> record);
 
 /// A string value has at most 250 bytes; notices and audit records may be longer.

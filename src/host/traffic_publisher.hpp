@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "host_link.hpp"
+#include "takt/base/inplace_string.hpp"
 #include "takt/host/traffic.hpp"
 #include "takt/wire/traffic.hpp"
 
@@ -19,7 +21,8 @@ public:
         record_.reserve(256);
     }
     void on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) override;
-    void on_fault(Instant t, wire::FrameFault fault) override;
+    void on_fault(Instant t, wire::FrameFault fault, Bytes raw) override;
+    void on_peer(std::string_view peer) override { peer_.assign(peer); }
 
     void set_generation(std::uint32_t generation) { generation_ = generation; }
     /// Of the project that has the source now.
@@ -35,6 +38,7 @@ private:
     HostLink& link_;
     TrafficSource source_;
     std::uint32_t generation_;
+    InplaceString<64> peer_;
     std::vector<std::uint64_t> record_;  // scratch
 };
 

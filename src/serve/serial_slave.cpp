@@ -174,7 +174,7 @@ void SerialSlave::settle(Instant t, const wire::FramerStep& step) {
 void SerialSlave::settle_tolerant(Instant t, const wire::FramerStep& step) {
     if (step.fault != wire::FrameFault::none) {
         broken_ = {};
-        report(t, step);
+        report(t, step, tolerant_framer_.dropped());
     } else if (step.complete && step.consumed == 0) {
         report_broken(t);
     }
@@ -183,25 +183,25 @@ void SerialSlave::settle_tolerant(Instant t, const wire::FramerStep& step) {
 void SerialSlave::note(Instant t, const wire::FramerStep& step) {
     if (config_.framing != wire::Framing::rtu || config_.strict || !is_piece(step.fault)) {
         broken_ = {};
-        return report(t, step);
+        return report(t, step, framer_.dropped());
     }
     // An idle tolerant framer has reported the frame of this chunk already.
     if (tolerant_framer_.next_wakeup() == kNever) return;
     if (broken_.fault == wire::FrameFault::none) broken_ = step;
 }
 
-void SerialSlave::report(Instant t, const wire::FramerStep& step) {
+void SerialSlave::report(Instant t, const wire::FramerStep& step, Bytes dropped) {
     const bool rtu = config_.framing == wire::Framing::rtu;
     if (rtu && out_of_step_ && is_piece(step.fault) && !step.whole) return;
     out_of_step_ = step.fault != wire::FrameFault::surplus;
     counters_.count(step.fault);
     if (step.fault != wire::FrameFault::surplus) responder_.on_line_event(LineEvent::error);
-    if (observer_) observer_->on_fault(t, step.fault);
+    if (observer_) observer_->on_fault(t, step.fault, dropped);
 }
 
 void SerialSlave::report_broken(Instant t) {
     if (broken_.fault == wire::FrameFault::none) return;
-    report(t, broken_);
+    report(t, broken_, {});
     broken_ = {};
 }
 

@@ -132,11 +132,18 @@ void TcpConnectionCore::process(Instant t) {
     input_size_ -= used;
 }
 
+template <class Call>
+void TcpConnectionCore::observe(Call call) {
+    if (!observer_) return;
+    observer_->on_peer(config_.peer.view());
+    call(*observer_);
+}
+
 void TcpConnectionCore::settle(Instant t, const wire::FramerStep& step) {
     if (step.fault != wire::FrameFault::none) {
         counters_.count(step.fault);
         responder_.on_line_event(LineEvent::error);
-        if (observer_) observer_->on_fault(t, step.fault);
+        observe([&](auto& observer) { observer.on_fault(t, step.fault, framer_.dropped()); });
         frame_since_ = kNever;
         if (step.fault == wire::FrameFault::bad_header) close(CloseReason::bad_header);
     }
@@ -147,7 +154,9 @@ void TcpConnectionCore::settle(Instant t, const wire::FramerStep& step) {
 }
 
 void TcpConnectionCore::take(Instant t, const wire::Frame& frame) {
-    if (observer_) observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer_.raw());
+    observe([&](auto& observer) {
+        observer.on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer_.raw());
+    });
     ++counters_.requests;
     responder_.on_line_event(LineEvent::message);
     const Context context{t, frame.unit, false, config_.peer.view(), config_.role.view()};
@@ -180,7 +189,7 @@ void TcpConnectionCore::answer(Instant t, UnitId unit, std::uint16_t transaction
     output_size_ += frame.size();
     ++counters_.answers;
     if (wire::is_exception(pdu[0])) ++counters_.exceptions;
-    if (observer_) observer_->on_frame(t, wire::Direction::sent, unit, pdu, frame.span());
+    observe([&](auto& observer) { observer.on_frame(t, wire::Direction::sent, unit, pdu, frame.span()); });
 }
 
 void TcpConnectionCore::close(CloseReason reason) {

@@ -57,6 +57,7 @@ Framer::Framer(const FramerConfig& config, std::span<std::uint8_t> storage, bool
 }
 
 FramerStep Framer::push(Instant t, Bytes bytes) {
+    dropped_ = {};
     if (bytes.empty()) return {};
     FramerStep step;
     switch (config_.framing) {
@@ -70,6 +71,7 @@ FramerStep Framer::push(Instant t, Bytes bytes) {
 }
 
 FramerStep Framer::on_tick(Instant t) {
+    dropped_ = {};
     if (t < next_wakeup()) return {};
     return config_.framing == Framing::rtu ? end_rtu() : drop(FrameFault::pause, 0, State::idle);
 }
@@ -98,6 +100,7 @@ Bytes Framer::raw() const {
 void Framer::reset() {
     awaited_.reset();
     expected_.reset();
+    dropped_ = {};
     begin();
 }
 
@@ -153,6 +156,7 @@ void Framer::begin() {
 }
 
 FramerStep Framer::drop(FrameFault fault, std::size_t consumed, State next) {
+    dropped_ = raw_.span();
     begin();
     state_ = next;
     return {consumed, false, fault};

@@ -48,7 +48,11 @@ FramerStep Framer::push_rtu(Instant t, Bytes bytes) {
     if (state_ == State::complete) {
         const bool follows = silent || stream_ || more_;
         if (!more_) awaited_.reset();
-        if (!follows) return drop(FrameFault::surplus, bytes.size(), State::skipping);
+        if (!follows) {
+            const auto step = drop(FrameFault::surplus, bytes.size(), State::skipping);
+            dropped_ = bytes;
+            return step;
+        }
         begin();
     }
     if (state_ == State::skipping) {

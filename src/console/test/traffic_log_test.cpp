@@ -84,7 +84,7 @@ TEST_F(TrafficLogTest, AsciiFramesAreTextWithoutTheirEnd) {
 
 TEST_F(TrafficLogTest, DroppedBytesHaveAReason) {
     LineTraffic traffic(*log, line_named(wire::Framing::rtu), LineTraffic::Side::master);
-    traffic.on_fault(Instant{2s}, wire::FrameFault::checksum);
+    traffic.on_fault(Instant{2s}, wire::FrameFault::checksum, {});
     EXPECT_EQ(written(), stamp("main::(/dev/ttyS1) dropped: ") +
                              std::string(wire::name(wire::FrameFault::checksum)) + "\n");
 }
@@ -93,7 +93,7 @@ TEST_F(TrafficLogTest, AFactoryWithoutALogIsEmpty) {
     EXPECT_FALSE(traffic_factory(nullptr, LineTraffic::Side::master));
     const auto factory = traffic_factory(log.get(), LineTraffic::Side::master);
     ASSERT_TRUE(factory);
-    factory(line_named(wire::Framing::rtu))->on_fault(Instant{2s}, wire::FrameFault::checksum);
+    factory(line_named(wire::Framing::rtu))->on_fault(Instant{2s}, wire::FrameFault::checksum, {});
     EXPECT_NE(written(), "");
 }
 

@@ -147,13 +147,21 @@ TEST(RecordCodec, KeepsFramesAndFaults) {
     const std::vector<std::uint8_t> pdu{3, 2, 0, 1};
     const std::vector<std::uint8_t> raw{1, 3, 2, 0, 1, 0xAA, 0xBB};
     std::vector<std::uint64_t> record;
-    encode(2, {TrafficSource::Kind::endpoint, 5}, Instant(Duration(9)), wire::Direction::received, UnitId{17},
-           std::nullopt, pdu, raw, record);
+    encode({.generation = 2,
+            .source = {TrafficSource::Kind::endpoint, 5},
+            .t = Instant(Duration(9)),
+            .direction = wire::Direction::received,
+            .unit = UnitId{17},
+            .peer = "192.0.2.7:50100",
+            .pdu = pdu,
+            .raw = raw},
+           record);
     const auto frame = decode_traffic(record);
     EXPECT_EQ(frame.source, (TrafficSource{TrafficSource::Kind::endpoint, 5}));
     EXPECT_EQ(frame.direction, wire::Direction::received);
     EXPECT_EQ(frame.unit, UnitId{17});
     EXPECT_FALSE(frame.fault);
+    EXPECT_EQ(frame.peer, "192.0.2.7:50100");
     EXPECT_EQ(frame.pdu, pdu);
     EXPECT_EQ(frame.raw, raw);
 }

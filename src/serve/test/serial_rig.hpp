@@ -23,7 +23,7 @@ public:
         EXPECT_EQ(raw[0], unit.value);
         lines.push_back((direction == wire::Direction::sent ? "sent " : "received ") + hex(pdu));
     }
-    void on_fault(Instant, wire::FrameFault fault) override { lines.emplace_back(wire::name(fault)); }
+    void on_fault(Instant, wire::FrameFault fault, Bytes) override { lines.emplace_back(wire::name(fault)); }
     std::vector<std::string> lines;
 };
 

@@ -67,7 +67,7 @@ public:
     LineTraffic(TrafficLog& log, const model::Line& line, Side side);
 
     void on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) override;
-    void on_fault(Instant t, wire::FrameFault fault) override;
+    void on_fault(Instant t, wire::FrameFault fault, Bytes raw) override;
 
 private:
     TrafficLog& log_;

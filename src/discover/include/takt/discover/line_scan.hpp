@@ -127,7 +127,7 @@ private:
     };
 
     void on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) override;
-    void on_fault(Instant t, wire::FrameFault fault) override;
+    void on_fault(Instant t, wire::FrameFault fault, Bytes raw) override;
 
     void work(Instant t);
     void submit(Instant t);

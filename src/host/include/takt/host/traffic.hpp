@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "takt/base/numbers.hpp"
@@ -29,8 +30,9 @@ struct TrafficRecord {
     wire::Direction direction = wire::Direction::sent;
     UnitId unit;
     std::optional<wire::FrameFault> fault;  ///< why bytes were dropped; then there is no frame
+    std::string peer;                       ///< of an endpoint's connection: "192.0.2.7:50100"; else empty
     std::vector<std::uint8_t> pdu;
-    std::vector<std::uint8_t> raw;  ///< as on the wire
+    std::vector<std::uint8_t> raw;  ///< as on the wire; of dropped bytes those that were kept
 };
 
 }  // namespace takt::host

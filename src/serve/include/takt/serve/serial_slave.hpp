@@ -97,7 +97,7 @@ private:
     void settle_tolerant(Instant t, const wire::FramerStep& step);
     void note_silence(Instant t, std::size_t received);
     void note(Instant t, const wire::FramerStep& step);
-    void report(Instant t, const wire::FramerStep& step);
+    void report(Instant t, const wire::FramerStep& step, Bytes dropped);
     void report_broken(Instant t);
     void take(Instant t, wire::Framer& framer);
     void enqueue(Instant t, UnitId unit, const Answer& answer);

@@ -116,6 +116,8 @@ private:
     void release(Instant t);
     void answer(Instant t, UnitId unit, std::uint16_t transaction, Bytes pdu);
     [[nodiscard]] bool room_for_answer() const { return kOutput - output_size_ >= wire::kMaxAsciiFrame; }
+    template <class Call>
+    void observe(Call call);
     void close(CloseReason reason);
     [[nodiscard]] Instant frame_due() const;
     [[nodiscard]] Instant idle_due() const;

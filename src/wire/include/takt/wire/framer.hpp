@@ -125,6 +125,10 @@ public:
     /// The bytes of frame() as on the wire, for traffic logs; valid as long as it.
     [[nodiscard]] Bytes raw() const;
 
+    /// The bytes that the last step dropped, as far as they were kept: of surplus bytes those of the last
+    /// push(). Valid until the next push(), on_tick() or reset(), and as long as the bytes given to push().
+    [[nodiscard]] Bytes dropped() const { return dropped_; }
+
     /// Accepts a further frame without a silence before it. A slave on a shared line calls this after a frame
     /// for another unit: an adapter that delivers late may hand over the response of another slave together
     /// with the next request. Not after a frame for an own unit, which must be answered first.
@@ -211,6 +215,7 @@ private:
     std::uint16_t crc_ = 0;                     // RTU: of raw_
     std::size_t to_skip_ = 0;                   // MBAP: remaining bytes of a frame that is too long
     BoundedVector<std::uint8_t> raw_;
+    Bytes dropped_;                        // in the storage of raw_, or those given to push()
     BoundedVector<std::uint8_t> decoded_;  // ASCII: unit, PDU, LRC
 };
 

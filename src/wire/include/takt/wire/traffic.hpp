@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "takt/base/engine.hpp"
 #include "takt/base/numbers.hpp"
@@ -23,7 +24,12 @@ public:
     virtual void on_frame(Instant t, Direction direction, UnitId unit, Bytes pdu, Bytes raw) = 0;
 
     /// Bytes were received and dropped.
-    virtual void on_fault(Instant t, FrameFault fault) = 0;
+    /// @param raw  the bytes as far as they were kept; may be empty. Valid during the call
+    virtual void on_fault(Instant t, FrameFault fault, Bytes raw) = 0;
+
+    /// The calls that follow are about the connection with that peer, "192.0.2.7:50100". The connections of a
+    /// listener share one observer; masters and serial slaves do not call this.
+    virtual void on_peer(std::string_view peer) { (void)peer; }
 
 protected:
     ~TrafficObserver() = default;
