@@ -39,16 +39,20 @@ sigset_t take_signals() {
 }  // namespace
 
 Result<StoppableInput> StoppableInput::open(const std::string& path) {
-    if (path == "-") return StoppableInput("stdin", {});
+    if (path == "-") return StoppableInput("stdin", {}, STDIN_FILENO);
     TAKT_TRY(auto file, os::open_for_reading(path));
-    return StoppableInput(path, std::move(file));
+    const int number = file.get();
+    return StoppableInput(path, std::move(file), number);
 }
 
-StoppableInput::StoppableInput(std::string path, os::Descriptor file)
-    : path_(std::move(path)), file_(std::move(file)) {
+StoppableInput StoppableInput::around(std::string name, int descriptor) {
+    return StoppableInput(std::move(name), {}, descriptor);
+}
+
+StoppableInput::StoppableInput(std::string path, os::Descriptor file, int number)
+    : path_(std::move(path)), file_(std::move(file)), number_(number) {
     struct stat status{};
-    const int number = file_ ? file_.get() : STDIN_FILENO;
-    if (::fstat(number, &status) == 0 && S_ISREG(status.st_mode))
+    if (::fstat(number_, &status) == 0 && S_ISREG(status.st_mode))
         size_ = static_cast<std::uint64_t>(status.st_size);
     taken_ = take_signals();
     ::pthread_sigmask(SIG_BLOCK, &taken_, &before_);
@@ -57,6 +61,7 @@ StoppableInput::StoppableInput(std::string path, os::Descriptor file)
 StoppableInput::StoppableInput(StoppableInput&& other) noexcept
     : path_(std::move(other.path_)),
       file_(std::move(other.file_)),
+      number_(other.number_),
       size_(other.size_),
       owns_(std::exchange(other.owns_, false)),
       taken_(other.taken_),
@@ -73,15 +78,24 @@ bool StoppableInput::stopped() {
     return g_stopped;
 }
 
+Result<bool> StoppableInput::wait(Duration limit) {
+    if (g_stopped) return false;
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(limit);
+    const timespec time{.tv_sec = seconds.count(), .tv_nsec = (limit - seconds).count()};
+    pollfd waited{.fd = number_, .events = POLLIN, .revents = 0};
+    const int count = ::ppoll(&waited, 1, &time, &before_);
+    if (count < 0 && errno != EINTR) return fail(Code::io_failed, path_, errno);
+    return count > 0 && !g_stopped;
+}
+
 Result<std::size_t> StoppableInput::read(std::span<std::uint8_t> storage) {
-    const int number = file_ ? file_.get() : STDIN_FILENO;
     while (!g_stopped) {
-        pollfd waited{.fd = number, .events = POLLIN, .revents = 0};
+        pollfd waited{.fd = number_, .events = POLLIN, .revents = 0};
         if (::ppoll(&waited, 1, nullptr, &before_) < 0) {
             if (errno == EINTR) continue;
             return fail(Code::io_failed, path_, errno);
         }
-        const auto count = ::read(number, storage.data(), storage.size());
+        const auto count = ::read(number_, storage.data(), storage.size());
         if (count >= 0) return static_cast<std::size_t>(count);
         if (errno != EINTR && errno != EAGAIN) return fail(Code::io_failed, path_, errno);
     }

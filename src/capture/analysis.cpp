@@ -1,9 +1,13 @@
 #include "takt/capture/analysis.hpp"
 
+#include "fragments.hpp"
+
 namespace takt::capture {
 
 Analysis::Analysis(const TcpAnalyzerConfig& tcp, Duration timeout, ExchangeSink& sink)
-    : tcp_(tcp, sink), serial_(timeout, sink) {}
+    : fragments_(std::make_unique<FragmentTable>()), tcp_(tcp, sink), serial_(timeout, sink) {}
+
+Analysis::~Analysis() = default;
 
 void Analysis::on_packet(const Packet& packet) {
     ++packets_.packets;
@@ -17,13 +21,25 @@ void Analysis::on_packet(const Packet& packet) {
         return serial_.on_packet(packet);
     }
     Segment segment;
-    const auto content = decode_segment(packet, segment);
+    Fragment fragment;
+    auto content = decode_segment(packet, segment, fragment);
+    if (content == Content::fragment) content = reassemble(packet, fragment, segment);
     if (content != Content::segment) return count_other(packet, content);
     ++packets_.segments;
     tcp_.on_segment(segment, {packet.number, packet.time_ns});
 }
 
+// A datagram has the packet that completed it, as the receiver had it then.
+Content Analysis::reassemble(const Packet& packet, const Fragment& fragment, Segment& segment) {
+    ++packets_.fragments;
+    const auto datagram = fragments_->add(fragment, packet.time_ns);
+    packets_.lost_fragments = fragments_->lost();
+    return datagram ? decode_datagram(fragment, *datagram, segment) : Content::fragment;
+}
+
 void Analysis::end() {
+    fragments_->end();
+    packets_.lost_fragments = fragments_->lost();
     tcp_.end();
     serial_.end();
 }
@@ -41,7 +57,7 @@ void Analysis::count_other(const Packet& packet, Content content) {
             if (packets_.other_link++ == 0)
                 packets_.first_other_link = static_cast<std::uint16_t>(packet.link);
             break;
-        case Content::fragment: ++packets_.fragments; break;
+        case Content::fragment: break;  // of a datagram that is not complete yet
         case Content::cut: ++packets_.cut; break;
         case Content::malformed: ++packets_.malformed; break;
         case Content::not_ip:

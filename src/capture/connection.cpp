@@ -25,8 +25,35 @@ Connection::Connection(const ConnectionKey& key, Roles roles, const TcpAnalyzerC
       sink_(sink),
       roles_(roles),
       roles_known_(roles.certain),
-      low_(*this, false, roles.certain),
-      high_(*this, true, roles.certain) {}
+      low_(*this, false, roles.certain, config.framing),
+      high_(*this, true, roles.certain, config.framing) {}
+
+void Connection::Direction::on_data(const PacketRef& packet, Bytes bytes) {
+    if (serial_)
+        serial_->push(packet, bytes, *this);
+    else
+        mbap_.push(packet, bytes, *this);
+}
+
+void Connection::Direction::on_gap() {
+    if (serial_)
+        serial_->begin();
+    else
+        mbap_.on_gap();
+}
+
+void Connection::Direction::begin() {
+    if (serial_)
+        serial_->begin();
+    else
+        mbap_.begin_aligned();
+}
+
+void Connection::Direction::add_counts(TcpCounts& counts) const {
+    counts.streams.add(stream.counts());
+    counts.resynchronisations += mbap_.resynchronisations();
+    counts.skipped_bytes += serial_ ? serial_->skipped_bytes() : mbap_.skipped_bytes();
+}
 
 // The acknowledgement comes first: a response acknowledges its request, of which segments may be missing.
 void Connection::on_segment(const Segment& segment, const PacketRef& packet) {
@@ -50,7 +77,7 @@ void Connection::on_syn(Direction& sender, const Segment& segment) {
     if (!segment.ack) settle(NoResponse::unanswered);
     sender.stream.flush(sender);
     sender.stream.begin(first);
-    sender.messages.begin_aligned();
+    sender.begin();
     sender.ended = false;
     if (roles_known_ && roles_.certain) return;
     roles_.server_is_high = (&sender == &high_) == segment.ack;
@@ -76,14 +103,20 @@ void Connection::check_roles(bool from_high, Bytes pdu) {
 void Connection::on_request(const Adu& adu) {
     while (const auto expired = waiting_.take_expired(adu.packet.time_ns, config_.forget))
         sink_.on_no_response(observed(*expired), NoResponse::unanswered);
+    // Without transaction ids the next request gives up the one before it.
+    if (config_.framing != wire::Framing::tcp)
+        while (const auto before = waiting_.take_oldest())
+            sink_.on_no_response(observed(*before), NoResponse::unanswered);
     const RequestQueue::Waiting request{.transaction = adu.transaction,
                                         .unit = adu.unit,
                                         .function = adu.pdu[0],
                                         .items = items_of(adu.pdu),
                                         .packet = adu.packet,
                                         .retransmissions = retransmissions()};
-    if (waiting_.push(request)) ++counts_.repeated_ids;
     sink_.on_request(observed(request));
+    if (config_.framing != wire::Framing::tcp && adu.unit == kBroadcast.value)
+        return sink_.on_no_response(observed(request), NoResponse::broadcast);
+    if (waiting_.push(request)) ++counts_.repeated_ids;
 }
 
 void Connection::on_response(const Adu& adu) {
@@ -107,11 +140,9 @@ void Connection::settle(NoResponse why) {
 void Connection::finish(NoResponse why) {
     settle(why);
     for (const auto* direction : {&low_, &high_}) {
-        counts_.streams.add(direction->stream.counts());
-        counts_.resynchronisations += direction->messages.resynchronisations();
-        counts_.skipped_bytes += direction->messages.skipped_bytes();
+        direction->add_counts(counts_);
     }
-    const bool has_messages = low_.messages.messages() + high_.messages.messages() > 0;
+    const bool has_messages = low_.messages() + high_.messages() > 0;
     if (has_messages || roles_.certain)
         ++counts_.connections;
     else

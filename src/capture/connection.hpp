@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "request_queue.hpp"
+#include "serial_stream.hpp"
 #include "takt/capture/mbap_stream.hpp"
 #include "takt/capture/tcp_analyzer.hpp"
 #include "takt/capture/tcp_stream.hpp"
@@ -41,19 +43,27 @@ private:
     /// The bytes that one end sent.
     class Direction final : public StreamSink, public AduSink {
     public:
-        Direction(Connection& connection, bool from_high, bool certain)
-            : connection_(connection), from_high_(from_high), messages(certain) {}
-        void on_data(const PacketRef& packet, Bytes bytes) override { messages.push(packet, bytes, *this); }
-        void on_gap() override { messages.on_gap(); }
+        Direction(Connection& connection, bool from_high, bool certain, wire::Framing framing)
+            : connection_(connection), from_high_(from_high), mbap_(certain) {
+            if (framing != wire::Framing::tcp) serial_.emplace(framing);
+        }
+        void on_data(const PacketRef& packet, Bytes bytes) override;
+        void on_gap() override;
+        void begin();
+        [[nodiscard]] std::uint64_t messages() const {
+            return serial_ ? serial_->messages() : mbap_.messages();
+        }
+        void add_counts(TcpCounts& counts) const;
         void on_adu(const Adu& adu) override { connection_.on_adu(from_high_, adu); }
 
     private:
         Connection& connection_;
         bool from_high_;
+        MbapStream mbap_;
+        std::optional<SerialStream> serial_;  // instead of mbap_
 
     public:
         TcpStream stream;
-        MbapStream messages;
         bool ended = false;
     };
 

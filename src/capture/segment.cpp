@@ -85,31 +85,62 @@ struct IpPayload {
 };
 
 // Packets that the kernel passed to the adapter as one for segmentation may have a total length of 0.
-Content decode_ipv4(Bytes bytes, std::size_t on_wire, Segment& segment, IpPayload& payload) {
+/// @param at  of the bytes behind all headers, which are captured
+Content fragment_of(Bytes bytes, std::size_t at, std::size_t total, Fragment& fragment) {
+    if (total < at) return Content::malformed;
+    if (bytes.size() < total) return Content::cut;
+    fragment.payload = bytes.subspan(at, total - at);
+    return Content::fragment;
+}
+
+IpAddress ipv4_address(Bytes bytes) {
+    IpAddress address{.bytes = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF}};
+    std::copy_n(bytes.begin(), 4, address.bytes.begin() + 12);
+    return address;
+}
+
+Content decode_ipv4(Bytes bytes, std::size_t on_wire, Segment& segment, Fragment& fragment,
+                    IpPayload& payload) {
     if (bytes.size() < kIpv4Header) return Content::cut;
     const std::size_t header = (bytes[0] & 0x0FU) * 4U;
     const std::size_t total = u16(bytes, 2) == 0 ? on_wire : u16(bytes, 2);
     if (header < kIpv4Header || total < header) return Content::malformed;
-    if ((u16(bytes, 6) & 0x3FFFU) != 0) return Content::fragment;
     if (bytes[9] != kTcp) return Content::not_tcp;
     if (bytes.size() < header) return Content::cut;
-    segment.identification = u16(bytes, 4);
-    for (auto [at, endpoint] : {std::pair{12U, &segment.source}, std::pair{16U, &segment.destination}}) {
-        endpoint->address.bytes = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};
-        std::copy_n(bytes.begin() + at, 4, endpoint->address.bytes.begin() + 12);
+    const auto source = ipv4_address(bytes.subspan(12, 4));
+    const auto destination = ipv4_address(bytes.subspan(16, 4));
+    if (const auto place = u16(bytes, 6) & 0x3FFFU; place != 0) {
+        fragment = {.source = source,
+                    .destination = destination,
+                    .identification = u16(bytes, 4),
+                    .protocol = kTcp,
+                    .offset = (place & 0x1FFFU) * 8,
+                    .more = (place & 0x2000U) != 0};
+        return fragment_of(bytes, header, total, fragment);
     }
+    segment.identification = u16(bytes, 4);
+    segment.source.address = source;
+    segment.destination.address = destination;
     payload = {bytes.subspan(header, std::min(bytes.size(), total) - header), total - header};
     return Content::segment;
 }
 
-/// Skips extension headers. `next` becomes the protocol behind them, `at` its position.
-Content skip_extensions(Bytes bytes, std::uint8_t& next, std::size_t& at) {
+/// Skips extension headers, up to that of a fragment. `next` becomes the protocol behind them, `at` its
+/// position.
+Content skip_extensions(Bytes bytes, std::uint8_t& next, std::size_t& at, Fragment& fragment) {
     for (int i = 0; i < kMostExtensions; ++i) {
         const bool is_options = next == 0 || next == 43 || next == 60;
         const bool is_fragment = next == 44;
         if (!is_options && !is_fragment && next != 51) return Content::segment;
         if (bytes.size() < at + 8) return Content::cut;
-        if (is_fragment && (u16(bytes, at + 2) & 0xFFF9U) != 0) return Content::fragment;
+        if (const auto place = is_fragment ? u16(bytes, at + 2) & 0xFFF9U : 0U; place != 0) {
+            fragment.identification = u32(bytes, at + 4);
+            fragment.protocol = bytes[at];
+            fragment.offset = place & 0xFFF8U;
+            fragment.more = (place & 1U) != 0;
+            at += 8;
+            return Content::fragment;
+        }
         const std::size_t length = is_fragment  ? 8
                                    : is_options ? (bytes[at + 1] + 1U) * 8
                                                 : (bytes[at + 1] + 2U) * 4;
@@ -119,19 +150,26 @@ Content skip_extensions(Bytes bytes, std::uint8_t& next, std::size_t& at) {
     return Content::malformed;
 }
 
-Content decode_ipv6(Bytes bytes, std::size_t on_wire, Segment& segment, IpPayload& payload) {
+Content decode_ipv6(Bytes bytes, std::size_t on_wire, Segment& segment, Fragment& fragment,
+                    IpPayload& payload) {
     if (bytes.size() < kIpv6Header) return Content::cut;
     std::size_t total = kIpv6Header + u16(bytes, 4);
     if (total == kIpv6Header) total = on_wire;
     std::uint8_t next = bytes[6];
     std::size_t at = kIpv6Header;
-    if (const auto content = skip_extensions(bytes, next, at); content != Content::segment) return content;
+    std::copy_n(bytes.begin() + 8, 16, segment.source.address.bytes.begin());
+    std::copy_n(bytes.begin() + 24, 16, segment.destination.address.bytes.begin());
+    if (const auto content = skip_extensions(bytes, next, at, fragment); content != Content::segment) {
+        if (content != Content::fragment) return content;
+        if (fragment.protocol != kTcp) return Content::not_tcp;
+        fragment.source = segment.source.address;
+        fragment.destination = segment.destination.address;
+        return fragment_of(bytes, at, total, fragment);
+    }
     if (next != kTcp) return Content::not_tcp;
     if (total < at) return Content::malformed;
     if (bytes.size() < at) return Content::cut;
     segment.identification = 0;
-    std::copy_n(bytes.begin() + 8, 16, segment.source.address.bytes.begin());
-    std::copy_n(bytes.begin() + 24, 16, segment.destination.address.bytes.begin());
     payload = {bytes.subspan(at, std::min(bytes.size(), total) - at), total - at};
     return Content::segment;
 }
@@ -156,7 +194,15 @@ Content decode_tcp(const IpPayload& ip, Segment& segment) {
 
 }  // namespace
 
-Content decode_segment(const Packet& packet, Segment& segment) {
+Content decode_datagram(const Fragment& fragment, Bytes payload, Segment& segment) {
+    if (fragment.protocol != kTcp) return Content::not_tcp;
+    segment.source.address = fragment.source;
+    segment.destination.address = fragment.destination;
+    segment.identification = static_cast<std::uint16_t>(fragment.identification);
+    return decode_tcp({payload, payload.size()}, segment);
+}
+
+Content decode_segment(const Packet& packet, Segment& segment, Fragment& fragment) {
     Layer layer;
     if (!network_of(packet, layer)) return Content::other_link;
     if (!layer) return Content::cut;
@@ -165,8 +211,8 @@ Content decode_segment(const Packet& packet, Segment& segment) {
         packet.original_length - std::min<std::size_t>(before, packet.original_length);
     IpPayload payload;
     Content content = Content::not_ip;
-    if (layer->type == kIpv4) content = decode_ipv4(layer->bytes, on_wire, segment, payload);
-    if (layer->type == kIpv6) content = decode_ipv6(layer->bytes, on_wire, segment, payload);
+    if (layer->type == kIpv4) content = decode_ipv4(layer->bytes, on_wire, segment, fragment, payload);
+    if (layer->type == kIpv6) content = decode_ipv6(layer->bytes, on_wire, segment, fragment, payload);
     return content == Content::segment ? decode_tcp(payload, segment) : content;
 }
 

@@ -162,9 +162,10 @@ std::string notes_text(const Texts& texts, const LatencyRun& run) {
                                                            {"line_errors", serial.line_errors},
                                                            {"foreign", tcp.foreign},
                                                            {"evicted", tcp.evicted},
-                                                           {"fragments", packets.fragments},
+                                                           {"fragments", packets.lost_fragments},
                                                            {"cut", packets.cut},
                                                            {"malformed", packets.malformed},
+                                                           {"dropped", packets.dropped},
                                                            {"untimed", packets.untimed},
                                                            {"backwards", packets.backwards}};
     std::string text;

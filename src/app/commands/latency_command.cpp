@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 
 #include "output.hpp"
@@ -13,6 +14,7 @@
 #include "takt/capture/capture_reader.hpp"
 #include "takt/file/write.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/os/packet_socket.hpp"
 #include "takt/report/latency_report.hpp"
 #include "takt/report/latency_svg.hpp"
 #include "texts.hpp"
@@ -22,10 +24,12 @@ namespace {
 
 /// Requests without a response are given up after this time, or later with a longer time-out.
 constexpr Duration kForget = std::chrono::seconds(60);
+constexpr Duration kShowInterval = std::chrono::milliseconds(200);
 
 capture::TcpAnalyzerConfig tcp_config(const LatencyOptions& options) {
     capture::TcpAnalyzerConfig config;
     if (!options.ports.empty()) config.ports = options.ports;
+    config.framing = options.framing;
     config.forget = std::max(kForget, 2 * options.timeout);
     return config;
 }
@@ -43,19 +47,21 @@ public:
           reader_(analysis_) {}
 
     ExitCode run() {
-        if (const auto read = read_all(); !read) return ended_by(texts_, read.error());
+        const bool live = !options_.interface.empty();
+        if (const auto read = live ? listen() : read_all(); !read) return failed(read.error());
         analysis_.end();
-        report_.end(analysis_.packets().last_ns);
+        report_.end(std::max(end_ns_, analysis_.packets().last_ns));
         const bool is_capture = !reader_.error() || reader_.packets() > 0;
         if (reader_.error())
             print_error(report::capture_error_text(texts_, options_.capture, *reader_.error()));
         if (!is_capture) return ExitCode::usage;
         if (reader_.error()) print_status(texts_("app.latency.partly") + '\n');
         if (report_.total().requests == 0)
-            print_error(texts_("app.latency.none", {{"file", options_.capture}}));
+            print_error(texts_(live ? "app.latency.none_live" : "app.latency.none", {{"file", name()}}));
         const auto printed = print_report();
         if (printed != ExitCode::ok) return printed;
-        return reader_.error() || StoppableInput::stopped() ? ExitCode::partly : answer();
+        const bool cut = !live && StoppableInput::stopped();
+        return reader_.error() || cut ? ExitCode::partly : answer();
     }
 
 private:
@@ -74,16 +80,53 @@ private:
         return {};
     }
 
+    // A signal is the only end.
+    Result<void> listen() {
+        TAKT_TRY(auto socket, os::PacketSocket::open(options_.interface));
+        auto input = StoppableInput::around(options_.interface, socket.descriptor());
+        print_status(texts_("app.latency.listening", {{"interface", options_.interface}}) + '\n');
+        Progress progress(texts_, line::now());
+        while (!StoppableInput::stopped()) {
+            TAKT_TRY(const bool readable, input.wait(kShowInterval));
+            if (readable) TAKT_CHECK(socket.read([this](const auto& packet) { take(packet); }));
+            progress.show(line::now(), {}, step());
+        }
+        analysis_.set_dropped(socket.dropped());
+        const auto now = line::wall_clock(line::now()).time_since_epoch();
+        end_ns_ = std::chrono::duration_cast<Duration>(now).count();
+        return {};
+    }
+
+    void take(const os::ReceivedPacket& packet) {
+        analysis_.on_packet({.number = ++packets_,
+                             .time_ns = packet.time_ns,
+                             .link = capture::LinkType::raw,
+                             .original_length = static_cast<std::uint32_t>(packet.length),
+                             .data = packet.data});
+    }
+
+    [[nodiscard]] ExitCode failed(const Error& error) const {
+        const auto code = ended_by(texts_, error);
+        if (error.code == Code::cannot_open && error.numbers[0] == EPERM && !options_.interface.empty())
+            print_status("    " + texts_("app.latency.rights") + '\n');
+        return code;
+    }
+
+    [[nodiscard]] std::string name() const {
+        if (!options_.interface.empty()) return options_.interface;
+        return options_.capture;
+    }
+
     [[nodiscard]] std::string step() const {
         const auto language = texts_.language();
         return texts_("app.latency.progress",
-                      {{"file", options_.capture},
-                       {"packets", report::grouped_number(reader_.packets(), language)},
+                      {{"file", name()},
+                       {"packets", report::grouped_number(analysis_.packets().packets, language)},
                        {"requests", report::grouped_number(report_.total().requests, language)}});
     }
 
     [[nodiscard]] ExitCode print_report() const {
-        const report::LatencyRun run{.file = std::filesystem::path(options_.capture).filename().string(),
+        const report::LatencyRun run{.file = std::filesystem::path(name()).filename().string(),
                                      .report = report_,
                                      .packets = analysis_.packets(),
                                      .tcp = analysis_.tcp(),
@@ -116,6 +159,8 @@ private:
     capture::LatencyReport report_;
     capture::Analysis analysis_;
     capture::CaptureReader reader_;
+    std::uint64_t packets_ = 0;  // of an interface
+    std::int64_t end_ns_ = 0;    // when listening ended; 0: with the last packet
 };
 
 }  // namespace

@@ -9,12 +9,15 @@
 #include "commands/common_options.hpp"
 #include "exit_code.hpp"
 #include "takt/capture/latency.hpp"
+#include "takt/wire/frame.hpp"
 
 namespace takt::app {
 
 struct LatencyOptions {
-    std::string capture;               ///< file; "-": standard input
-    std::vector<std::uint16_t> ports;  ///< of servers; empty: 502
+    std::string capture;                         ///< file; "-": standard input
+    std::string interface;                       ///< to listen on, instead of a capture; empty: none
+    wire::Framing framing = wire::Framing::tcp;  ///< of the messages in TCP connections
+    std::vector<std::uint16_t> ports;            ///< of servers; empty: 502
     Duration timeout = std::chrono::seconds(1);
     std::optional<Duration> limit;
     capture::Grouping grouping;

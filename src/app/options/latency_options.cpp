@@ -64,8 +64,18 @@ void add_latency(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<LatencyOptions>();
     auto latency =
         line.root().command("latency", "help.latency", [&] { return app::latency(common, options); });
-    latency.value("CAPTURE", options.capture, "help.latency.capture").required();
+    auto file = latency.value("CAPTURE", options.capture, "help.latency.capture");
+    latency.value("--interface", options.interface, "help.latency.interface").value_name("IF").excludes(file);
+    latency.check([&options] {
+        if (options.capture.empty() && options.interface.empty())
+            reject({"app.option.nothing_to_measure", {}});
+    });
     add_ports(latency, options.ports);
+    static const std::map<std::string, wire::Framing> kFramings{
+        {"tcp", wire::Framing::tcp}, {"rtu", wire::Framing::rtu}, {"ascii", wire::Framing::ascii}};
+    add_word(latency, "--framing", options.framing, kFramings, "help.latency.framing")
+        .value_name("FRAMING")
+        .default_text("tcp");
     add_wait(
         latency, "--timeout", [&options](Duration time) { options.timeout = time; }, "help.latency.timeout")
         .default_text("1s");

@@ -14,7 +14,8 @@ Content decode(LinkType link, const Octets& data, Segment& segment, std::size_t 
     const Packet packet{.link = link,
                         .original_length = static_cast<std::uint32_t>(std::max(original, data.size())),
                         .data = data};
-    return decode_segment(packet, segment);
+    Fragment fragment;
+    return decode_segment(packet, segment, fragment);
 }
 
 const Octets kIp = ipv4({.sequence = 0x01020304, .acknowledged = 7, .identification = 99}, hex("aa bb"));
@@ -124,6 +125,34 @@ TEST(Segment, OtherContents) {
     EXPECT_EQ(decode(LinkType::raw, changed(0, 0x44), segment), Content::malformed);
     EXPECT_EQ(decode(LinkType::raw, changed(32, 0x40), segment), Content::malformed);
     EXPECT_EQ(decode(LinkType::raw, changed(32, 0xF0), segment), Content::malformed);
+}
+
+TEST(Segment, FragmentsHaveTheirPlace) {
+    auto packet = kIp;
+    packet[6] = 0x20;
+    packet[7] = 0x02;
+    Segment segment;
+    Fragment fragment;
+    const Packet captured{
+        .link = LinkType::raw, .original_length = static_cast<std::uint32_t>(packet.size()), .data = packet};
+    ASSERT_EQ(decode_segment(captured, segment, fragment), Content::fragment);
+    EXPECT_EQ(fragment.source, parse_ip("10.0.0.1"));
+    EXPECT_EQ(fragment.identification, 99u);
+    EXPECT_EQ(fragment.offset, 16u);
+    EXPECT_TRUE(fragment.more);
+    EXPECT_EQ(fragment.payload.size(), 22u);
+    EXPECT_EQ(decode_datagram(fragment, fragment.payload, segment), Content::segment);
+    EXPECT_EQ(segment.destination.port, 502);
+    const auto version6 = ipv6("06 00 0019 0000002a", 44);
+    const Packet other{.link = LinkType::raw,
+                       .original_length = static_cast<std::uint32_t>(version6.size()),
+                       .data = version6};
+    ASSERT_EQ(decode_segment(other, segment, fragment), Content::fragment);
+    EXPECT_EQ(fragment.destination, parse_ip("fe80::2"));
+    EXPECT_EQ(fragment.identification, 42u);
+    EXPECT_EQ(fragment.offset, 24u);
+    EXPECT_TRUE(fragment.more);
+    EXPECT_EQ(fragment.payload.size(), 22u);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "takt/capture/packet.hpp"
 #include "takt/capture/serial_analyzer.hpp"
@@ -9,17 +10,21 @@
 
 namespace takt::capture {
 
+class FragmentTable;
+
 /// What the packets of a capture hold.
 struct PacketCounts {
     std::uint64_t packets = 0;
-    std::uint64_t segments = 0;  ///< of TCP
-    std::uint64_t serial = 0;    ///< frames of serial lines
-    std::uint64_t other = 0;     ///< not IP, or not TCP
-    std::uint64_t fragments = 0;
-    std::uint64_t cut = 0;        ///< captured shorter than their headers
-    std::uint64_t malformed = 0;  ///< their headers contradict themselves
+    std::uint64_t segments = 0;        ///< of TCP
+    std::uint64_t serial = 0;          ///< frames of serial lines
+    std::uint64_t other = 0;           ///< not IP, or not TCP
+    std::uint64_t fragments = 0;       ///< of IP packets
+    std::uint64_t lost_fragments = 0;  ///< of those: of packets that never became complete
+    std::uint64_t cut = 0;             ///< captured shorter than their headers
+    std::uint64_t malformed = 0;       ///< their headers contradict themselves
     std::uint64_t other_link = 0;
     std::uint16_t first_other_link = 0;  ///< the type of the first of those
+    std::uint64_t dropped = 0;           ///< by the system, before this program had them
     std::uint64_t untimed = 0;           ///< without a time: left out
     std::uint64_t backwards = 0;         ///< earlier than the packet before
     std::int64_t first_ns = 0;           ///< since 1970
@@ -31,7 +36,13 @@ class Analysis final : public PacketSink {
 public:
     Analysis(const TcpAnalyzerConfig& tcp, Duration timeout, ExchangeSink& sink);
 
+    ~Analysis();
+    Analysis(const Analysis&) = delete;
+    Analysis& operator=(const Analysis&) = delete;
+
     void on_packet(const Packet& packet) override;
+    /// The system could not keep that many packets, in all.
+    void set_dropped(std::uint64_t count) { packets_.dropped = count; }
     /// The capture has ended.
     void end();
 
@@ -43,7 +54,10 @@ private:
     void count_time(std::int64_t time_ns);
     void count_other(const Packet& packet, Content content);
 
+    [[nodiscard]] Content reassemble(const Packet& packet, const Fragment& fragment, Segment& segment);
+
     PacketCounts packets_;
+    std::unique_ptr<FragmentTable> fragments_;
     TcpAnalyzer tcp_;
     SerialAnalyzer serial_;
 };

@@ -9,12 +9,15 @@
 #include "takt/capture/exchange.hpp"
 #include "takt/capture/segment.hpp"
 #include "takt/capture/tcp_stream.hpp"
+#include "takt/wire/frame.hpp"
 
 namespace takt::capture {
 
 struct TcpAnalyzerConfig {
     /// Ports of servers. A connection to another port counts if its bytes are Modbus TCP.
     std::vector<std::uint16_t> ports{502};
+    /// Of the messages: MBAP, or RTU or ASCII frames in the byte stream.
+    wire::Framing framing = wire::Framing::tcp;
     /// Requests without a response are given up after this time.
     Duration forget = std::chrono::seconds(60);
 };
