@@ -4,6 +4,7 @@
 
 #include "pdu_shape.hpp"
 #include "takt/base/inplace_vector.hpp"
+#include "takt/capture/upper_pdu.hpp"
 #include "takt/wire/frame.hpp"
 
 namespace takt::capture {
@@ -63,16 +64,27 @@ PacketRef ref_of(const Packet& packet) {
 }  // namespace
 
 bool SerialAnalyzer::is_serial(LinkType link) {
-    return link == LinkType::rtac_serial || (link >= LinkType::user_0 && link <= LinkType::user_15);
+    return link == LinkType::rtac_serial || link == LinkType::upper_pdu ||
+           (link >= LinkType::user_0 && link <= LinkType::user_15);
 }
 
 void SerialAnalyzer::on_packet(const Packet& packet) {
     auto& line = lines_[packet.interface];
+    if (packet.link == LinkType::upper_pdu) return on_upper_pdu(line, packet);
     if (packet.link != LinkType::rtac_serial) return on_frame(line, packet, packet.data);
     if (packet.data.size() <= kRtacEvent) return;
     const auto event = packet.data[kRtacEvent];
     if (event >= kFirstErrorOfRtac || event == kDataLostOfRtac) ++counts_.line_errors;
     if (packet.data.size() > kRtacHeader) on_frame(line, packet, packet.data.subspan(kRtacHeader));
+}
+
+void SerialAnalyzer::on_upper_pdu(Line& line, const Packet& packet) {
+    const auto upper = decode_upper_pdu(packet.data);
+    if (!upper) return;
+    if (upper->dissector == kRtuDissector) return on_frame(line, packet, upper->payload);
+    if (upper->dissector != kDataDissector) return;
+    ++counts_.frames;
+    ++counts_.damaged;
 }
 
 void SerialAnalyzer::on_frame(Line& line, const Packet& packet, Bytes frame) {

@@ -1,11 +1,10 @@
 #include "traffic_hub.hpp"
 
 #include <deque>
-#include <map>
 #include <utility>
 
-#include "pcapng.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/report/traffic_capture.hpp"
 
 namespace takt::web {
 namespace {
@@ -151,30 +150,19 @@ void TrafficHub::push(std::string text, std::size_t items) {
 
 Result<std::string> TrafficHub::capture() const {
     TAKT_TRY(auto session, host_.open_session({.events = false, .traffic = true, .from_beginning = true}));
-    TrafficReader reader(std::move(session));
-    std::deque<TrafficFrame> last;
+    std::deque<host::TrafficRecord> last;
     for (int count = 0; count < kMostRecords; ++count) {
-        auto frame = reader.next();
-        if (!frame) break;
-        if (frame->record.pdu.empty()) continue;  // dropped bytes
-        last.push_back(*std::move(frame));
+        auto record = session->next_traffic();
+        if (!record) break;
+        last.push_back(*std::move(record));
         if (last.size() > kMostCaptured) last.pop_front();
     }
     const WallTime clock;
-    PcapngWriter writer;
-    std::map<std::pair<host::TrafficSource::Kind, std::size_t>, std::size_t> numbers;
-    for (const auto& frame : last) {
-        const auto& record = frame.record;
-        const auto number = numbers.try_emplace({record.source.kind, record.source.index}, numbers.size());
-        const auto comment = frame.line + (frame.device.empty() ? "" : " / " + frame.device);
-        writer.add({.wall_ns = clock.ns(record.t),
-                    .line = number.first->second,
-                    .request = frame.request,
-                    .unit = record.unit.value,
-                    .pdu = record.pdu,
-                    .comment = comment});
-    }
-    return writer.bytes();
+    report::TrafficCapture capture([&](const auto& record) { return session->line_of(record); });
+    std::string bytes;
+    capture.frames().begin_file(bytes);
+    for (const auto& record : last) capture.add(record, clock.ns(record.t), bytes);
+    return bytes;
 }
 
 }  // namespace takt::web

@@ -21,6 +21,7 @@ enum class LinkType : std::uint16_t {
     ipv4 = 228,
     ipv6 = 229,
     rtac_serial = 250,
+    upper_pdu = 252,  ///< the payload of a protocol that a tag before it names (Wireshark, exported PDU)
     linux_cooked_2 = 276,
 };
 

@@ -18,6 +18,7 @@ inline constexpr std::uint32_t kByteOrderMagic = 0x1A2B3C4D;
 inline constexpr std::uint32_t kInterface = 1;
 inline constexpr std::uint32_t kObsoletePacket = 2;
 inline constexpr std::uint32_t kSimplePacket = 3;
+inline constexpr std::uint32_t kInterfaceStatistics = 5;
 inline constexpr std::uint32_t kEnhancedPacket = 6;
 inline constexpr std::size_t kBlockFrame = 12;  ///< bytes of a block beside its body
 
@@ -25,11 +26,16 @@ inline constexpr std::size_t kBlockFrame = 12;  ///< bytes of a block beside its
 inline constexpr std::uint16_t kEndOfOptions = 0;
 inline constexpr std::uint16_t kComment = 1;
 inline constexpr std::uint16_t kInterfaceName = 2;
+inline constexpr std::uint16_t kPacketFlags = 2;      ///< epb_flags: the direction in the lowest two bits
 inline constexpr std::uint16_t kUserApplication = 4;  ///< of a section
 inline constexpr std::uint16_t kTimeResolution = 9;   ///< if_tsresol
 inline constexpr std::uint16_t kTimeOffset = 14;      ///< if_tsoffset, seconds
-inline constexpr std::uint8_t kNanoseconds = 9;       ///< if_tsresol: 10^-9 s
-inline constexpr std::uint8_t kPowerOfTwo = 0x80;     ///< if_tsresol: a negative power of 2, else of 10
+inline constexpr std::uint16_t kReceived = 4;         ///< isb_ifrecv
+inline constexpr std::uint16_t kDropped = 5;          ///< isb_ifdrop
+inline constexpr std::uint32_t kInbound = 1;          ///< of kPacketFlags
+inline constexpr std::uint32_t kOutbound = 2;
+inline constexpr std::uint8_t kNanoseconds = 9;    ///< if_tsresol: 10^-9 s
+inline constexpr std::uint8_t kPowerOfTwo = 0x80;  ///< if_tsresol: a negative power of 2, else of 10
 
 /// Captured bytes of one packet: the greatest length that libpcap writes for common link layers.
 inline constexpr std::size_t kMostPacket = 262144;

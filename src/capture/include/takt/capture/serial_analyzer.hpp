@@ -19,7 +19,8 @@ struct SerialCounts {
 };
 
 /// One frame in each packet: RTU, or ASCII from ':' to CR LF. Link types user_0..user_15 hold the frame
-/// alone; rtac_serial has a header of 12 bytes before it (Wireshark, packet-rtacser.c).
+/// alone; rtac_serial has a header of 12 bytes before it (Wireshark, packet-rtacser.c). Of upper_pdu, frames
+/// for the dissector "mbrtu" are read; bytes for "data" are damaged frames (FrameCapture).
 ///
 /// Frames have no direction. A frame that answers the request before it is its response, otherwise it is the
 /// next request. A repetition of a write has the same bytes as its response: after `timeout` it counts as a
@@ -43,6 +44,7 @@ private:
         wire::PreparedRequest bytes;
     };
 
+    void on_upper_pdu(Line& line, const Packet& packet);
     void on_frame(Line& line, const Packet& packet, Bytes frame);
     void on_pdu(Line& line, const Packet& packet, std::uint8_t unit, Bytes pdu);
     [[nodiscard]] bool answers(const Line& line, const Packet& packet, std::uint8_t unit, Bytes pdu) const;

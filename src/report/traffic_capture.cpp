@@ -1,0 +1,59 @@
+#include "takt/report/traffic_capture.hpp"
+
+#include "takt/base/network.hpp"
+
+namespace takt::report {
+namespace {
+
+constexpr std::size_t kMostSources = 4096;  // of forgotten generations too
+
+/// The address of the server of a TCP line, where it is an address and not that of all interfaces.
+std::string server_address(const model::Line& line) {
+    const auto with_port = parse_peer(line.port);
+    const auto address = with_port ? with_port : parse_ip(line.port);
+    const bool known = address && *address != IpAddress{} && *address != *parse_ip("0.0.0.0");
+    return known ? line.port : std::string();
+}
+
+}  // namespace
+
+const TrafficCapture::Source* TrafficCapture::source_of(const host::TrafficRecord& record) {
+    const Key key{record.generation, record.source.kind, record.source.index};
+    if (const auto known = sources_.find(key); known != sources_.end()) return &known->second;
+    const auto line = line_of_(record);
+    if (!line) return nullptr;
+    if (sources_.size() >= kMostSources) sources_.clear();
+    const auto name = line->name.empty() ? line->port : line->name;
+    const auto number = numbers_.try_emplace({record.source.kind, name}, numbers_.size()).first->second;
+    Source source{.number = number, .name = name, .framing = line->framing, .address = server_address(*line)};
+    for (const auto& device : line->devices) source.devices[device.address.value] = device.name;
+    return &sources_.emplace(key, std::move(source)).first->second;
+}
+
+void TrafficCapture::add(const host::TrafficRecord& record, std::int64_t wall_ns, std::string& out) {
+    const auto* const source = source_of(record);
+    if (!source) return frames_.add_loss(1);
+    const bool sent = record.direction == wire::Direction::sent;
+    const auto seen = sent ? capture::PacketDirection::sent : capture::PacketDirection::received;
+    const auto direction = overheard_ ? capture::PacketDirection::unknown : seen;
+    const bool of_line = record.source.kind == host::TrafficSource::Kind::line;
+    const auto device = source->devices.find(record.unit.value);
+    capture::CapturedFrame frame{.wall_ns = wall_ns,
+                                 .line = source->number,
+                                 .line_name = source->name,
+                                 .framing = source->framing,
+                                 .request = of_line == sent,
+                                 .direction = direction,
+                                 .unit = record.unit.value,
+                                 .pdu = record.pdu,
+                                 .raw = record.raw,
+                                 .client = record.peer,
+                                 .server = source->address};
+    if (record.fault)
+        frame.fault = wire::name(*record.fault);
+    else if (device != source->devices.end())
+        frame.device = device->second;
+    frames_.add(frame, out);
+}
+
+}  // namespace takt::report
