@@ -1,7 +1,7 @@
 // RTU frames have no length field (MODBUS over Serial Line V1.02, section 2.5.1.1). A receiver that knows the
 // functions derives the length from the function code and the byte counts (MODBUS Application Protocol
 // V1.1b3, section 6), and so needs no silence to find the end of a frame.
-#include "expected_length.hpp"
+#include "takt/wire/expected_length.hpp"
 
 #include "takt/wire/frame.hpp"
 

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "checksum.hpp"
-#include "expected_length.hpp"
+#include "takt/wire/expected_length.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/wire/frame.hpp"
 #include "takt/wire/framer.hpp"
