@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "pdu_shape.hpp"
+#include "takt/capture/pdu_shape.hpp"
 
 namespace takt::capture {
 namespace {

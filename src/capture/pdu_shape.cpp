@@ -1,4 +1,4 @@
-#include "pdu_shape.hpp"
+#include "takt/capture/pdu_shape.hpp"
 
 #include "takt/wire/request_view.hpp"
 

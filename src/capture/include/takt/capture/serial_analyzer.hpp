@@ -1,13 +1,14 @@
 // Frames of serial lines to Modbus exchanges.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 
 #include "takt/base/time.hpp"
 #include "takt/capture/exchange.hpp"
 #include "takt/capture/packet.hpp"
-#include "takt/wire/prepared_request.hpp"
+#include "takt/capture/serial_pairing.hpp"
 
 namespace takt::capture {
 
@@ -22,10 +23,8 @@ struct SerialCounts {
 /// alone; rtac_serial has a header of 12 bytes before it (Wireshark, packet-rtacser.c). Of upper_pdu, frames
 /// for the dissector "mbrtu" are read; bytes for "data" are damaged frames (FrameCapture).
 ///
-/// Frames have no direction. A frame that answers the request before it is its response, otherwise it is the
-/// next request. A repetition of a write has the same bytes as its response: after `timeout` it counts as a
-/// new request. At most one request waits on an interface. Its time is that of its packet. Allocates for each
-/// interface. One owner, one thread.
+/// SerialPairing decides which frames are requests. The time of a frame is that of its packet. Allocates for
+/// each interface. One owner, one thread.
 class SerialAnalyzer {
 public:
     SerialAnalyzer(Duration timeout, ExchangeSink& sink) : timeout_(timeout), sink_(sink) {}
@@ -39,16 +38,15 @@ public:
 
 private:
     struct Line {
-        bool waits = false;
-        ObservedRequest request;
-        wire::PreparedRequest bytes;
+        explicit Line(Duration timeout) : pairing(timeout) {}
+        SerialPairing pairing;
+        std::array<ObservedRequest, SerialPairing::kSlots> requests;  // by slot
     };
 
+    [[nodiscard]] Line& line_of(std::uint32_t interface);
     void on_upper_pdu(Line& line, const Packet& packet);
     void on_frame(Line& line, const Packet& packet, Bytes frame);
-    void on_pdu(Line& line, const Packet& packet, std::uint8_t unit, Bytes pdu);
-    [[nodiscard]] bool answers(const Line& line, const Packet& packet, std::uint8_t unit, Bytes pdu) const;
-    void on_request(Line& line, const Packet& packet, std::uint8_t unit, Bytes pdu);
+    void give_up(const Line& line, const SerialPairing::Slots& slots, NoResponse why);
 
     Duration timeout_;
     ExchangeSink& sink_;

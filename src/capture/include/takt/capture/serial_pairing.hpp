@@ -1,0 +1,92 @@
+// Which frames of a serial line are requests, and which response belongs to which request.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "takt/base/inplace_vector.hpp"
+#include "takt/base/time.hpp"
+#include "takt/wire/prepared_request.hpp"
+
+namespace takt::capture {
+
+/// Frames of a serial line have no direction. Three facts decide:
+///
+/// - Order: a frame that answers a waiting request is its response.
+/// - Shape: a frame that can only be a response, and answers none, is stray. Every other frame is a request.
+/// - Time: a repeated write has the same bytes as its response. It counts as a request if it comes later than
+///   the responses of this unit so far let expect, or without any later than the time-out. An identical frame
+///   that cannot be the response is a repetition.
+///
+/// With one master at most one request waits. With several ones a request may be sent before the response to
+/// another has come: up to kMostWaiting wait then.
+///
+/// Times are nanoseconds since any start. Never allocates. One owner, one thread.
+class SerialPairing {
+public:
+    static constexpr std::size_t kMostWaiting = 4;
+    using Slot = std::size_t;
+    using Slots = InplaceVector<Slot, kMostWaiting>;
+
+    enum class Role : std::uint8_t {
+        request,
+        broadcast,  ///< a request without a response
+        response,
+        stray,  ///< a response without a request
+    };
+
+    struct Outcome {
+        Role role = Role::request;
+        /// Role::request: where it waits. Role::response: where its request waited.
+        Slot slot = 0;
+        /// Role::request, Role::broadcast: it was sent while a response was due.
+        bool overlaps = false;
+        /// Role::request: the one before it, which was given up, has the same bytes.
+        bool repeats = false;
+        /// Requests that have no response.
+        Slots given_up;
+    };
+
+    explicit SerialPairing(Duration timeout);
+
+    /// @param time_ns  when its last byte arrived
+    /// @param pdu      1..253 bytes
+    [[nodiscard]] Outcome on_frame(std::int64_t time_ns, std::uint8_t unit, Bytes pdu);
+
+    /// Gives up the requests that have waited for the time-out.
+    [[nodiscard]] Slots expire(std::int64_t time_ns);
+    /// Gives up all requests.
+    [[nodiscard]] Slots end();
+    [[nodiscard]] bool waits() const { return !order_.empty(); }
+
+    /// A request that waits, or left its slot in the last call of a member above.
+    [[nodiscard]] const wire::PreparedRequest& request(Slot slot) const { return slots_[slot].bytes; }
+    [[nodiscard]] std::uint8_t unit(Slot slot) const { return slots_[slot].unit; }
+
+    static constexpr std::size_t kSlots = kMostWaiting + 1;
+
+private:
+    struct Waiting {
+        std::uint8_t unit = 0;
+        std::int64_t time_ns = 0;
+        wire::PreparedRequest bytes;
+    };
+    static constexpr std::int64_t kUnknown = -1;
+
+    [[nodiscard]] bool answers(const Waiting& waiting, std::int64_t time_ns, std::uint8_t unit,
+                               Bytes pdu) const;
+    [[nodiscard]] std::size_t answered_by(std::int64_t time_ns, std::uint8_t unit, Bytes pdu) const;
+    [[nodiscard]] std::int64_t longest_wait(std::uint8_t unit, std::int64_t unknown) const;
+    void learn(const Waiting& waiting, std::int64_t time_ns, Bytes pdu);
+    void give_up(std::size_t index, Outcome& outcome);
+    void give_up_before(std::int64_t time_ns, std::uint8_t unit, Bytes pdu, Outcome& outcome);
+    [[nodiscard]] Slot free_slot(const Outcome& outcome) const;
+
+    std::int64_t timeout_;
+    std::array<Waiting, kSlots> slots_;
+    Slots order_;                            // those that wait, the oldest first
+    std::array<std::int64_t, 256> longest_;  // response time of each unit
+};
+
+}  // namespace takt::capture
