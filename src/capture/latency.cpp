@@ -134,6 +134,15 @@ void LatencyReport::on_no_response(const ObservedRequest& request, NoResponse wh
     }
 }
 
+void LatencyReport::on_unsent(const ObservedRequest& request, std::uint64_t count) {
+    if (count == 0) return;
+    for (auto* const each : {&series_of(request), &total_}) {
+        each->requests += count;
+        each->unanswered += count;
+        if (config_.limit) each->exceeded += count;
+    }
+}
+
 void LatencyReport::count_unanswered(const ObservedRequest& request) {
     for (auto* const each : {&series_of(request), &total_}) {
         ++each->unanswered;

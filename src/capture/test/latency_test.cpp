@@ -176,5 +176,19 @@ TEST(Latency, KeepsTheTenSlowest) {
         EXPECT_EQ(slowest[i].time(), Duration(1000 * (99 - static_cast<int>(i))));
 }
 
+TEST(Latency, RequestsThatWereNotSentAreUnanswered) {
+    LatencyReport report({.limit = 1ms});
+    exchange(report, request_at(0), 500us);
+    report.on_unsent(request_at(1'000'000), 7);
+    report.on_unsent(request_at(1'000'000), 0);
+    const Series* const both[] = {&report.total(), report.series()[0].second.get()};
+    for (const auto* const series : both) {
+        EXPECT_EQ(series->requests, 8u);
+        EXPECT_EQ(series->unanswered, 7u);
+        EXPECT_EQ(series->exceeded, 7u);
+        EXPECT_EQ(series->decided(), 8u);
+    }
+}
+
 }  // namespace
 }  // namespace takt::capture

@@ -86,6 +86,8 @@ public:
     void on_request(const ObservedRequest& request) override;
     void on_response(const ObservedRequest& request, const ObservedResponse& response) override;
     void on_no_response(const ObservedRequest& request, NoResponse why) override;
+    /// So many requests like that one were due and not sent: they count as unanswered.
+    void on_unsent(const ObservedRequest& request, std::uint64_t count);
 
     /// The capture ended then: decides which requests without a response are unanswered.
     void end(std::int64_t time_ns);

@@ -1,0 +1,151 @@
+#include "load_connection.hpp"
+
+#include <algorithm>
+
+#include "takt/line/real_line.hpp"
+
+namespace takt::client {
+namespace {
+
+template <class Flights, class Match>
+auto take_first(Flights& flights, const Match& match) {
+    const auto found = std::ranges::find_if(flights, match);
+    std::optional<typename Flights::value_type> taken;
+    if (found == flights.end()) return taken;
+    taken = *found;
+    std::copy(found + 1, flights.end(), found);
+    flights.pop_back();
+    return taken;
+}
+
+}  // namespace
+
+Result<void> LoadConnection::open(const model::Line& line, const OpenLine& open_line) {
+    line::DriverOptions driver;
+    driver.connect_limit = load_.options_.target.timeout;
+    driver.on_link = [this](Instant, bool, const std::optional<Error>& why) { link_error_ = why; };
+    driver.must_reconnect = [this] { return engine_.must_reconnect(); };
+    TAKT_TRY(driver_, open_line(load_.loop_, line, *this, driver));
+    return {};
+}
+
+void LoadConnection::on_link(Instant t, bool up) {
+    engine_.on_link(t, up);
+    if (!up && load_.running_) ++load_.counts_.disconnections;
+    proceed(t);
+}
+
+void LoadConnection::on_bytes(Instant t, Bytes bytes) {
+    engine_.on_bytes(t, bytes);
+    proceed(t);
+}
+
+void LoadConnection::on_tick(Instant t) {
+    engine_.on_tick(t);
+    proceed(t);
+}
+
+void LoadConnection::proceed(Instant t) {
+    while (const auto outcome = engine_.take_outcome()) conclude(*outcome);
+    take_late();
+    while (has_room() && load_.due(t)) take_one(t);
+}
+
+void LoadConnection::take_one(Instant t) {
+    const auto due = *load_.due(t);
+    bus::Transaction transaction;
+    transaction.id = due.number;
+    transaction.unit = UnitId{load_.options_.target.unit};
+    transaction.request = load_.options_.request;
+    transaction.wait = load_.options_.target.timeout;
+    load_.take();
+    if (const auto taken = engine_.submit(t, transaction); !taken) {
+        load_.failure_ = taken.error();
+        return;
+    }
+    flights_.push_back({due.number, due.intended});
+    ++load_.in_flight_;
+}
+
+void LoadConnection::conclude(const bus::Outcome& outcome) {
+    auto flight = take_first(flights_, [&](const Flight& each) { return each.number == outcome.id; });
+    if (!flight) return;
+    --load_.in_flight_;
+    auto& counts = load_.counts_;
+    if (outcome.sent) ++counts.sent;
+    flight->sent_at = outcome.sent_at;
+    flight->request_end = outcome.request_end;
+    load_.report_.on_request(load_.observed(flight->number, flight->request_end));
+    switch (outcome.status) {
+        case bus::Status::ok:
+            compare(outcome.response.pdu());
+            answered(*flight, outcome.ended_at, 0);
+            break;
+        case bus::Status::exception: answered(*flight, outcome.ended_at, outcome.exception); break;
+        case bus::Status::timeout:
+        case bus::Status::ambiguous:
+            ++counts.timed_out;
+            if (timed_out_.full()) {
+                no_response(timed_out_[0], capture::NoResponse::unanswered);
+                timed_out_.drop_front(1);
+            }
+            timed_out_.push_back(*flight);
+            break;
+        case bus::Status::bad_checksum:
+        case bus::Status::unexpected_reply:
+            ++counts.wrong;
+            no_response(*flight, capture::NoResponse::unanswered);
+            break;
+        case bus::Status::link_lost:
+            ++counts.lost;
+            no_response(*flight, capture::NoResponse::unanswered);
+            break;
+        case bus::Status::line_busy: no_response(*flight, capture::NoResponse::unanswered); break;
+        case bus::Status::cancelled: no_response(*flight, capture::NoResponse::end); break;
+    }
+}
+
+// On a serial line the time of a request that was due earlier begins as much later as its bytes take.
+void LoadConnection::answered(const Flight& flight, Instant end, std::uint8_t exception) {
+    auto& load = load_;
+    const Instant begin =
+        load.options_.rate ? flight.intended + (flight.request_end - flight.sent_at) : flight.request_end;
+    load.counts_.from_sending.record(end - flight.request_end);
+    ++load.second_.responses;
+    load.second_.longest = std::max<Duration>(load.second_.longest, end - begin);
+    load.report_.on_response(load.observed(flight.number, begin),
+                             {.packet = {flight.number + 1, load.wall_ns(end)}, .exception = exception});
+}
+
+void LoadConnection::no_response(const Flight& flight, capture::NoResponse why) {
+    load_.report_.on_no_response(load_.observed(flight.number, flight.request_end), why);
+}
+
+// Over Framing::tcp the delay identifies the request. On a serial line a late response belongs to the oldest
+// request that has none.
+void LoadConnection::take_late() {
+    while (const auto late = engine_.take_late()) {
+        auto flight = take_first(
+            timed_out_, [&](const Flight& each) { return each.request_end == late->at - late->delay; });
+        if (!flight) flight = take_first(timed_out_, [](const Flight&) { return true; });
+        if (flight) answered(*flight, late->at, 0);
+    }
+}
+
+void LoadConnection::compare(Bytes pdu) {
+    if (!load_.options_.same_content) return;
+    auto& first = load_.first_content_;
+    if (first.empty())
+        first.assign(pdu.begin(), pdu.end());
+    else if (!std::ranges::equal(first, pdu))
+        ++load_.counts_.different;
+}
+
+void LoadConnection::end(Instant t) {
+    engine_.cancel_all(t);
+    while (const auto outcome = engine_.take_outcome()) conclude(*outcome);
+    for (const auto& flight : timed_out_) no_response(flight, capture::NoResponse::unanswered);
+    timed_out_.clear();
+}
+
+}  // namespace takt::client
