@@ -13,9 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kSilentFor = 2s;
 constexpr Duration kRedrawEvery = 200ms;
-constexpr Duration kLineEvery = 10s;
 
 std::size_t columns() {
     return screen_of(STDERR_FILENO).columns;
@@ -23,10 +21,11 @@ std::size_t columns() {
 
 }  // namespace
 
-Progress::Progress(const Texts& texts, Instant start, bool wanted)
+Progress::Progress(const Texts& texts, Instant start, bool wanted, ProgressPace pace)
     : texts_(texts),
       start_(start),
-      next_(start + kSilentFor),
+      pace_(pace),
+      next_(start + pace.silent_for),
       wanted_(wanted),
       terminal_(::isatty(STDERR_FILENO) != 0) {}
 
@@ -36,7 +35,7 @@ Progress::~Progress() {
 
 void Progress::show(Instant t, const report::Done& done, const std::string& what) {
     if (!wanted_ || t < next_) return;
-    next_ = after(t, terminal_ ? kRedrawEvery : kLineEvery);
+    next_ = after(t, terminal_ ? kRedrawEvery : pace_.line_every);
     if (!terminal_) return print_status(report::progress_line(texts_, done, t - start_, what) + '\n');
     const auto text = report::progress_with_bar(texts_, done, t - start_, what, columns());
     print_status_raw(back() + text + "\x1b[J");
@@ -46,7 +45,7 @@ void Progress::show(Instant t, const report::Done& done, const std::string& what
 void Progress::clear() {
     if (drawn_ > 0) print_status_raw(back() + "\x1b[J");
     drawn_ = 0;
-    if (terminal_ && next_ > start_ + kSilentFor) next_ = start_ + kSilentFor;
+    if (terminal_ && next_ > start_ + pace_.silent_for) next_ = start_ + pace_.silent_for;
 }
 
 // A terminal that became narrower has wrapped the bar into several lines.

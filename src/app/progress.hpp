@@ -11,12 +11,17 @@
 
 namespace takt::app {
 
-/// Silent for the first two seconds. Then a terminal shows a bar, redrawn five times a second; elsewhere a
-/// line is written every ten seconds. One owner, one thread.
+struct ProgressPace {
+    Duration silent_for = std::chrono::seconds(2);
+    Duration line_every = std::chrono::seconds(10);  ///< where there is no terminal
+};
+
+/// Silent at first. Then a terminal shows a bar, redrawn five times a second; elsewhere a line is written now
+/// and then. One owner, one thread.
 class Progress {
 public:
     /// @param wanted  false: it stays silent
-    Progress(const Texts& texts, Instant start, bool wanted = true);
+    Progress(const Texts& texts, Instant start, bool wanted = true, ProgressPace pace = {});
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
@@ -32,6 +37,7 @@ private:
 
     Texts texts_;
     Instant start_;
+    ProgressPace pace_;
     Instant next_;
     bool wanted_;
     bool terminal_;

@@ -58,6 +58,16 @@ Json series_json(const SeriesKey& key, const Series& series, const capture::Late
     return object;
 }
 
+/// Of a load: `at` is when the request was due, or sent where it has no rate.
+Json slow_request_json(const capture::SlowExchange& exchange) {
+    auto object = Json::object();
+    object.set("time_ms", milliseconds(exchange.time()));
+    object.set("request", exchange.request.packet.number);
+    object.set("at", utc_time_text(exchange.request.packet.time_ns));
+    object.set("exception", exchange.response.exception == 0 ? Json() : Json(exchange.response.exception));
+    return object;
+}
+
 Json slow_json(const capture::SlowExchange& exchange) {
     auto object = Json::object();
     const auto& [request, response] = std::tie(exchange.request, exchange.response);
@@ -160,6 +170,34 @@ Json capture_json(const LatencyRun& run) {
     return object;
 }
 
+Json load_json(const LoadRun& load) {
+    const auto& [options, counts] = load;
+    const auto& request = options.request.shape();
+    auto object = Json::object();
+    object.set("unit", options.target.unit);
+    object.set("function", request.function);
+    object.set("start", request.start.value);
+    object.set("quantity", request.quantity);
+    object.set("connections", options.connections);
+    object.set("in_flight", options.in_flight);
+    const auto per_second = [](const client::Rate& rate) {
+        return static_cast<double>(rate.requests) / (milliseconds(rate.per) / 1000);
+    };
+    object.set("rate_per_s", options.rate ? Json(per_second(*options.rate)) : Json());
+    object.set("coordinated_omission", options.rate ? "avoided" : "possible");
+    object.set("elapsed_ms", milliseconds(counts.elapsed));
+    object.set("sent_per_s", sent_per_second(counts));
+    const std::pair<const char*, std::uint64_t> numbers[] = {
+        {"sent", counts.sent},   {"unsent", counts.unsent}, {"timed_out", counts.timed_out},
+        {"wrong", counts.wrong}, {"lost", counts.lost},     {"disconnections", counts.disconnections}};
+    for (const auto& [name, count] : numbers) object.set(name, count);
+    object.set("different", options.same_content ? Json(counts.different) : Json());
+    auto times = Json::object();
+    set_times(times, counts.from_sending);
+    object.set("from_sending", std::move(times));
+    return object;
+}
+
 std::string csv_times(const capture::MeasuredTimes& times) {
     if (times.count() == 0) return std::string(2 + kPercentiles.size(), ',');
     std::string cells = fmt::format("{},{}", milliseconds(times.min()), milliseconds(times.mean()));
@@ -185,8 +223,11 @@ Json latency_json(const Texts& texts, const LatencyRun& run) {
     const auto& report = run.report;
     const auto& config = report.config();
     auto object = Json::object();
-    object.set("file", run.file);
-    object.set("capture", capture_json(run));
+    object.set(run.load ? "target" : "file", run.file);
+    if (run.load)
+        object.set("load", load_json(*run.load));
+    else
+        object.set("capture", capture_json(run));
     object.set("timeout_ms", milliseconds(config.timeout));
     auto total = Json::object();
     set_series(total, report.total(), config.limit.has_value());
@@ -200,7 +241,8 @@ Json latency_json(const Texts& texts, const LatencyRun& run) {
         object.set("others", std::move(others));
     }
     auto slowest = Json::array();
-    for (const auto& exchange : report.slowest()) slowest.push_back(slow_json(exchange));
+    for (const auto& exchange : report.slowest())
+        slowest.push_back(run.load ? slow_request_json(exchange) : slow_json(exchange));
     object.set("slowest", std::move(slowest));
     object.set("histogram", histogram_json(report.total().times.histogram()));
     object.set("time_line", time_line_json(report.time_line()));

@@ -30,6 +30,10 @@ std::string ip_text(const IpAddress& address) {
     return text;
 }
 
+std::string rate_text(const client::Rate& rate) {
+    return fmt::format("{}/{}", rate.requests, rate.per == std::chrono::minutes(1) ? "min" : "s");
+}
+
 /// Milliseconds down to a microsecond: "0.149".
 std::string ms(Duration time) {
     return fmt::format("{:.3f}", milliseconds(time));
@@ -64,9 +68,8 @@ public:
     [[nodiscard]] std::string times(std::size_t columns) const {
         using enum TextTable::Align;
         TextTable table(std::vector(4 + kPercentiles.size() + 3, right));
-        std::vector<std::string> heading{word("number"), word("min"), word("mean")};
-        for (const auto& percentile : kPercentiles) heading.emplace_back(percentile.name);
-        for (const char* name : {"max", "period", "jitter", "jitter_max"}) heading.push_back(word(name));
+        auto heading = heading_of_times(word("number"));
+        for (const char* name : {"period", "jitter", "jitter_max"}) heading.push_back(word(name));
         table.add(heading);
         for_each_row([&](const std::string& number, const SeriesKey&, const Series& series) {
             table.add(times_of(number, series));
@@ -74,9 +77,27 @@ public:
         return table.render("", columns);
     }
 
+    /// One row of times without a series.
+    [[nodiscard]] std::string times_of(const capture::MeasuredTimes& times, std::size_t columns) const {
+        TextTable table(std::vector(3 + kPercentiles.size(), TextTable::Align::right));
+        auto heading = heading_of_times("");
+        heading.erase(heading.begin());
+        table.add(heading);
+        std::vector<std::string> cells;
+        add_times(cells, times);
+        table.add(cells);
+        return table.render("", columns);
+    }
+
 private:
     [[nodiscard]] std::string word(std::string_view name) const {
         return texts_("app.latency." + std::string(name));
+    }
+    [[nodiscard]] std::vector<std::string> heading_of_times(const std::string& first) const {
+        std::vector<std::string> heading{first, word("min"), word("mean")};
+        for (const auto& percentile : kPercentiles) heading.emplace_back(percentile.name);
+        heading.push_back(word("max"));
+        return heading;
     }
     [[nodiscard]] std::string count(std::uint64_t number) const {
         return grouped_number(number, texts_.language());
@@ -84,17 +105,20 @@ private:
     [[nodiscard]] const capture::Grouping& grouping() const { return report_.config().grouping; }
     [[nodiscard]] bool is_total(const SeriesKey& key) const { return &key == &kTotal; }
 
-    [[nodiscard]] static std::vector<std::string> times_of(const std::string& number, const Series& series) {
-        const auto& times = series.times;
-        std::vector<std::string> cells{number};
+    static void add_times(std::vector<std::string>& cells, const capture::MeasuredTimes& times) {
         if (times.count() == 0) {
             cells.insert(cells.end(), 3 + kPercentiles.size(), "–");
-        } else {
-            cells.push_back(ms(times.min()));
-            cells.push_back(ms(times.mean()));
-            for (const auto& [name, percent] : kPercentiles) cells.push_back(ms(times.percentile(percent)));
-            cells.push_back(ms(times.max()));
+            return;
         }
+        cells.push_back(ms(times.min()));
+        cells.push_back(ms(times.mean()));
+        for (const auto& [name, percent] : kPercentiles) cells.push_back(ms(times.percentile(percent)));
+        cells.push_back(ms(times.max()));
+    }
+
+    [[nodiscard]] static std::vector<std::string> times_of(const std::string& number, const Series& series) {
+        std::vector<std::string> cells{number};
+        add_times(cells, series.times);
         cells.emplace_back(series.intervals == 0 ? "–" : ms(series.mean_interval()));
         cells.emplace_back(series.jitter.count() == 0 ? "–" : ms(series.jitter.mean()));
         cells.emplace_back(series.jitter.count() == 0 ? "–" : ms(series.jitter.max()));
@@ -115,7 +139,30 @@ private:
     const capture::LatencyReport& report_;
 };
 
+std::string load_heading_text(const Texts& texts, const LatencyRun& run) {
+    const auto& [options, counts] = *run.load;
+    const auto& request = options.request.shape();
+    const auto rate = options.rate ? texts("app.latency.load.rate", {{"rate", rate_text(*options.rate)}})
+                                   : texts("app.latency.load.fast");
+    return texts("app.latency.load.heading",
+                 {{"target", run.file},
+                  {"unit", std::to_string(options.target.unit)},
+                  {"function", fmt::format("0x{:02X}", request.function)},
+                  {"first", std::to_string(request.start.value)},
+                  {"last", std::to_string(request.start.value + request.quantity - 1)},
+                  {"connections", std::to_string(options.connections)},
+                  {"in_flight", std::to_string(options.in_flight)},
+                  {"rate", rate},
+                  {"requests", grouped_number(counts.sent, texts.language())},
+                  {"seconds", fmt::format("{:.1f}", milliseconds(counts.elapsed) / 1000)},
+                  {"per_second", fmt::format("{:.1f}", sent_per_second(counts))},
+                  {"from", short_time_text(run.packets.first_ns, INT64_MIN)},
+                  {"to", short_time_text(run.packets.last_ns, run.packets.first_ns)}}) +
+           '\n';
+}
+
 std::string heading_text(const Texts& texts, const LatencyRun& run) {
+    if (run.load) return load_heading_text(texts, run);
     const auto& [packets, total] = std::pair{run.packets, std::cref(run.report.total())};
     return texts("app.latency.heading", {{"file", run.file},
                                          {"packets", grouped_number(packets.packets, texts.language())},
@@ -125,9 +172,21 @@ std::string heading_text(const Texts& texts, const LatencyRun& run) {
            '\n';
 }
 
-std::string slowest_text(const Texts& texts, const capture::LatencyReport& report, std::size_t columns) {
-    const auto slowest = report.slowest();
+/// Of a load: which request, and when it was due or sent.
+std::string slowest_requests_text(const Texts& texts, const LatencyRun& run, std::size_t columns) {
+    using enum TextTable::Align;
+    TextTable table({right, right, left});
+    table.add({texts("app.latency.number"), texts("app.latency.time"), texts("app.latency.at")});
+    for (const auto& exchange : run.report.slowest())
+        table.add({std::to_string(exchange.request.packet.number), ms(exchange.time()),
+                   short_time_text(exchange.request.packet.time_ns, run.packets.first_ns)});
+    return texts("app.latency.load.slowest") + '\n' + table.render("", columns);
+}
+
+std::string slowest_text(const Texts& texts, const LatencyRun& run, std::size_t columns) {
+    const auto slowest = run.report.slowest();
     if (slowest.empty()) return {};
+    if (run.load) return slowest_requests_text(texts, run, columns);
     using enum TextTable::Align;
     TextTable table({right, right, right, left, left, right, right});
     const auto word = [&](const char* name) { return texts(std::string("app.latency.") + name); };
@@ -142,6 +201,17 @@ std::string slowest_text(const Texts& texts, const capture::LatencyReport& repor
              std::to_string(exchange.request.unit), fmt::format("0x{:02X}", exchange.request.function)});
     }
     return texts("app.latency.slowest") + '\n' + table.render("", columns);
+}
+
+std::vector<std::pair<std::string, std::uint64_t>> load_notes(const LatencyRun& run) {
+    if (!run.load) return {};
+    const auto& counts = run.load->counts;
+    return {{"app.latency.load.note.unsent", counts.unsent},
+            {"app.latency.load.note.timed_out", counts.timed_out},
+            {"app.latency.load.note.wrong", counts.wrong},
+            {"app.latency.load.note.lost", counts.lost},
+            {"app.latency.load.note.different", counts.different},
+            {"app.latency.load.note.disconnections", counts.disconnections}};
 }
 
 /// One line for each count that is not zero.
@@ -176,6 +246,8 @@ std::string notes_text(const Texts& texts, const LatencyRun& run) {
         if (count > 0)
             add(texts(std::string("app.latency.note.") + name,
                       {{"count", grouped_number(count, texts.language())}}));
+    for (const auto& [name, count] : load_notes(run))
+        if (count > 0) add(texts(name, {{"count", grouped_number(count, texts.language())}}));
     if (packets.other_link > 0)
         add(texts("app.latency.note.other_link",
                   {{"count", grouped_number(packets.other_link, texts.language())},
@@ -216,6 +288,11 @@ std::string exceptions_text(const Series& series) {
     return text;
 }
 
+double sent_per_second(const client::LoadCounts& counts) {
+    const double seconds = milliseconds(counts.elapsed) / 1000;
+    return seconds > 0 ? static_cast<double>(counts.sent) / seconds : 0;
+}
+
 LatencyVerdict latency_verdict(const capture::LatencyReport& report) {
     const auto& total = report.total();
     return {total.decided(), total.exceeded, capture::upper_bound(total.exceeded, total.decided())};
@@ -250,9 +327,16 @@ std::string latency_text(const Texts& texts, const LatencyRun& run, std::size_t 
             text +=
                 texts("app.latency.more", {{"count", std::to_string(report.series().size() - kMostRows)}}) +
                 '\n';
-        text += '\n' + texts("app.latency.times") + '\n' + rows.times(columns);
+        const bool has_rate = run.load && run.load->options.rate;
+        text += '\n' + texts(has_rate ? "app.latency.load.times" : "app.latency.times") + '\n' +
+                rows.times(columns);
+        if (has_rate)
+            text += '\n' + texts("app.latency.load.from_sending") + '\n' +
+                    rows.times_of(run.load->counts.from_sending, columns);
+        else if (run.load)
+            text += '\n' + texts("app.latency.load.closed") + '\n';
     }
-    if (const auto slowest = slowest_text(texts, report, columns); !slowest.empty()) text += '\n' + slowest;
+    if (const auto slowest = slowest_text(texts, run, columns); !slowest.empty()) text += '\n' + slowest;
     if (const auto notes = notes_text(texts, run); !notes.empty()) text += '\n' + notes;
     if (report.config().limit) text += '\n' + latency_verdict_text(texts, report) + '\n';
     return text;

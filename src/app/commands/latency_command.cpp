@@ -34,12 +34,12 @@ capture::TcpAnalyzerConfig tcp_config(const LatencyOptions& options) {
     return config;
 }
 
-class Latency {
+class CaptureLatency {
 public:
-    Latency(const Texts& texts, const LatencyOptions& options)
+    CaptureLatency(const Texts& texts, const LatencyOptions& options)
         : texts_(texts),
           options_(options),
-          report_({.grouping = options.grouping,
+          report_({.grouping = options.grouping.value_or(capture::Grouping{}),
                    .timeout = options.timeout,
                    .limit = options.limit,
                    .microsecond_buckets = options.histogram}),
@@ -53,12 +53,17 @@ public:
         report_.end(std::max(end_ns_, analysis_.packets().last_ns));
         const bool is_capture = !reader_.error() || reader_.packets() > 0;
         if (reader_.error())
-            print_error(report::capture_error_text(texts_, options_.capture, *reader_.error()));
+            print_error(report::capture_error_text(texts_, options_.source, *reader_.error()));
         if (!is_capture) return ExitCode::usage;
         if (reader_.error()) print_status(texts_("app.latency.partly") + '\n');
         if (report_.total().requests == 0)
             print_error(texts_(live ? "app.latency.none_live" : "app.latency.none", {{"file", name()}}));
-        const auto printed = print_report();
+        const auto printed = print_latency(texts_, options_,
+                                           {.file = std::filesystem::path(name()).filename().string(),
+                                            .report = report_,
+                                            .packets = analysis_.packets(),
+                                            .tcp = analysis_.tcp(),
+                                            .serial = analysis_.serial()});
         if (printed != ExitCode::ok) return printed;
         const bool cut = !live && StoppableInput::stopped();
         return reader_.error() || cut ? ExitCode::partly : answer();
@@ -66,7 +71,7 @@ public:
 
 private:
     Result<void> read_all() {
-        TAKT_TRY(auto input, StoppableInput::open(options_.capture));
+        TAKT_TRY(auto input, StoppableInput::open(options_.source));
         Progress progress(texts_, line::now());
         std::uint64_t bytes = 0;
         for (;;) {
@@ -113,8 +118,7 @@ private:
     }
 
     [[nodiscard]] std::string name() const {
-        if (!options_.interface.empty()) return options_.interface;
-        return options_.capture;
+        return options_.interface.empty() ? options_.source : options_.interface;
     }
 
     [[nodiscard]] std::string step() const {
@@ -123,30 +127,6 @@ private:
                       {{"file", name()},
                        {"packets", report::grouped_number(analysis_.packets().packets, language)},
                        {"requests", report::grouped_number(report_.total().requests, language)}});
-    }
-
-    [[nodiscard]] ExitCode print_report() const {
-        const report::LatencyRun run{.file = std::filesystem::path(name()).filename().string(),
-                                     .report = report_,
-                                     .packets = analysis_.packets(),
-                                     .tcp = analysis_.tcp(),
-                                     .serial = analysis_.serial()};
-        if (options_.json)
-            print(report::latency_json(texts_, run).dump() + '\n');
-        else if (options_.csv)
-            print(report::latency_csv(report_));
-        else if (options_.histogram > 0)
-            print(report::latency_histogram(report_));
-        else if (options_.svg != "-")
-            print(report::latency_text(texts_, run, columns_of(STDOUT_FILENO)));
-        if (options_.svg.empty()) return ExitCode::ok;
-        const auto picture = report::latency_svg(texts_, run);
-        if (options_.svg == "-") {
-            print_raw(picture);
-        } else if (const auto written = file::write_file(options_.svg, picture, true); !written) {
-            return ended_by(texts_, written.error());
-        }
-        return ExitCode::ok;
     }
 
     [[nodiscard]] ExitCode answer() const {
@@ -166,7 +146,28 @@ private:
 }  // namespace
 
 ExitCode latency(const CommonOptions& common, const LatencyOptions& options) {
-    return Latency(Texts(common.language), options).run();
+    const Texts texts(common.language);
+    return is_target(options.source) ? latency_of_target(texts, options)
+                                     : CaptureLatency(texts, options).run();
+}
+
+ExitCode print_latency(const Texts& texts, const LatencyOptions& options, const report::LatencyRun& run) {
+    if (options.json)
+        print(report::latency_json(texts, run).dump() + '\n');
+    else if (options.csv)
+        print(report::latency_csv(run.report));
+    else if (options.histogram > 0)
+        print(report::latency_histogram(run.report));
+    else if (options.svg != "-")
+        print(report::latency_text(texts, run, columns_of(STDOUT_FILENO)));
+    if (options.svg.empty()) return ExitCode::ok;
+    const auto picture = report::latency_svg(texts, run);
+    if (options.svg == "-") {
+        print_raw(picture);
+    } else if (const auto written = file::write_file(options.svg, picture, true); !written) {
+        return ended_by(texts, written.error());
+    }
+    return ExitCode::ok;
 }
 
 }  // namespace takt::app

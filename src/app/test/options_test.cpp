@@ -150,23 +150,55 @@ TEST(Options, OfAWriteAndARawRequest) {
 
 TEST(Options, OfLatency) {
     const auto defaults = options_of<LatencyOptions>("latency a.pcap");
-    EXPECT_EQ(defaults.capture, "a.pcap");
+    EXPECT_EQ(defaults.source, "a.pcap");
     EXPECT_EQ(defaults.timeout, 1s);
     EXPECT_TRUE(defaults.ports.empty() && !defaults.limit && defaults.histogram == 0);
-    EXPECT_TRUE(defaults.grouping.client && defaults.grouping.server && defaults.grouping.unit &&
-                defaults.grouping.function);
+    EXPECT_FALSE(defaults.grouping);
     const auto given = options_of<LatencyOptions>(
         "latency - --limit 1ms --timeout 200ms --port 1502 --port 65535 --by server,unit --csv --svg -");
-    EXPECT_EQ(given.capture, "-");
+    EXPECT_EQ(given.source, "-");
     EXPECT_EQ(given.limit, 1ms);
     EXPECT_EQ(given.timeout, 200ms);
     EXPECT_EQ(given.ports, (std::vector<std::uint16_t>{1502, 65535}));
-    EXPECT_TRUE(!given.grouping.client && given.grouping.server && given.grouping.unit &&
-                !given.grouping.function);
-    EXPECT_FALSE(options_of<LatencyOptions>("latency a --by none").grouping.unit);
+    EXPECT_TRUE(!given.grouping->client && given.grouping->server && given.grouping->unit &&
+                !given.grouping->function);
+    EXPECT_FALSE(options_of<LatencyOptions>("latency a --by none").grouping->unit);
     for (const auto* const wrong : {"--port 0", "--port 65536", "--port x", "--by units", "--limit 1",
                                     "--histogram 0", "--json --csv", "--csv --histogram 5"})
         EXPECT_TRUE(parse("latency a " + std::string(wrong)).error) << wrong;
+}
+
+TEST(Options, OfLatencyOfATarget) {
+    const auto defaults = options_of<LatencyOptions>("latency tcp://h").load;
+    EXPECT_TRUE(!defaults.area && !defaults.unit && !defaults.rate && !defaults.run_for &&
+                !defaults.requests);
+    const auto load = options_of<LatencyOptions>(
+                          "latency tcp://h:1502 input 100 10 --unit 7 --connections 4 --in-flight 8 --rate "
+                          "1000/s --for 1h --requests 500 --same-content --realtime --cpu 1 --spin 50us")
+                          .load;
+    EXPECT_EQ(load.area, Area::input_register);
+    EXPECT_EQ(load.start, 100U);
+    EXPECT_EQ(load.quantity, 10U);
+    EXPECT_EQ(load.unit, 7U);
+    EXPECT_EQ(load.connections, 4U);
+    EXPECT_EQ(load.in_flight, 8U);
+    EXPECT_EQ(load.rate, (client::Rate{1000, 1s}));
+    EXPECT_EQ(load.run_for, 1h);
+    EXPECT_EQ(load.requests, 500U);
+    EXPECT_TRUE(load.same_content);
+    EXPECT_EQ(load.realtime.spin, 50us);
+    EXPECT_EQ(options_of<LatencyOptions>("latency tcp://h --rate 30/min").load.rate,
+              (client::Rate{30, 1min}));
+    for (const auto* const wrong :
+         {"--rate 0/s", "--rate 1000", "--rate 1000001/s", "--rate -1/s", "--rate 10/h", "--connections 0",
+          "--connections 257", "--in-flight 17", "--for 0s", "--requests 0", "--port 502", "--by none",
+          "registers", "holding 65536", "holding 0 0", "holding 0 2001", "--spin 1s", "--unit 256"})
+        EXPECT_TRUE(parse("latency tcp://h " + std::string(wrong)).error) << wrong;
+    for (const auto* const wrong :
+         {"holding", "--unit 1", "--connections 2", "--in-flight 2", "--rate 1/s", "--for 1s", "--requests 9",
+          "--same-content", "--realtime", "--cpu 0", "--spin 1us"})
+        EXPECT_TRUE(parse("latency a.pcap " + std::string(wrong)).error) << wrong;
+    EXPECT_TRUE(parse("latency udp://h").error);
 }
 
 TEST(Options, OfAScanAndAProbe) {

@@ -6,6 +6,7 @@
 
 #include "sample.hpp"
 #include "takt/report/latency_svg.hpp"
+#include "takt/wire/pdu.hpp"
 
 namespace takt::report {
 namespace {
@@ -77,7 +78,7 @@ TEST(LatencyReport, VerdictInWords) {
         "Limit 1 ms: not kept. 4 of 20,000 exchanges exceeded it. With 95 % confidence fewer than 1 in 2,100 "
         "exceed 1 ms.");
     EXPECT_EQ(words(0, 2), "Limit 1 ms: not kept. 2 of 2 exchanges exceeded it.");
-    EXPECT_EQ(words(0, 0), "Limit 1 ms: not decided, because the capture has no exchange.");
+    EXPECT_EQ(words(0, 0), "Limit 1 ms: not decided, because there is no exchange.");
 }
 
 TEST(LatencyReport, Json) {
@@ -137,6 +138,79 @@ TEST(LatencyReport, PictureShowsEveryExchange) {
     EXPECT_EQ(text.find("nan"), std::string::npos);
     const auto empty = latency_svg(english(), run_of(report_of({}, {})));
     EXPECT_EQ(empty.find("nan"), std::string::npos);
+}
+
+/// A load whose three responses took 1 ms from sending, and 1, 2 and 3 ms from the due instant.
+struct MeasuredLoad {
+    explicit MeasuredLoad(const std::optional<client::Rate>& rate) {
+        options.request =
+            *wire::prepare(wire::ReadRequest{wire::Function::read_holding_registers, DataAddress{10}, 5});
+        options.rate = rate;
+        options.same_content = true;
+        counts.sent = 3;
+        counts.unsent = 4;
+        counts.timed_out = 5;
+        counts.wrong = 6;
+        counts.lost = 7;
+        counts.different = 8;
+        counts.disconnections = 9;
+        counts.begin_ns = kStart;
+        counts.elapsed = 2s;
+        for (int i = 0; i < 3; ++i) counts.from_sending.record(1ms);
+    }
+    [[nodiscard]] LatencyRun run() const {
+        return {.file = "tcp://h:502",
+                .report = report,
+                .packets = {.first_ns = kStart, .last_ns = kStart + 2'000'000'000},
+                .tcp = {},
+                .serial = {},
+                .load = LoadRun{options, counts}};
+    }
+    client::LoadOptions options;
+    client::LoadCounts counts;
+    capture::LatencyReport report = report_of({1ms, 2ms, 3ms}, {.grouping = {false, false}, .limit = 10ms});
+};
+
+TEST(LatencyReport, ALoadStatesBothTimes) {
+    const MeasuredLoad load(client::Rate{3000, std::chrono::minutes(1)});
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        const auto text = latency_text(texts, load.run(), SIZE_MAX);
+        expect_complete(text);
+        for (const auto* const part : {"tcp://h:502", "0x03 10..14", "3000/min", "3.000"})
+            EXPECT_NE(text.find(part), std::string::npos) << part << '\n' << text;
+        EXPECT_NE(text.find(texts("app.latency.load.from_sending")), std::string::npos);
+        for (const auto& [note, count] :
+             {std::pair{"unsent", "4"}, std::pair{"timed_out", "5"}, std::pair{"wrong", "6"},
+              std::pair{"lost", "7"}, std::pair{"different", "8"}, std::pair{"disconnections", "9"}})
+            EXPECT_NE(text.find(texts(std::string("app.latency.load.note.") + note, {{"count", count}})),
+                      std::string::npos)
+                << note;
+        EXPECT_EQ(latency_svg(texts, load.run()).find("app."), std::string::npos);
+    }
+    const auto json = latency_json(english(), load.run());
+    EXPECT_EQ(json.find("capture"), nullptr);
+    EXPECT_JSON(*json.find("target"), "tcp://h:502");
+    const auto& section = *json.find("load");
+    EXPECT_JSON(*section.find("rate_per_s"), 50.0);
+    EXPECT_JSON(*section.find("coordinated_omission"), "avoided");
+    EXPECT_JSON(*section.find("sent_per_s"), 1.5);
+    EXPECT_JSON(*section.find("unsent"), 4);
+    EXPECT_JSON(*section.find("from_sending")->find("max_ms"), 1.0);
+    EXPECT_JSON(*json.find("total")->find("max_ms"), 3.0);
+    EXPECT_JSON(*std::get<file::Json::Array>(json.find("slowest")->value())[0].find("request"), 5);
+}
+
+TEST(LatencyReport, ALoadWithoutARateStatesThatResponsesDelayRequests) {
+    const MeasuredLoad load(std::nullopt);
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        EXPECT_NE(latency_text(texts, load.run(), SIZE_MAX).find(texts("app.latency.load.closed")),
+                  std::string::npos);
+    }
+    const auto json = latency_json(english(), load.run());
+    EXPECT_TRUE(json.find("load")->find("rate_per_s")->is_null());
+    EXPECT_JSON(*json.find("load")->find("coordinated_omission"), "possible");
 }
 
 TEST(LatencyReport, FaultsNamePlaceValueAndAllowed) {

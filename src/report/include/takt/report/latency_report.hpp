@@ -1,4 +1,4 @@
-// The response times of a capture as text, JSON, CSV and in the form of cyclictest.
+// The response times of a capture or a target as text, JSON, CSV and in the form of cyclictest.
 #pragma once
 
 #include <cstddef>
@@ -8,18 +8,26 @@
 #include "takt/capture/analysis.hpp"
 #include "takt/capture/capture_reader.hpp"
 #include "takt/capture/latency.hpp"
+#include "takt/client/load.hpp"
 #include "takt/file/json.hpp"
 #include "takt/report/texts.hpp"
 
 namespace takt::report {
 
-/// A capture that was read.
+/// How the exchanges were made, if the program made them.
+struct LoadRun {
+    const client::LoadOptions& options;
+    const client::LoadCounts& counts;
+};
+
+/// A capture that was read, or a target that was measured.
 struct LatencyRun {
-    std::string file;
+    std::string file;  ///< or the target
     const capture::LatencyReport& report;
-    capture::PacketCounts packets;
+    capture::PacketCounts packets;  ///< of a capture, as the next two; of a target the two times alone
     capture::TcpCounts tcp;
     capture::SerialCounts serial;
+    std::optional<LoadRun> load = {};  ///< nothing: a capture
 };
 
 /// What the exchanges show about the limit of LatencyConfig.
@@ -38,6 +46,9 @@ struct LatencyVerdict {
 
 /// One sentence or two, with the bound in words; ends without a line end. There is a limit.
 [[nodiscard]] std::string latency_verdict_text(const Texts& texts, const capture::LatencyReport& report);
+
+/// Requests in a second that a load sent; 0 before the first instant.
+[[nodiscard]] double sent_per_second(const client::LoadCounts& counts);
 
 /// One object; times in milliseconds. @param texts  for the verdict in words
 [[nodiscard]] file::Json latency_json(const Texts& texts, const LatencyRun& run);
