@@ -124,10 +124,9 @@ void check_source(const LatencyOptions& options) {
     const auto& load = options.load;
     if (is_target(options.source) || is_port(options.source)) {
         check_target("SOURCE", options.source);
-        for (const auto& [name, given] :
-             {std::pair{"--port", !options.ports.empty()},
-              std::pair{"--framing", options.framing != wire::Framing::tcp},
-              std::pair{"--by", options.grouping.has_value()}})
+        for (const auto& [name, given] : {std::pair{"--port", !options.ports.empty()},
+                                          std::pair{"--framing", options.framing != wire::Framing::tcp},
+                                          std::pair{"--by", options.grouping.has_value()}})
             if (given) reject({"app.option.for_capture", {{"option", name}, {"target", options.source}}});
         return;
     }
