@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include "command_api.hpp"
 #include "live_hub.hpp"
@@ -18,8 +17,8 @@ constexpr int kMostEvents = 1'000'000;  // in a tick
 
 }  // namespace
 
-EventLog::EventLog(HostAccess host)
-    : host_(std::move(host)), since_ms_(WallTime().ms(host_.started)), thread_([this] { work(); }) {}
+EventLog::EventLog(HostAccess host, Marks& marks)
+    : host_(std::move(host)), marks_(marks), thread_([this] { work(); }) {}
 
 EventLog::~EventLog() {
     end();
@@ -51,16 +50,15 @@ void EventLog::add(const host::Outcome& outcome, const host::Configuration& conf
 }
 
 void EventLog::work() {
-    std::unique_lock lock(mutex_);
-    while (!ended_) {
-        lock.unlock();
+    for (bool last = false;;) {
         if (!session_) {
             auto session = host_.open_session({.from_beginning = true});
             if (session) session_ = *std::move(session);
         }
         if (session_) read_events();
-        lock.lock();
-        changed_.wait_for(lock, kTick, [this] { return ended_; });
+        if (last) return;
+        std::unique_lock lock(mutex_);
+        last = changed_.wait_for(lock, kTick, [this] { return ended_; });
     }
 }
 
@@ -84,60 +82,28 @@ void EventLog::add(const host::Event& event) {
         return;
     }
     if (std::holds_alternative<host::AuditRecorded>(event.body) || messages_ >= kMostMessages) return;
-    Entry entry{.time_ms = WallTime().ms(event.t), .kind = "message", .severity = severity_of(event)};
+    Mark mark{.time_ms = WallTime().ms(event.t), .severity = std::string(severity_of(event))};
     for (const auto language : text::kLanguages) {
         auto line = report::event_text(report::Texts(language), *session_->configuration(), event);
         if (line.empty()) return;
-        entry.texts[static_cast<std::size_t>(language)] = std::move(line);
+        mark.texts[static_cast<std::size_t>(language)] = std::move(line);
     }
     ++messages_;
-    put(notices_, std::move(entry));
+    marks_.put(std::move(mark));
 }
 
 void EventLog::add_command(const host::Outcome& outcome, const host::Configuration& configuration,
                            std::string origin) {
-    Entry entry{.time_ms = WallTime().ms(outcome.t),
-                .kind = "command",
-                .severity = "warning",
-                .outcome = outcome_word(outcome),
-                .origin = std::move(origin)};
-    if (entry.outcome == "done" || entry.outcome == "waiting") entry.severity = "info";
+    Mark mark{.time_ms = WallTime().ms(outcome.t),
+              .kind = Mark::Kind::command,
+              .severity = "warning",
+              .outcome = std::string(outcome_word(outcome)),
+              .origin = std::move(origin)};
+    if (mark.outcome == "done" || mark.outcome == "waiting") mark.severity = "info";
     for (const auto language : text::kLanguages)
-        entry.texts[static_cast<std::size_t>(language)] =
+        mark.texts[static_cast<std::size_t>(language)] =
             outcome_text(report::Texts(language), configuration, outcome);
-    put(commands_, std::move(entry));
-}
-
-void EventLog::put(std::deque<Entry>& list, Entry entry) {
-    const std::lock_guard lock(mutex_);
-    list.push_back(std::move(entry));
-    if (list.size() <= kMost) return;
-    since_ms_ = std::max(since_ms_, list.front().time_ms + 1);
-    list.pop_front();
-}
-
-file::Json EventLog::events(text::Language language, std::int64_t from_ms, std::int64_t to_ms) const {
-    const std::lock_guard lock(mutex_);
-    std::vector<const Entry*> found;
-    for (const auto* const list : {&commands_, &notices_})
-        for (const auto& entry : *list)
-            if (entry.time_ms >= from_ms && entry.time_ms < to_ms) found.push_back(&entry);
-    std::ranges::stable_sort(found, {}, &Entry::time_ms);
-    auto list = file::Json::array();
-    for (const auto* const entry : found) {
-        auto object = file::Json::object();
-        object.set("time", entry->time_ms);
-        object.set("kind", entry->kind);
-        object.set("severity", entry->severity);
-        object.set("text", entry->texts[static_cast<std::size_t>(language)]);
-        if (!entry->outcome.empty()) object.set("outcome", entry->outcome);
-        if (!entry->origin.empty()) object.set("origin", entry->origin);
-        list.push_back(std::move(object));
-    }
-    auto object = file::Json::object();
-    object.set("since", since_ms_);
-    object.set("events", std::move(list));
-    return object;
+    marks_.put(std::move(mark));
 }
 
 }  // namespace takt::web

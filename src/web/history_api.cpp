@@ -4,6 +4,7 @@
 #include <charconv>
 #include <chrono>
 #include <expected>
+#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -49,16 +50,10 @@ struct Query {
     store::HistoryRange range;
 };
 
-bool has_history(const HistoryApiOptions& options) {
-    const auto configuration = options.configuration();
-    return configuration != nullptr &&
-           std::ranges::any_of(configuration->project().outputs, [](const model::Output& output) {
-               return output.transport == model::OutputTransport::history;
-           });
-}
-
 std::expected<Opened, ApiResponse> opened(const HistoryApiOptions& options, const ApiRequest& request) {
-    if (!has_history(options)) return std::unexpected(refused(request, 404, "none"));
+    const auto configuration = options.configuration();
+    if (configuration == nullptr || !has_history(configuration->project()))
+        return std::unexpected(refused(request, 404, "none"));
     auto reader = HistoryReader::open(publish::history_database(options.project_file));
     if (!reader) return std::unexpected(failed(request, reader.error()));
     auto series = reader->series();
@@ -151,6 +146,17 @@ ApiResponse table(const HistoryApiOptions& options, const ApiRequest& request) {
 }
 
 }  // namespace
+
+bool has_history(const model::Project& project) {
+    return std::ranges::any_of(project.outputs, [](const model::Output& output) {
+        return output.transport == model::OutputTransport::history;
+    });
+}
+
+std::string marks_file(const std::string& project_file) {
+    const std::filesystem::path database = publish::history_database(project_file);  // plant.history.db
+    return (database.parent_path() / database.stem()).replace_extension(".marks.jsonl").string();
+}
 
 std::vector<ApiRoute> history_routes(const HistoryApiOptions& options) {
     const auto with_options = [&](auto handler) {

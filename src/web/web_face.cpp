@@ -11,9 +11,12 @@
 #include "device_search.hpp"
 #include "event_log.hpp"
 #include "live_hub.hpp"
+#include "mark_writer.hpp"
+#include "marks.hpp"
 #include "openapi.hpp"
 #include "search_api.hpp"
 #include "state_api.hpp"
+#include "takt/web/history_api.hpp"
 #include "traffic_hub.hpp"
 #include "wall_time.hpp"
 
@@ -33,8 +36,8 @@ std::int64_t time_in(std::string_view text, std::int64_t missing) {
     return error == std::errc() && end == text.data() + text.size() ? ms : missing;
 }
 
-ApiResponse events_response(const EventLog& log, const ApiRequest& request) {
-    return ApiResponse::json(log.events(request.texts.language(), time_in(request.parameter("from"), 0),
+ApiResponse events_response(const Marks& marks, const ApiRequest& request) {
+    return ApiResponse::json(marks.json(request.texts.language(), time_in(request.parameter("from"), 0),
                                         time_in(request.parameter("to"), INT64_MAX)));
 }
 
@@ -95,15 +98,19 @@ struct WebFace::Impl {
                .allow_write = options.server.allow_write,
                .editable = options.editable,
                .history = options.history},
+          marks_file(std::move(options.marks_file)),
           further(std::move(options.routes)),
           serving(std::move(options.server)) {}
 
     HostAccess host;
     ProgramInfo info;
+    std::string marks_file;
     std::vector<ApiRoute> further;
     WebServerOptions serving;
     std::atomic<bool> stopping = false;
     std::atomic<WebServer*> target = nullptr;  // of the hubs
+    Marks marks{WallTime().ms(host.started)};
+    std::unique_ptr<MarkWriter> writer;
     std::unique_ptr<EventLog> log;
     std::unique_ptr<LiveHub> live;
     std::unique_ptr<TrafficHub> traffic;
@@ -114,11 +121,14 @@ struct WebFace::Impl {
         const auto poke = [this] {
             if (auto* const running = target.load()) running->poke();
         };
-        log = std::make_unique<EventLog>(host);
+        log = std::make_unique<EventLog>(host, marks);
         live = std::make_unique<LiveHub>(host, poke);
         traffic = std::make_unique<TrafficHub>(host, poke);
         TAKT_TRY(server, WebServer::start(serving, routes(), streams()));
         target = server.get();
+        if (marks_file.empty()) return {};
+        const auto wanted = [this] { return has_history(host.configuration()->project()); };
+        writer = std::make_unique<MarkWriter>(marks, MarkWriterOptions{marks_file, wanted, serving.log});
         return {};
     }
 
@@ -131,7 +141,7 @@ struct WebFace::Impl {
         append(search_routes(search, host));
         append(std::move(further));
         all.push_back({Method::get, "/events", false,
-                       [this](const ApiRequest& request) { return events_response(*log, request); }});
+                       [this](const ApiRequest& request) { return events_response(marks, request); }});
         all.push_back({Method::get, "/traffic/capture", false,
                        [this](const ApiRequest& request) { return capture_response(*traffic, request); }});
         all.push_back({Method::get, "/registers", false, [this](const ApiRequest& request) {
@@ -157,6 +167,7 @@ struct WebFace::Impl {
         if (traffic) traffic->end();
         if (server) server->stop();
         search.end();
+        if (writer) writer->end();  // with the marks of the last commands
     }
 };
 

@@ -68,12 +68,6 @@ private:
     std::unique_ptr<web::WebFace> face_;
 };
 
-bool has_history(const model::Project& project) {
-    return std::ranges::any_of(project.outputs, [](const model::Output& output) {
-        return output.transport == model::OutputTransport::history;
-    });
-}
-
 }  // namespace
 
 std::optional<std::string> read_token(const Texts& texts, const WebOptions& options) {
@@ -102,7 +96,8 @@ Result<std::unique_ptr<WebSide>> start_web(const Texts& texts, const WebOptions&
                              .version = "0.1.0",
                              .demo = options.demo,
                              .editable = editable,
-                             .history = has_history(run.host.configuration()->project())};
+                             .history = web::has_history(run.host.configuration()->project()),
+                             .marks_file = run.project_file.empty() ? "" : web::marks_file(run.project_file)};
     auto served = std::make_unique<ServedProject>(std::move(run), editable);
     TAKT_CHECK(served->begin(std::move(face), options.or_free_port));
     print_status(

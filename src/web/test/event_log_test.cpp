@@ -6,6 +6,7 @@
 
 #include "command_api.hpp"
 #include "running_host.hpp"
+#include "wall_time.hpp"
 
 namespace takt::web {
 namespace {
@@ -25,7 +26,7 @@ protected:
         for (const auto end = std::chrono::steady_clock::now() + 10s;
              std::chrono::steady_clock::now() < end;) {
             events = std::get<file::Json::Array>(
-                log.events(text::Language::english, 0, INT64_MAX).find("events")->value());
+                marks.json(text::Language::english, 0, INT64_MAX).find("events")->value());
             if (enough(events)) return events;
             std::this_thread::sleep_for(10ms);
         }
@@ -56,7 +57,8 @@ protected:
     const HostAccess access = running.access();
     const std::atomic<bool> stopping = false;
     const report::Texts texts{text::Language::english};
-    EventLog log{access};
+    Marks marks{WallTime().ms(access.started)};
+    EventLog log{access, marks};
 };
 
 TEST_F(EventLogTest, KeepsCommandsOfBrowsersOnce) {
@@ -91,22 +93,22 @@ TEST_F(EventLogTest, KeepsMessagesFromTheStartOn) {
     });
     ASSERT_FALSE(events.empty());
     EXPECT_EQ(text(events.front(), "kind"), "message");
-    const auto none = log.events(text::Language::english, 0, 1);
+    const auto none = marks.json(text::Language::english, 0, 1);
     EXPECT_EQ(none.find("events")->dump(), "[]");
-    const auto russian = log.events(text::Language::russian, 0, INT64_MAX).dump();
+    const auto russian = marks.json(text::Language::russian, 0, INT64_MAX).dump();
     EXPECT_EQ(russian.find("answering"), std::string::npos) << russian;
 }
 
 TEST_F(EventLogTest, ForgetsTheOldestAndReportsSinceWhen) {
     const auto since = [this] {
-        return std::get<std::int64_t>(log.events(text::Language::english, 0, 1).find("since")->value());
+        return std::get<std::int64_t>(marks.json(text::Language::english, 0, 1).find("since")->value());
     };
     const auto before = since();
     const auto configuration = access.configuration();
     const host::Outcome outcome{.slot = *configuration->find("Start"), .t = line::now(), .value = true};
-    for (std::size_t i = 0; i <= EventLog::kMost; ++i) log.add(outcome, *configuration, "192.0.2.7");
+    for (std::size_t i = 0; i <= Marks::kMost; ++i) log.add(outcome, *configuration, "192.0.2.7");
     EXPECT_GT(since(), before);
-    EXPECT_EQ(commands(1).size(), EventLog::kMost);
+    EXPECT_EQ(commands(1).size(), Marks::kMost);
 }
 
 }  // namespace

@@ -51,7 +51,9 @@ std::set<std::string> served() {
                        (route.changes ? " writes" : ""));
     };
     add(state_routes(host, info));
-    static EventLog log{{.open_session = [](const auto&) { return fail(Code::connection_lost, "host"); }}};
+    static Marks marks{0};
+    static EventLog log{{.open_session = [](const auto&) { return fail(Code::connection_lost, "host"); }},
+                        marks};
     add(command_routes(host, log, stopping));
     DeviceSearch search;
     add(search_routes(search, host));

@@ -10,9 +10,15 @@
 
 namespace takt::web {
 
+/// Whether one of the outputs writes the history.
+[[nodiscard]] bool has_history(const model::Project& project);
+
+/// The file of the marks of trends, beside the history: "plant.marks.jsonl" of "plant.yaml".
+[[nodiscard]] std::string marks_file(const std::string& project_file);
+
 struct HistoryApiOptions {
     std::string project_file;  ///< the history is beside it
-    /// Of the running project: it has a history if one of its outputs writes it.
+    /// Of the running project.
     std::function<host::ConfigurationPtr()> configuration;
 };
 

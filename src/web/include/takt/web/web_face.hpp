@@ -16,8 +16,10 @@ struct WebFaceOptions {
     std::string project;  ///< its name for people
     std::string version;  ///< of the program
     bool demo = false;
-    bool editable = false;              ///< the project can be saved: PUT /project works
-    bool history = false;               ///< the project has a history
+    bool editable = false;  ///< the project can be saved: PUT /project works
+    bool history = false;   ///< the project has a history
+    /// Keeps the marks of trends while the project has a history: marks_file(). Empty: they are in memory.
+    std::string marks_file = {};
     std::vector<ApiRoute> routes = {};  ///< further ones
 };
 
