@@ -27,15 +27,7 @@ std::string YamlPatch::apply(const Node& wanted) {
 
 YamlPatch::Place YamlPatch::place_of(const Node& owner, std::string_view key, Object object,
                                      bool flow) const {
-    Place place{.object = object_behind(object, key), .use = use_of(object, owner, key), .flow = flow};
-    place.table = place.object == model::Object::variable || place.object == model::Object::served_variable ||
-                  place.object == model::Object::local;
-    return place;
-}
-
-void YamlPatch::refuse_part(const Layout& old, const Node& wanted, const Place& place) const {
-    if (place.table && old.node->kind == Node::Kind::scalar && wanted.kind == Node::Kind::list)
-        throw EditError{EditError::Kind::read_only_part, old.node->text};
+    return {.object = object_behind(object, key), .use = use_of(object, owner, key), .flow = flow};
 }
 
 bool YamlPatch::stays_in_place(const Layout& old, const Node& wanted) const {
@@ -48,7 +40,6 @@ bool YamlPatch::stays_in_place(const Layout& old, const Node& wanted) const {
 
 void YamlPatch::put_value(const Layout& old, const Node& wanted, const Place& place) {
     if (same_document(*old.node, wanted)) return copy(old.begin, old.end);
-    refuse_part(old, wanted, place);
     if (old.node->kind != wanted.kind || old.style == Style::pair) {
         out_ += wanted.kind == Node::Kind::scalar ? scalar_text(wanted.text, place.use, place.flow)
                                                   : writer_.flow_item(wanted, place.object);

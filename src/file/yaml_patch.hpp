@@ -41,7 +41,6 @@ private:
         Object object;  ///< of the value if it is a mapping, of its items if it is a list
         ScalarUse use = ScalarUse::any;
         bool flow = false;
-        bool table = false;  ///< a name there is that of a table
     };
 
     /// Adds to the path while it lives.
@@ -61,7 +60,6 @@ private:
     [[nodiscard]] Place place_of(const model::Node& owner, std::string_view key, Object object,
                                  bool flow) const;
     [[nodiscard]] Origins origins_of(const Layout& old, const model::Node& wanted) const;
-    void refuse_part(const Layout& old, const model::Node& wanted, const Place& place) const;
 
     /// Whether a value in the lines of a block collection can be changed where it is.
     [[nodiscard]] bool stays_in_place(const Layout& old, const model::Node& wanted) const;

@@ -74,7 +74,6 @@ void YamlPatch::put_block_entry(const LayoutPart& part, const Node& owner, const
     if (same_document(*old.node, wanted)) return copy(part.indicator_end, part.end);
     const Path path(*this, entry.key.text);
     const auto place = place_of(owner, entry.key.text, object, false);
-    refuse_part(old, wanted, place);
     if (stays_in_place(old, wanted)) {
         copy(part.indicator_end, old.begin);
         put_value(old, wanted, place);

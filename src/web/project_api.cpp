@@ -13,6 +13,8 @@
 #include "project_parts.hpp"
 #include "protected_keys.hpp"
 #include "saved_project.hpp"
+#include "take_over.hpp"
+#include "takt/file/convert.hpp"
 #include "takt/file/document_json.hpp"
 #include "takt/file/schema.hpp"
 #include "takt/file/write.hpp"
@@ -45,8 +47,8 @@ ApiResponse failed(const ApiRequest& request, const Error& error) {
 }
 
 ApiResponse failed(const ApiRequest& request, const EditError& error) {
-    constexpr std::array<std::string_view, 6> kCodes{"unreadable",     "layout",    "origin",
-                                                     "read_only_part", "too_large", "differs"};
+    constexpr std::array<std::string_view, 5> kCodes{"unreadable", "layout", "origin", "too_large",
+                                                     "differs"};
     return refused(request, 422, kCodes[static_cast<std::size_t>(error.kind)], {{"subject", error.subject}});
 }
 
@@ -89,6 +91,11 @@ const Node* root_of(const SavedPtr& saved) {
 bool is_editable(const SavedPtr& saved) {
     return saved->alone.readable && saved->alone.findings.empty() &&
            saved->alone.document.root.kind == Node::Kind::mapping;
+}
+
+const model::Finding* first_error(const std::vector<model::Finding>& findings) {
+    const auto error = std::ranges::find(findings, model::Severity::error, &model::Finding::severity);
+    return error == findings.end() ? nullptr : &*error;
 }
 
 std::string file_name(const std::string& path) {
@@ -194,6 +201,27 @@ struct ProjectApi::Impl {
         return ApiResponse::json(object);
     }
 
+    // The words of a table's cells are not those of a project file: the whole project is written and read.
+    ApiResponse take_over(const ApiRequest& request, const SavedPtr& saved) {
+        auto sent = sent_in(request, root_of(saved));
+        if (!sent) return std::move(sent.error());
+        file::without_origins(sent->document);
+        auto read = file::load_document(options.file, std::move(sent->document),
+                                        restricted_reader(options.file, saved->alone.document.root));
+        const auto path = sent->text("path");
+        if (const auto* const error = first_error(read.findings))
+            return refused(request, 422, "take_over", {{"subject", request.texts.message(*error)}});
+        const auto written = file::read_project_text(options.file, file::write_project(read.document));
+        const auto taken = written.readable ? taken_over(*sent->object.find("document"),
+                                                         file::document_json(written.document.root), path)
+                                            : std::nullopt;
+        if (!taken) return refused(request, 422, "take_over", {{"subject", path}});
+        auto object = Json::object();
+        object.set("path", taken->path);
+        object.set("value", taken->value);
+        return ApiResponse::json(object);
+    }
+
     ApiResponse save(const ApiRequest& request, const SavedPtr&) {
         const std::scoped_lock one_at_a_time(saving);
         const auto saved = disk.read();
@@ -263,6 +291,10 @@ std::vector<ApiRoute> ProjectApi::routes() {
         {.method = Method::get, .path = "/project", .handler = impl.with_file(&Impl::project)},
         {.method = Method::post, .path = "/project/evaluate", .handler = impl.with_file(&Impl::evaluate)},
         {.method = Method::post, .path = "/project/diff", .handler = impl.with_file(&Impl::diff)},
+        {.method = Method::post,
+         .path = "/project/take_over",
+         .changes = true,
+         .handler = impl.with_file(&Impl::take_over)},
         {.method = Method::put, .path = "/project", .changes = true, .handler = impl.with_file(&Impl::save)},
         {.method = Method::get, .path = "/fields", .handler = field_table},
         {.method = Method::get, .path = "/schema", .handler = schema},

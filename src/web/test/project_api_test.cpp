@@ -197,10 +197,78 @@ TEST_F(ProjectApiTest, KeepsPartsOfOtherFiles) {
     EXPECT_NE(text_at(loaded, {"findings"}).find("lines[0].devices[1].variables[0].register"),
               std::string::npos)
         << loaded.dump();
-    const auto wanted = changed(*loaded.find("document"), R"("a.csv")", R"([{"name":"B"}])");
-    const auto answer = call(Method::put, "/project", body_of(wanted, *loaded.find("revision")));
-    EXPECT_EQ(code_of(answer), "422 read_only_part");
-    EXPECT_NE(answer.body.find("a.csv"), std::string::npos);
+}
+
+TEST_F(ProjectApiTest, TakesATableAndATemplateOver) {
+    folder_.write("a.csv",
+                  "Name;Type;Register;Read;Scale;Enumeration\r\nA;int16;1;0x03;0,1;\r\n"
+                  "B;int16;2;0x03;;0=stopped, 1=running\r\n");
+    folder_.write("l.csv", "name,type\ngo,bool\n");
+    folder_.write("t.yaml",
+                  "takt: 1\nparameters: {base}\npoll_period: 5s\nattempts: 2\nvariables:\n"
+                  "  - {name: T, type: int16, register: $(base + 5), read: 0x03, bits: {0: hot}}\n");
+    folder_.write("plant.yaml",
+                  "takt: 1\nlines:\n  - name: bus # c\n    transport: simulated\n    devices:\n"
+                  "      - {name: D, address: 1, variables: a.csv}\n"
+                  "      - name: E # two\n        address: 2\n        attempts: 4 # more\n"
+                  "        device_template: t.yaml\n        parameters: {base: 10}\n"
+                  "        variables:\n          - {name: X, type: int16, register: 7, read: 0x03} # x\n"
+                  "locals: l.csv\n");
+    auto document = *project().find("document");
+    const auto take = [&](const std::string& path) {
+        auto body = body_of(document);
+        body.set("path", path);
+        return call(Method::post, "/project/take_over", body);
+    };
+    const auto put = [&](const std::string& path, const std::string& old_text) {
+        const auto answer = take(path);
+        ASSERT_EQ(answer.status, 200) << answer.body;
+        const auto value = text_at(Json::parse(answer.body).value(), {"value"});
+        document = changed(document, old_text, value);
+    };
+    put("lines[0].devices[0].variables", R"("a.csv")");
+    put("lines[0].devices[1].device_template",
+        std::get<Json::Array>(
+            std::get<Json::Array>(document.find("lines")->value())[0].find("devices")->value())[1]
+            .dump());
+    put("locals", R"("l.csv")");
+    const auto revision = *project().find("revision");
+    const auto saved = call(Method::put, "/project", body_of(document, revision));
+    ASSERT_EQ(saved.status, 200) << saved.body;
+    EXPECT_EQ(folder_.read("plant.yaml"),
+              "takt: 1\nlines:\n  - name: bus # c\n    transport: simulated\n    devices:\n"
+              "      - {name: D, address: 1, variables: [{name: A, type: int16, register: 1, read: 0x03, "
+              "scale: 0.1}, {name: B, type: int16, register: 2, read: 0x03, "
+              "enumeration: \"0=stopped, 1=running\"}]}\n"
+              "      - name: E # two\n        address: 2\n        poll_period: 5s\n"
+              "        attempts: 4 # more\n        variables:\n"
+              "          - {name: E.T, type: int16, register: 15, read: 0x03, bits: {0: hot}}\n"
+              "          - {name: X, type: int16, register: 7, read: 0x03} # x\n"
+              "locals:\n  - {name: go, type: bool}\n");
+    EXPECT_EQ(text_at(project(), {"read_only_parts"}), "[]");
+    EXPECT_NE(folder_.read("a.csv").find("0,1"), std::string::npos) << "the table stays";
+}
+
+TEST_F(ProjectApiTest, TakesNothingOverThatIsNoTableOrHasMistakes) {
+    folder_.write("a.csv", "name,type\n\"A,int16\n");
+    folder_.write("plant.yaml",
+                  "takt: 1\nlines:\n  - name: bus\n    transport: simulated\n    devices:\n"
+                  "      - {name: D, address: 1, variables: a.csv}\n");
+    const auto take = [&](const std::string& path) {
+        auto body = body_of(*project().find("document"));
+        body.set("path", path);
+        return call(Method::post, "/project/take_over", body);
+    };
+    const auto broken = take("lines[0].devices[0].variables");
+    EXPECT_EQ(code_of(broken), "422 take_over");
+    EXPECT_NE(broken.body.find("quote"), std::string::npos) << broken.body;
+    folder_.write("a.csv", "name,type,register,read\nA,int16,1,0x03\n");
+    for (const auto* const path :
+         {"", "lines", "lines[0].devices[0].name", "lines[0].devices[0].device_template",
+          "lines[9].devices[0].variables", "lines[0", "lines[].x", "...", "locals",
+          "lines[0].devices[0].variables[0]", "lines[0].devices[18446744073709551616]"})
+        EXPECT_EQ(code_of(take(path)), "422 take_over") << path;
+    EXPECT_EQ(take("lines[0].devices[0].variables").status, 200);
 }
 
 TEST_F(ProjectApiTest, NeitherReadsNorNamesOtherFilesOfTheHost) {

@@ -1,9 +1,9 @@
 // The draft of the project: the document as edited, its undo steps, and what the program makes of it.
 import { batch, computed, signal } from '@preact/signals';
 import { ApiError, get, post, put } from '../api/client';
-import type { Evaluation, Finding, Mapping, Node, ProjectFile, Saved } from '../api/types';
+import type { Evaluation, FilePart, Finding, Mapping, Node, ProjectFile, Saved } from '../api/types';
 import { language, t } from '../i18n';
-import { type Path, withNode } from './document';
+import { type Path, parsePath, textAt, withNode } from './document';
 import { merged } from './merge';
 
 const MOST_STEPS = 200;
@@ -57,8 +57,16 @@ export const findingsByPath = computed(() => {
 });
 export const hasErrors = computed(() => findings.value.some((its) => its.severity === 'error'));
 
+/** The parts of other files that the draft names where the file does. */
+export const fileParts = computed<FilePart[]>(() =>
+  (loaded.value?.read_only_parts ?? []).filter(({ path }) => {
+    const name = textAt(draft.value, parsePath(path));
+    return name !== undefined && name === textAt(loaded.value?.document ?? undefined, parsePath(path));
+  }),
+);
+
 export function isReadOnlyPart(path: string): string | null {
-  for (const part of loaded.value?.read_only_parts ?? [])
+  for (const part of fileParts.value)
     if (path === part.path || path.startsWith(`${part.path}.`) || path.startsWith(`${part.path}[`))
       return part.file;
   return null;
@@ -193,6 +201,18 @@ export const redo = () => move(undone, done);
 export function revert(): void {
   const file = loaded.peek();
   if (file?.document) change(file.document, 'revert');
+}
+
+/**
+ * Puts the rows of a table, or the settings and variables of a template, in place of its name. The draft has to
+ * stay as it was asked for. @returns whether it did
+ */
+export async function takeOver(path: string): Promise<boolean> {
+  const document = draft.peek();
+  const taken = await post<{ path: string; value: Node }>('project/take_over', { document, path });
+  if (draft.peek() !== document) return false;
+  setNode(parsePath(taken.path), taken.value);
+  return true;
 }
 
 /** What saving would change, as a unified difference. */

@@ -2,6 +2,7 @@
 // outputs and instruments, a project of 1,024 variables.
 import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
 import { after, afterEach, before, beforeEach, test } from 'node:test';
 import { plantProject } from '../measure/field.mjs';
 import { browser, openPage, Plant } from './program.mjs';
@@ -125,7 +126,7 @@ test('both browsers show the same values', async () => {
   for (const page of pages) await page.getByRole('grid').getByText('33.25').waitFor();
 });
 
-test('commands are marks in the trends, also after a reload', async () => {
+test('commands are marks in the trends, also after a reload and a restart of the program', async () => {
   plant = await Plant.start();
   const page = await open('#/live');
   await page.getByRole('button', { name: 'Write: Setpoint' }).click();
@@ -141,6 +142,76 @@ test('commands are marks in the trends, also after a reload', async () => {
   await mark.waitFor();
   assert.match(await mark.textContent(), /браузер 127\.0\.0\.1/);
   await marks.getByText('Boiler: отвечает').waitFor();
+  await page.goto('about:blank');
+  await plant.end();
+  await plant.run();
+  await page.goto(`${plant.url}?lang=uk#/trends?pens=Setpoint&span=60`);
+  await marks.locator('summary').click();
+  await mark.waitFor();
+  assert.match(await mark.textContent(), /браузер 127\.0\.0\.1/);
+});
+
+const FROM_FILES = `takt: 1
+lines:
+  - name: bus # the only one
+    transport: simulated
+    devices:
+      - {name: Meter, address: 1, variables: meter.csv}
+      - name: Drive
+        address: 2
+        device_template: drive.yaml
+        parameters: {base: 100} # second drive
+`;
+
+test('the rows of a table and of a template are taken over, edited and saved', async () => {
+  plant = await Plant.start('demo.yaml', ['--allow-write'], (file) => {
+    writeFileSync(file, FROM_FILES);
+    writeFileSync(
+      join(dirname(file), 'meter.csv'),
+      'Name;Type;Register;Read;Scale\nVolts;int16;0;0x03;0,1\nAmps;int16;1;0x03;0,01\n',
+    );
+    writeFileSync(
+      join(dirname(file), 'drive.yaml'),
+      'takt: 1\nparameters: {base}\npoll_period: 5s\nvariables:\n' +
+        '  - {name: Speed, type: int16, register: $(base + 2), read: 0x03}\n',
+    );
+  });
+  const page = await open();
+  await page.getByRole('treeitem', { name: /^Meter/ }).click();
+  await page.getByRole('tab', { name: /^Variables/ }).click();
+  await page.getByText(/Volts/).first().waitFor();
+  assert.equal(await page.getByRole('button', { name: 'Add', exact: true }).count(), 0);
+  await page.getByRole('button', { name: 'Take the table into the project' }).click();
+  await page.getByRole('gridcell', { name: 'Amps', exact: true }).dblclick();
+  await page.locator('.cell-editor').fill('Current');
+  await page.keyboard.press('Enter');
+  await page.getByRole('treeitem', { name: /^Drive/ }).click();
+  await page.getByText('Variables of the template (1)').click();
+  await page.getByRole('button', { name: 'Take the template into the device' }).click();
+  await page.getByRole('gridcell', { name: 'Drive.Speed', exact: true }).first().waitFor();
+  await page.getByText('Variables of the template').waitFor({ state: 'detached' });
+  // Undo takes the template back, redo takes it over again.
+  await page.getByRole('button', { name: /^Undo/ }).click();
+  await page.getByText('Variables of the template (1)').waitFor();
+  await page.getByRole('button', { name: /^Redo/ }).click();
+  await page.getByText('Variables of the template').waitFor({ state: 'detached' });
+
+  await page.getByRole('button', { name: 'Save…' }).click();
+  const dialog = page.getByRole('dialog');
+  await dialog.getByText('variables: meter.csv').first().waitFor();
+  await dialog.getByRole('button', { name: 'Save and apply' }).click();
+  await dialog.waitFor({ state: 'detached' });
+  assert.match(text(), /name: bus # the only one/);
+  assert.match(text(), /\{name: Volts, type: int16, register: 0, read: 0x03, scale: 0\.1\}/);
+  assert.match(text(), /\{name: Current, type: int16, register: 1, read: 0x03, scale: 0\.01\}/);
+  assert.match(text(), /poll_period: 5s/);
+  assert.match(text(), /\{name: Drive\.Speed, type: int16, register: 102, read: 0x03\}/);
+  assert.doesNotMatch(text(), /meter\.csv|device_template|parameters/);
+  assert.match(readFileSync(join(dirname(plant.file), 'meter.csv'), 'utf8'), /Amps;int16;1;0x03;0,01/);
+  // After the save the rows are those of the project.
+  await page.getByRole('treeitem', { name: /^Meter/ }).click();
+  await page.getByRole('gridcell', { name: 'Current', exact: true }).first().waitFor();
+  assert.equal(await page.getByRole('button', { name: /^Take the/ }).count(), 0);
 });
 
 test('outputs and instruments are added and checked like everything else', async () => {

@@ -20,26 +20,35 @@ export class Plant {
     cpSync(join(ROOT, 'examples', example), plant.file);
     appendFileSync(plant.file, HISTORY);
     change(plant.file);
-    plant.process = spawn(TAKT, ['run', plant.file, '--web', '127.0.0.1:0', '--quiet', ...options]);
-    plant.url = await new Promise((found, failed) => {
+    plant.options = options;
+    await plant.run();
+    return plant;
+  }
+
+  async run() {
+    this.process = spawn(TAKT, ['run', this.file, '--web', '127.0.0.1:0', '--quiet', ...this.options]);
+    this.url = await new Promise((found, failed) => {
       let text = '';
       const look = (data) => {
         text += data;
         const match = text.match(/http:\/\/127\.0\.0\.1:\d+\//);
         if (match) found(match[0]);
       };
-      plant.process.stdout.on('data', look);
-      plant.process.stderr.on('data', look);
-      plant.process.on('exit', () => failed(new Error(`the program ended: ${text}`)));
+      this.process.stdout.on('data', look);
+      this.process.stderr.on('data', look);
+      this.process.on('exit', () => failed(new Error(`the program ended: ${text}`)));
       setTimeout(() => failed(new Error(`no address: ${text}`)), 30_000).unref();
     });
-    return plant;
+  }
+
+  async end() {
+    const ended = new Promise((done) => this.process.on('exit', done));
+    this.process.kill('SIGINT');
+    return ended;
   }
 
   async stop() {
-    const ended = new Promise((done) => this.process.on('exit', done));
-    this.process.kill('SIGINT');
-    const code = await ended;
+    const code = await this.end();
     rmSync(this.folder, { recursive: true, force: true });
     return code;
   }

@@ -15,6 +15,17 @@ export const project = {
   noFile: 'This run has no project file that could be shown.',
   unreadable: 'This file cannot be edited here. Correct these faults in the file first.',
   readOnly: 'The project is read-only here. Start Takt with --allow-write to change it on this page.',
+  takeOver: {
+    table: 'Take the table into the project',
+    template: 'Take the template into the device',
+    tableHint: 'The rows take the place of the name of the table. The table file stays as it is.',
+    templateHint:
+      'The settings and variables of the template become those of the device. The template stays as it is.',
+    tableDone: 'The rows are in the project and can be edited. Saving shows the difference first.',
+    templateDone:
+      'The variables of the template are in the device and can be edited. Saving shows the difference first.',
+    again: 'The project was edited meanwhile. Press the button again.',
+  },
   readOnlyPart: (file: string) =>
     `These values come from ${file} and are read-only here. Change them in that file.`,
   unchanged: 'No changes',

@@ -7,7 +7,7 @@ import { draft } from '../../store/project';
 import { plan } from '../requests/plan';
 import { DeviceForm } from './device_form';
 import { readOnly } from './edit';
-import { FileRows, filePart } from './file_rows';
+import { FileRows, filePart, FromFile } from './file_rows';
 import { InstrumentForm, LineForm, OutputForm, ProjectForm, ServerForm, UnitForm } from './forms';
 import { lit, selected, tab } from './selection';
 import { TabBar } from './tab_bar';
@@ -31,8 +31,8 @@ function namesInPlan(device: string): string[] {
 }
 
 /** The draft names a file that is not the one that was loaded: its rows are known after the next save. */
-const NotLoaded = ({ file }: { file: string }) => (
-  <p class="banner info">{t.value.project.table.fromTable(file)}</p>
+const NotLoaded = ({ path, file }: { path: Path; file: string }) => (
+  <FromFile path={formatPath(path)} note={t.value.project.table.fromTable(file)} />
 );
 
 function SelectedVariable({ path }: { path: Path }) {
@@ -62,7 +62,11 @@ function Variables({ path, object }: { path: Path; object: TableObject }) {
   const label = object === 'variable' ? texts.variables : texts.served;
   if (typeof list === 'string') {
     const part = filePart(its);
-    return part ? <FileRows part={part} object={object} label={label} /> : <NotLoaded file={list} />;
+    return part ? (
+      <FileRows part={part} object={object} label={label} />
+    ) : (
+      <NotLoaded path={its} file={list} />
+    );
   }
   const template = filePart([...path, 'device_template']);
   return (

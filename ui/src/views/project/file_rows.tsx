@@ -1,8 +1,11 @@
-// The rows of a table file or a template: shown, and changed in their own file.
+// The rows of a table file or a template: shown, and changed in their own file or taken over into the project.
+import { useState } from 'preact/hooks';
 import type { FilePart } from '../../api/types';
 import { t } from '../../i18n';
 import { formatPath, type Path } from '../../store/document';
-import { loaded } from '../../store/project';
+import { toast, toastError } from '../../shell/toasts';
+import { mayEdit } from '../../store/info';
+import { fileParts, takeOver } from '../../store/project';
 import { Grid } from '../../widgets/grid';
 import { durationText, typeClass } from './cells';
 import { COLUMNS, type TableObject } from './columns';
@@ -12,7 +15,41 @@ import { wordType } from './words';
 
 /** The rows that come from a file for a key of the draft. */
 export const filePart = (path: Path): FilePart | undefined =>
-  loaded.value?.read_only_parts.find((its) => its.path === formatPath(path));
+  fileParts.value.find((its) => its.path === formatPath(path));
+
+/** Says where the rows are, and takes them over. */
+export function FromFile({ path, note }: { path: string; note: string }) {
+  const texts = t.value.project.takeOver;
+  const [busy, setBusy] = useState(false);
+  const isTemplate = path.endsWith('.device_template');
+  const take = async () => {
+    setBusy(true);
+    try {
+      const done = await takeOver(path);
+      if (done) toast('info', isTemplate ? texts.templateDone : texts.tableDone);
+      else toast('info', texts.again);
+    } catch (failure) {
+      toastError(failure);
+    }
+    setBusy(false);
+  };
+  return (
+    <p class="banner info from-file-note">
+      <span>{note}</span>
+      {mayEdit.value && (
+        <button
+          type="button"
+          class="button"
+          disabled={busy}
+          title={isTemplate ? texts.templateHint : texts.tableHint}
+          onClick={() => void take()}
+        >
+          {isTemplate ? texts.template : texts.table}
+        </button>
+      )}
+    </p>
+  );
+}
 
 function cellText(kind: string, text: string): string {
   if (kind === 'duration') return durationText(text);
@@ -24,7 +61,7 @@ export function FileRows({ part, object, label }: { part: FilePart; object: Tabl
   const columns = COLUMNS[object].filter((its) => part.rows.some((row) => row[its.key] !== undefined));
   return (
     <div class="from-file">
-      <p class="banner info">{t.value.project.readOnlyPart(part.file)}</p>
+      <FromFile path={part.path} note={t.value.project.readOnlyPart(part.file)} />
       <Grid
         label={label}
         columns={columns.map((its) => ({

@@ -27,12 +27,11 @@ inline constexpr std::size_t kMaxEditedKeys = 4096;
 
 struct EditError {
     enum class Kind : std::uint8_t {
-        unreadable,      ///< the text has findings, or no mapping
-        layout,          ///< the text has a form that cannot be changed in place
-        origin,          ///< an index of kOriginKey is out of range or used twice; subject: the path
-        read_only_part,  ///< a list that is in another file; subject: the name of that file
-        too_large,       ///< the document, or the new text, is beyond the limits of files
-        differs,         ///< the new text would not read as the wanted document; subject: the path
+        unreadable,  ///< the text has findings, or no mapping
+        layout,      ///< the text has a form that cannot be changed in place
+        origin,      ///< an index of kOriginKey is out of range or used twice; subject: the path
+        too_large,   ///< the document, or the new text, is beyond the limits of files
+        differs,     ///< the new text would not read as the wanted document; subject: the path
     };
     Kind kind = Kind::differs;
     std::string subject = {};

@@ -20,8 +20,8 @@ struct ProjectApiOptions {
     std::function<Result<void>(host::LoadedProject)> apply;
 };
 
-/// GET /project, POST /project/evaluate, POST /project/diff, PUT /project, GET /fields, GET /schema,
-/// POST /import.
+/// GET /project, POST /project/evaluate, POST /project/diff, POST /project/take_over, PUT /project, GET
+/// /fields, GET /schema, POST /import.
 ///
 /// Threads: handlers run at the same time. At most kMostEvaluations are in progress, further ones wait; an
 /// evaluation ends early with 409 `superseded` when its client sends the next one. A client is a peer's
