@@ -9,6 +9,8 @@ export interface Column<Row> {
   width: string; // of a CSS grid: "120px", "minmax(120px, 1fr)"
   align?: 'right';
   sortable?: boolean;
+  /** Moves to a second line of each row where the grid is too narrow: `text` to its begin, `figure` to its end. */
+  folds?: 'text' | 'figure';
   cell: (row: Row, index: number) => ComponentChildren;
   cellClass?: (row: Row, index: number) => string;
 }
@@ -46,6 +48,8 @@ const USUAL_ROW = 28; // pixels: the widths of columns are for this size
 function scaled(width: string, factor: number): string {
   return factor === 1 ? width : width.replace(/([\d.]+)px/g, (_, px) => `${Math.round(px * factor)}px`);
 }
+const FOLDED_ROW = 1.65; // of the height of a row: a second line in it
+
 /** The least width of a column: all rows of a table get the same widths. */
 function leastWidth(width: string): number {
   return Number.parseFloat(width.replace(/^minmax\(/, '')) || 0;
@@ -59,23 +63,29 @@ export function Grid<Row>(props: GridProps<Row>) {
   const current = props.current === undefined ? own : props.current;
   const rowHeight = useRef(USUAL_ROW);
   const [factor, setFactor] = useState(1);
+  const [folded, setFolded] = useState(false);
+  const widths = props.columns.map((its) => scaled(its.width, factor));
+  const least = (its: string[]) => its.reduce((sum, one) => sum + leastWidth(one), 0);
+  const foldBelow = props.columns.some((its) => its.folds) ? least(widths) : 0;
 
   const look = () => {
     const element = box.current;
     if (!element) return;
+    setFolded(element.clientWidth < foldBelow);
     const first = Math.max(0, Math.floor(element.scrollTop / rowHeight.current) - SPARE_ROWS);
     const last = Math.ceil((element.scrollTop + element.clientHeight) / rowHeight.current) + SPARE_ROWS;
     setRange((before) => (before.first === first && before.last === last ? before : { first, last }));
   };
   useLayoutEffect(() => {
-    rowHeight.current =
+    const usual =
       Number.parseFloat(getComputedStyle(document.documentElement).getPropertyValue('--row')) || USUAL_ROW;
-    setFactor(rowHeight.current / USUAL_ROW);
+    rowHeight.current = Math.round(usual * (folded ? FOLDED_ROW : 1));
+    setFactor(usual / USUAL_ROW);
     look();
     const observer = new ResizeObserver(look);
     observer.observe(box.current!);
     return () => observer.disconnect();
-  }, []);
+  }, [folded, foldBelow]);
   useEffect(look, [props.rows.length]);
   useEffect(() => {
     const element = box.current;
@@ -125,14 +135,24 @@ export function Grid<Row>(props: GridProps<Row>) {
     }
   };
 
-  const widths = props.columns.map((its) => scaled(its.width, factor));
-  const template = {
-    gridTemplateColumns: widths.join(' '),
-    minWidth: `${widths.reduce((sum, its) => sum + leastWidth(its), 0)}px`,
+  const isBelow = (column: Column<Row>) => folded && column.folds !== undefined;
+  const beside = widths.filter((_, c) => !isBelow(props.columns[c]!));
+  const template = { gridTemplateColumns: beside.join(' '), minWidth: `${least(beside)}px` };
+  const figures = props.columns.filter((its) => isBelow(its) && its.folds === 'figure');
+  /** The place of a cell in the second line. */
+  const place = (column: Column<Row>) => {
+    if (!isBelow(column)) return undefined;
+    const after = figures.indexOf(column) - figures.length; // from the end
+    return {
+      gridRow: 2,
+      gridColumn: column.folds === 'text' ? `1 / ${-1 - figures.length}` : `${after - 1} / ${after}`,
+    };
   };
+  const line = folded ? { ...template, height: `${rowHeight.current}px` } : template;
   const first = Math.min(range.first, props.rows.length);
   const last = Math.min(range.last, props.rows.length);
-  const side = (column: Column<Row>) => (column.align === 'right' ? 'right' : '');
+  const side = (column: Column<Row>) =>
+    `${column.align === 'right' ? 'right' : ''} ${isBelow(column) ? 'below' : ''}`;
   return (
     <div
       class="grid"
@@ -155,6 +175,7 @@ export function Grid<Row>(props: GridProps<Row>) {
               key={column.key}
               role="columnheader"
               class={side(column)}
+              style={place(column)}
               {...(column.sortable && {
                 'aria-sort': sorted ? (props.sort?.down ? 'descending' : 'ascending') : 'none',
                 title: t.value.shell.sortBy(column.title),
@@ -178,7 +199,7 @@ export function Grid<Row>(props: GridProps<Row>) {
             role="row"
             aria-rowindex={index + 2}
             aria-selected={props.rowSelected?.(row, index)}
-            style={template}
+            style={line}
           >
             {props.columns.map((column, c) => (
               // biome-ignore lint/a11y/useKeyWithClickEvents: the grid takes the keyboard
@@ -187,6 +208,7 @@ export function Grid<Row>(props: GridProps<Row>) {
                 id={`${id}-${index}-${c}`}
                 role="gridcell"
                 tabIndex={-1}
+                style={place(column)}
                 class={`${side(column)} ${column.cellClass?.(row, index) ?? ''} ${
                   current?.row === index && current.column === c ? 'current' : ''
                 }`}

@@ -63,7 +63,7 @@ export const requests = {
     device: 'Device',
     function: 'Function',
     start: 'Start',
-    quantity: 'Quantity',
+    quantity: 'Qty',
     variables: 'Variables',
     gaps: 'Gaps',
     bytes: 'Bytes',

@@ -68,7 +68,7 @@ export const requests: Translated<typeof source> = {
     device: 'Пристрій',
     function: 'Функція',
     start: 'Початок',
-    quantity: 'Кількість',
+    quantity: 'К-сть',
     variables: 'Змінні',
     gaps: 'Розриви',
     bytes: 'Байтів',

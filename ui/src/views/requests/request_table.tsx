@@ -20,7 +20,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
           {
             key: 'device',
             title: texts.device,
-            width: 'minmax(94px, 0.6fr)',
+            width: 'minmax(91px, 0.6fr)',
             cell: (its: PlannedRequest) => <span class="text">{its.device}</span>,
           },
         ]
@@ -28,19 +28,19 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
     {
       key: 'function',
       title: texts.function,
-      width: '76px',
+      width: '74px',
       cell: (its) => (
         <span class="mono" title={functionsOf(its).map(functionName).join(', ')}>
           {functionsOf(its).map(hex).join(' ')}
         </span>
       ),
     },
-    { key: 'start', title: texts.start, width: '70px', ...right, cell: (its) => its.start },
-    { key: 'quantity', title: texts.quantity, width: '78px', ...right, cell: (its) => its.quantity },
+    { key: 'start', title: texts.start, width: '66px', ...right, cell: (its) => its.start },
+    { key: 'quantity', title: texts.quantity, width: '50px', ...right, cell: (its) => its.quantity },
     {
       key: 'variables',
       title: texts.variables,
-      width: 'minmax(124px, 1.6fr)',
+      width: 'minmax(93px, 1.6fr)',
       cell: (its) => (
         <span class="text" title={its.variables.slice(0, MOST_NAMES).join('\n')}>
           {its.variables.length > 1 && <b class="count">{its.variables.length}</b>}
@@ -48,11 +48,11 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
         </span>
       ),
     },
-    { key: 'time', title: texts.time, width: '80px', ...right, cell: (its) => microseconds(its.bus_time_us) },
+    { key: 'time', title: texts.time, width: '66px', ...right, cell: (its) => microseconds(its.bus_time_us) },
     {
       key: 'period',
       title: texts.period,
-      width: '112px',
+      width: '82px',
       ...right,
       cell: (its) => (
         <span class="text" title={whenWords(its)}>
@@ -63,15 +63,24 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
     {
       key: 'gaps',
       title: texts.gaps,
-      width: '76px',
+      width: '64px',
+      folds: 'figure',
       ...right,
       cell: (its) => <span title={its.bridged}>{gapsOf(its, variables) || ''}</span>,
     },
-    { key: 'bytes', title: texts.bytes, width: '58px', ...right, cell: (its) => bytesOf(line.framing, its) },
+    {
+      key: 'bytes',
+      title: texts.bytes,
+      width: '52px',
+      folds: 'figure',
+      ...right,
+      cell: (its) => bytesOf(line.framing, its),
+    },
     {
       key: 'reason',
       title: texts.reason,
-      width: 'minmax(220px, 2fr)',
+      width: 'minmax(260px, 2fr)',
+      folds: 'text',
       cell: (its) => (
         <span class="text muted" title={its.why}>
           {its.why}
