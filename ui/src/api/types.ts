@@ -389,12 +389,24 @@ export interface RequestCounters {
   longest_us: number | null;
   planned_us: number | null;
   histogram: [number, number][];
+  longer_than_proved: number;
+  late_refreshes: number;
 }
+/** Durations of one part of a line's time. */
+export interface LineTimes {
+  count: number;
+  p50_us: number;
+  p99_us: number;
+  longest_us: number;
+  histogram: [number, number][];
+}
+export type LinePart = 'wire' | 'turnaround' | 'host';
 export interface LineRequests {
   name: string;
   utilization: number;
   cycle_us: number;
   measured_cycle_us: number | null;
+  times: Record<LinePart, LineTimes | null>;
   requests: RequestCounters[];
 }
 

@@ -125,6 +125,14 @@ test('the frames can be paused, filtered and downloaded', async () => {
   assert.equal(bytes.readUInt32LE(0), 0x0a0d0d0a, 'pcapng');
 });
 
+test('the times of a request and of its line are drawn', async () => {
+  await page.goto(`${plant.url}#/traffic`);
+  await page.getByRole('tab', { name: 'Requests' }).click();
+  await page.getByRole('img', { name: 'Times of the request' }).waitFor();
+  for (const part of ['On the wire', 'Turnaround of the devices', 'Late wake-ups of the program'])
+    await page.getByRole('img', { name: part }).locator('rect').first().waitFor();
+});
+
 test('registers are shown as they were on the wire', async () => {
   await page.goto(`${plant.url}#/live`);
   await page.getByLabel('Format: Voltage L1').selectOption('registers');

@@ -35,6 +35,14 @@ export const traffic = {
   shown: (n: number) => `${n} frames`,
   waiting: 'Waiting for frames…',
   histogram: 'Times of the request',
+  parts: {
+    title: 'Where the time goes',
+    wire: 'On the wire',
+    turnaround: 'Turnaround of the devices',
+    host: 'Late wake-ups of the program',
+  },
+  broken: (longer: number, late: number) =>
+    `Longer than the proof assumes: ${longer}. Values older than their bound: ${late}`,
   choose: 'Choose a request to see its times.',
   noTimes: 'No response was received yet.',
   write: 'write',

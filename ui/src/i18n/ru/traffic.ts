@@ -38,6 +38,14 @@ export const traffic: Translated<typeof source> = {
   shown: (n: number) => `Кадров: ${n}`,
   waiting: 'Ждём кадры…',
   histogram: 'Время выполнения запроса',
+  parts: {
+    title: 'На что уходит время',
+    wire: 'Передача по линии',
+    turnaround: 'Задержка ответа устройств',
+    host: 'Опоздания программы',
+  },
+  broken: (longer: number, late: number) =>
+    `Дольше принятого в доказательстве: ${longer}. Значения старше своей границы: ${late}`,
   choose: 'Выберите запрос, чтобы увидеть его времена.',
   noTimes: 'Ответов ещё не было.',
   write: 'запись',

@@ -38,6 +38,14 @@ export const traffic: Translated<typeof source> = {
   shown: (n: number) => `Кадрів: ${n}`,
   waiting: 'Чекаємо на кадри…',
   histogram: 'Час виконання запиту',
+  parts: {
+    title: 'На що йде час',
+    wire: 'Передача лінією',
+    turnaround: 'Затримка відповіді пристроїв',
+    host: 'Запізнення програми',
+  },
+  broken: (longer: number, late: number) =>
+    `Довше за прийняте в доказі: ${longer}. Значення старші за свою межу: ${late}`,
   choose: 'Виберіть запит, щоб побачити його часи.',
   noTimes: 'Відповідей ще не було.',
   write: 'запис',

@@ -1,5 +1,4 @@
-// The times of one request as bars. The count is logarithmic: one slow exchange in thousands must be visible.
-import type { RequestCounters } from '../../api/types';
+// Times as bars. The count is logarithmic: one slow exchange in thousands must be visible.
 import { formatDuration, formatNumber, t } from '../../i18n';
 
 const WIDTH = 520;
@@ -10,38 +9,39 @@ const BOTTOM = 18;
 const WIDEST = 56; // of a bar
 const NARROWEST_LABEL = 64;
 
+export interface Times {
+  histogram: [number, number][];
+  p50_us: number | null;
+  p99_us: number | null;
+}
+
 /** The percentiles by the bar that they lie in: "p50, p99". */
-function percentilesOf(request: RequestCounters): Map<number, string> {
+function percentilesOf(times: Times): Map<number, string> {
   const found = new Map<number, string>();
   for (const [name, us] of [
-    ['p50', request.p50_us],
-    ['p99', request.p99_us],
+    ['p50', times.p50_us],
+    ['p99', times.p99_us],
   ] as const) {
     if (us === null) continue;
-    const bar = request.histogram.findIndex(([upper]) => upper >= us);
-    const index = bar < 0 ? request.histogram.length - 1 : bar;
+    const bar = times.histogram.findIndex(([upper]) => upper >= us);
+    const index = bar < 0 ? times.histogram.length - 1 : bar;
     const before = found.get(index);
     found.set(index, before ? `${before}, ${name}` : name);
   }
   return found;
 }
 
-export function Histogram({ request }: { request: RequestCounters }) {
-  const bars = request.histogram;
+export function Histogram({ label, times }: { label: string; times: Times }) {
+  const bars = times.histogram;
   if (bars.length === 0) return <p class="muted">{t.value.traffic.noTimes}</p>;
   const most = Math.max(...bars.map(([, count]) => count));
   const floor = HEIGHT - BOTTOM;
   const scale = (count: number) => (Math.log10(count + 1) / Math.log10(most + 1)) * (floor - TOP - 4);
   const width = Math.min(WIDEST, (WIDTH - LEFT) / bars.length);
   const every = Math.max(1, Math.ceil(NARROWEST_LABEL / width));
-  const percentiles = percentilesOf(request);
+  const percentiles = percentilesOf(times);
   return (
-    <svg
-      class="histogram"
-      viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
-      role="img"
-      aria-label={t.value.traffic.histogram}
-    >
+    <svg class="histogram" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={label}>
       <line x1={LEFT} y1={floor} x2={WIDTH} y2={floor} />
       <text x={LEFT - 6} y={TOP + 8} text-anchor="end">
         {formatNumber(most)}

@@ -2,7 +2,7 @@
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { get } from '../../api/client';
-import type { LineRequests, RequestCounters } from '../../api/types';
+import type { LinePart, LineRequests, RequestCounters } from '../../api/types';
 import { formatDuration, formatNumber, t } from '../../i18n';
 import { type Column, Grid } from '../../widgets/grid';
 import { Histogram } from './histogram';
@@ -90,6 +90,38 @@ function columns(): Column<Row>[] {
   ];
 }
 
+const PARTS: LinePart[] = ['wire', 'turnaround', 'host'];
+
+/** Where the time of a line goes. */
+function Parts({ line }: { line: LineRequests }) {
+  const texts = t.value.traffic;
+  return (
+    <section class="times">
+      <h3>{`${texts.parts.title}: ${line.name}`}</h3>
+      <div class="parts">
+        {PARTS.map((part) => {
+          const times = line.times[part];
+          return (
+            times && (
+              <div key={part}>
+                <h4>{texts.parts[part]}</h4>
+                <p class="muted small">
+                  {[
+                    `p50 ${time(times.p50_us)}`,
+                    `p99 ${time(times.p99_us)}`,
+                    `${texts.columns.longest} ${time(times.longest_us)}`,
+                  ].join(' · ')}
+                </p>
+                <Histogram label={texts.parts[part]} times={times} />
+              </div>
+            )
+          );
+        })}
+      </div>
+    </section>
+  );
+}
+
 export function Requests() {
   useEffect(() => {
     const ask = () =>
@@ -109,6 +141,7 @@ export function Requests() {
   // At first one whose times are known.
   const request =
     rows.find((its) => its.key === chosen.value) ?? rows.find((its) => its.histogram.length > 0);
+  const line = lines.value.find((its) => its.name === request?.line);
   return (
     <>
       <p class="loads">
@@ -142,8 +175,16 @@ export function Requests() {
             ].join(' · ')}
           </p>
         )}
-        {request ? <Histogram request={request} /> : <p class="muted">{texts.choose}</p>}
+        {request && (request.longer_than_proved > 0 || request.late_refreshes > 0) && (
+          <p class="bad small">{texts.broken(request.longer_than_proved, request.late_refreshes)}</p>
+        )}
+        {request ? (
+          <Histogram label={texts.histogram} times={request} />
+        ) : (
+          <p class="muted">{texts.choose}</p>
+        )}
       </section>
+      {line && <Parts line={line} />}
     </>
   );
 }
