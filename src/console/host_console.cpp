@@ -140,12 +140,13 @@ void HostConsole::read_control_session() {
 
 // Outcomes first: the answer to a command comes before the values that it changed.
 void HostConsole::read_session() {
+    const LineOf line_of = [this](const host::TrafficRecord& record) { return session_->line_of(record); };
     do {
         commands_->take_outcomes();
         while (const auto event = session_->next_event()) on_event(*event);
         const auto missed = session_->missed_events();
         if (missed > missed_) view_->on_missed(missed - std::exchange(missed_, missed));
-        while (const auto record = session_->next_traffic()) tap_->put(*session_, *record);
+        while (const auto record = session_->next_traffic()) tap_->put(*record, line_of);
     } while (session_->rearm() && !environment_.loop.stopped());
     readable_->want_read();
 }

@@ -52,6 +52,10 @@ void TrafficLog::put(std::string_view line) {
     output_.put(text::escape_line(line) + '\n');
 }
 
+void TrafficLog::put_lost(std::uint64_t count) {
+    output_.put(gap_line(count));
+}
+
 LineTraffic::LineTraffic(TrafficLog& log, const model::Line& line, Side side)
     : log_(log),
       line_(line.name),
@@ -91,11 +95,11 @@ line::TrafficFactory traffic_factory(TrafficLog* log, LineTraffic::Side side) {
     return [log, side](const model::Line& line) { return std::make_shared<LineTraffic>(*log, line, side); };
 }
 
-void TapLog::put(const host::Session& session, const host::TrafficRecord& record) {
+void TapLog::put(const host::TrafficRecord& record, const LineOf& line_of) {
     const Key key{record.generation, record.source.kind, record.source.index};
     auto source = sources_.find(key);
     if (source == sources_.end()) {
-        const auto line = session.line_of(record);
+        const auto line = line_of(record);
         if (!line) return;
         const bool of_line = record.source.kind == host::TrafficSource::Kind::line;
         const auto side = of_line ? LineTraffic::Side::master : LineTraffic::Side::slave;
@@ -103,6 +107,17 @@ void TapLog::put(const host::Session& session, const host::TrafficRecord& record
     }
     if (record.fault) return source->second.on_fault(record.t, *record.fault, record.raw);
     source->second.on_frame(record.t, record.direction, record.unit, record.pdu, record.raw);
+}
+
+TapLogger::TapLogger(TrafficLog& log, TapSource source)
+    : log_(log), source_(std::move(source)), tap_(log), thread_([this](bool) { turn(); }) {}
+
+void TapLogger::turn() {
+    while (const auto record = source_.next()) {
+        if (const auto missed = source_.missed(); missed > missed_)
+            log_.put_lost(missed - std::exchange(missed_, missed));
+        tap_.put(*record, source_.line_of);
+    }
 }
 
 }  // namespace takt::console

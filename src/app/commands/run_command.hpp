@@ -8,6 +8,7 @@
 #include "commands/realtime_mode.hpp"
 #include "exit_code.hpp"
 #include "takt/base/time.hpp"
+#include "takt/console/capture_file.hpp"
 #include "takt/line/target.hpp"
 
 namespace takt::app {
@@ -27,7 +28,8 @@ struct RunOptions {
     std::string target;               ///< with a table of one line: another serial port, or host:port
     std::optional<Duration> run_for;  ///< nothing: until stopped
     bool json = false;
-    std::string traffic;  ///< file for the frames; "-": stderr; empty: none
+    std::string traffic;                  ///< file for the frames; "-": stderr; empty: none
+    console::CaptureFileOptions capture;  ///< empty path: none
     bool commands_from_stdin = false;
     std::string control_path;  ///< Unix socket for commands; empty: none
     bool learn = true;         ///< devices with gaps: learn are tried

@@ -17,6 +17,7 @@
 #include "commands/web_run.hpp"
 #include "log.hpp"
 #include "output.hpp"
+#include "takt/console/capture_log.hpp"
 #include "takt/console/host_console.hpp"
 #include "takt/console/notices.hpp"
 #include "takt/host/project_file.hpp"
@@ -41,6 +42,7 @@ public:
         TAKT_CHECK(work_loop_.begin(options_.traffic, [this] { reload(); }));
         TAKT_TRY(host_, host::ProjectHost::start(project, plan, host_options(prepare)));
         print_realtime(texts_, options_.realtime, realtime_.get_future().get(), options_.json);
+        TAKT_CHECK(begin_capture());
         TAKT_CHECK(begin_outputs(project));
         console_.emplace(
             texts_,
@@ -61,6 +63,7 @@ public:
         work_loop_.work(options_.run_for);
         if (web_) web_->stop();
         host_->stop();
+        capture_.reset();
         if (outputs_) outputs_->stop();
         console_->end(host_->served());
         // After Ctrl-C a slow reader has half a second; at the end of a run it has time.
@@ -69,6 +72,15 @@ public:
     }
 
 private:
+    Result<void> begin_capture() {
+        if (options_.capture.path.empty()) return {};
+        TAKT_TRY(auto session,
+                 host_->open_session({.events = false, .traffic = true, .from_beginning = true}));
+        TAKT_TRY(capture_, console::CaptureLog::open(
+                               options_.capture, console::tap_source(std::move(session)), note_lost_output));
+        return {};
+    }
+
     // Sampling costs time with each event: it begins with the first project that has outputs.
     Result<void> begin_outputs(const model::Project& project) {
         const std::scoped_lock lock(outputs_mutex_);
@@ -136,7 +148,7 @@ private:
         options.state_file = options_.state;
         options.learn = options_.learn;
         options.learnt_file = options_.learnt;
-        options.record_traffic = !options_.traffic.empty();
+        options.record_traffic = !options_.traffic.empty() || !options_.capture.path.empty();
         options.prepare = prepare;
         options.begin_thread = [this](line::Loop& loop) {
             realtime_.set_value(begin_realtime(options_.realtime, loop));
@@ -168,6 +180,7 @@ private:
     WorkLoop work_loop_;
     std::promise<std::vector<os::RealtimeResult>> realtime_;  // kept by the I/O thread
     std::unique_ptr<host::ProjectHost> host_;
+    std::unique_ptr<console::CaptureLog> capture_;
     std::mutex outputs_mutex_;  // of the optional itself
     std::optional<publish::Outputs> outputs_;
     std::optional<console::HostConsole> console_;

@@ -13,6 +13,7 @@
 #include "commands/input_files.hpp"
 #include "log.hpp"
 #include "output.hpp"
+#include "takt/console/capture_log.hpp"
 #include "takt/console/control_server.hpp"
 #include "takt/console/fault_commands.hpp"
 #include "takt/console/input_commands.hpp"
@@ -44,6 +45,7 @@ public:
             if (has_rules) return reload_rules();
             print_status(texts_("app.serve.no_rules") + '\n');
         }));
+        TAKT_CHECK(begin_taps());
         auto& loop = work_loop_.loop();
         const auto devices = std::make_shared<console::ServedDevices>();
         TAKT_TRY(auto faults, begin_faults(loop, devices));
@@ -55,7 +57,7 @@ public:
                 .notify = [this](const auto& notice) { console::put_notice(texts_, messages(), notice); },
                 .serve_log = log("serve"),
                 .source_log = log("source"),
-                .traffic = console::traffic_factory(work_loop_.traffic(), console::LineTraffic::Side::slave),
+                .traffic = tap_ ? tap_->factory() : line::TrafficFactory(),
                 .faults = std::move(faults),
                 .served = {.project = project_, .values = values_ ? &*values_ : nullptr}});
         add_devices(*devices);
@@ -67,6 +69,8 @@ public:
         print_realtime(texts_, options_.realtime, steps, false);
         work_loop_.work(options_.run_for);
         const auto statistics = endpoints_->close();
+        logger_.reset();
+        capture_.reset();
         if (options_.json)
             print(report::served_json(statistics));
         else
@@ -74,6 +78,17 @@ public:
     }
 
 private:
+    /// The loop never waits for a disk, a terminal or another thread: the frames go through a ring.
+    Result<void> begin_taps() {
+        if (!work_loop_.traffic() && options_.capture.path.empty()) return {};
+        tap_.emplace();
+        if (auto* const log = work_loop_.traffic()) logger_.emplace(*log, console::tap_source(*tap_));
+        if (options_.capture.path.empty()) return {};
+        TAKT_TRY(capture_,
+                 console::CaptureLog::open(options_.capture, console::tap_source(*tap_), note_lost_output));
+        return {};
+    }
+
     // If the file cannot be used, the old rules stay in force.
     void reload_rules() {
         if (options_.access.empty())
@@ -128,6 +143,9 @@ private:
     const ServeOptions& options_;
     const model::Project* project_;
     WorkLoop work_loop_;
+    std::optional<host::TrafficTap> tap_;
+    std::optional<console::TapLogger> logger_;
+    std::unique_ptr<console::CaptureLog> capture_;
     std::unique_ptr<console::ControlServer> control_;
     std::optional<console::InputCommands> input_;
     std::optional<endpoint::LocalValues> values_;

@@ -9,6 +9,7 @@
 #include "commands/realtime_mode.hpp"
 #include "exit_code.hpp"
 #include "takt/base/time.hpp"
+#include "takt/console/capture_file.hpp"
 #include "takt/endpoint/blank_spec.hpp"
 #include "takt/endpoint/overrides.hpp"
 #include "takt/model/server.hpp"
@@ -24,7 +25,8 @@ struct ServeOptions {
     bool strict = false;  ///< RTU: pauses above t1.5 inside a frame spoil it
     std::optional<Duration> run_for;
     std::string traffic;
-    bool json = false;  ///< the summary at the end as one object
+    console::CaptureFileOptions capture;  ///< empty path: none
+    bool json = false;                    ///< the summary at the end as one object
     endpoint::LimitOverrides limits;
     std::string access;  ///< file of access rules for all endpoints; empty: those of the project
     std::string audit;   ///< file of writes and refusals at all endpoints; empty: those of the project

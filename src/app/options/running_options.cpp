@@ -50,6 +50,7 @@ void add_run(CommandLine& line, const CommonOptions& common) {
     run.flag("--quiet", options.quiet, "help.run.quiet");
     run.value("--device", options.device, "help.run.device").value_name("NAME");
     run.value("--traffic", options.traffic, "help.traffic").value_name("FILE");
+    add_capture(run, options.capture);
     run.flag("--stdin", options.commands_from_stdin, "help.run.stdin");
     run.value("--control", options.control_path, "help.run.control").value_name("PATH");
     run.value("--state", options.state, "help.run.state").value_name("FILE");

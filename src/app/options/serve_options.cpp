@@ -119,6 +119,7 @@ void add_serve(CommandLine& line, const CommonOptions& common) {
     serve.flag("--strict", options.strict, "help.serve.strict");
     add_duration(serve, "--for", [&](Duration time) { options.run_for = time; }, "help.for");
     serve.value("--traffic", options.traffic, "help.traffic").value_name("FILE");
+    add_capture(serve, options.capture);
     serve.flag("--json", options.json, "help.serve.json");
     add_serve_limits(serve, options.limits);
     add_serve_state(serve, options);

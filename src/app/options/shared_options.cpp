@@ -1,6 +1,7 @@
 #include "options/shared_options.hpp"
 
 #include <chrono>
+#include <optional>
 #include <utility>
 
 #include "takt/line/target.hpp"
@@ -53,6 +54,59 @@ Option add_duration(Command& command, const std::string& name, std::function<voi
 Option add_wait(Command& command, const std::string& name, std::function<void(Duration)> set,
                 const std::string& help) {
     return add_time(command, name, {std::chrono::milliseconds(1), "1ms"}, kYear, std::move(set), help);
+}
+
+namespace {
+
+constexpr std::uint64_t kLeastFile = 10'000;
+constexpr std::uint64_t kMostFile = 1'000'000'000'000;
+
+/// "100M": a number, or one with k, M or G for a thousand, a million or a billion.
+std::optional<std::uint64_t> parse_bytes(const std::string& text) {
+    const auto digits = text.find_first_not_of("0123456789");
+    if (digits == 0 || text.empty() || text.size() > 16) return std::nullopt;
+    const auto unit = digits == std::string::npos ? "" : text.substr(digits);
+    std::uint64_t factor = 1;
+    if (unit == "k" || unit == "K")
+        factor = 1000;
+    else if (unit == "M")
+        factor = 1'000'000;
+    else if (unit == "G")
+        factor = 1'000'000'000;
+    else if (!unit.empty())
+        return std::nullopt;
+    const auto number = std::stoull(text);
+    return number > kMostFile / factor ? kMostFile + 1 : number * factor;
+}
+
+}  // namespace
+
+void add_capture_files(Command& command, console::CaptureFileOptions& options, const std::string& prefix,
+                       const Option& needed) {
+    const auto name = prefix + "size";
+    command
+        .text(
+            name,
+            [name, &options](const std::string& text) {
+                const auto bytes = parse_bytes(text);
+                if (!bytes || *bytes < kLeastFile || *bytes > kMostFile)
+                    reject({"app.option.form.size", {{"option", name}, {"value", text}}});
+                options.file_bytes = *bytes;
+            },
+            "help.capture.size")
+        .needs(needed)
+        .value_name("SIZE")
+        .default_text("100M");
+    command.value(prefix + "files", options.files, "help.capture.files")
+        .needs(needed)
+        .range(1, 1000)
+        .value_name("N")
+        .default_text("10");
+}
+
+void add_capture(Command& command, console::CaptureFileOptions& options) {
+    const auto path = command.value("--capture", options.path, "help.capture.file").value_name("FILE.pcapng");
+    add_capture_files(command, options, "--capture-", path);
 }
 
 void add_realtime(Command& command, RealtimeMode& mode) {

@@ -11,6 +11,7 @@
 #include "options/command_line.hpp"
 #include "takt/base/data_type.hpp"
 #include "takt/base/time.hpp"
+#include "takt/console/capture_file.hpp"
 #include "takt/wire/function.hpp"
 
 namespace takt::app {
@@ -29,6 +30,12 @@ Option add_duration(Command& command, const std::string& name, std::function<voi
 /// The same, at least 1 ms.
 Option add_wait(Command& command, const std::string& name, std::function<void(Duration)> set,
                 const std::string& help);
+
+/// --capture, --capture-size and --capture-files.
+void add_capture(Command& command, console::CaptureFileOptions& options);
+/// The size and the number of files. @param needed  the option or argument that names the file
+void add_capture_files(Command& command, console::CaptureFileOptions& options, const std::string& prefix,
+                       const Option& needed);
 
 /// --realtime, --cpu and --spin.
 void add_realtime(Command& command, RealtimeMode& mode);

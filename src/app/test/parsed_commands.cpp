@@ -2,6 +2,7 @@
 #include <utility>
 #include <vector>
 
+#include "commands/capture_command.hpp"
 #include "commands/check_command.hpp"
 #include "commands/client_commands.hpp"
 #include "commands/convert_command.hpp"
@@ -44,6 +45,9 @@ ExitCode demo(const CommonOptions&, const DemoOptions& options) {
     return keep(options);
 }
 ExitCode history(const CommonOptions&, const HistoryOptions& options) {
+    return keep(options);
+}
+ExitCode capture(const CommonOptions&, const CaptureOptions& options) {
     return keep(options);
 }
 ExitCode latency(const CommonOptions&, const LatencyOptions& options) {
@@ -98,6 +102,7 @@ Parsed parse(const std::string& line) {
     add_table_commands(command_line, common);
     add_history(command_line, common);
     add_latency(command_line, common);
+    add_capture_command(command_line, common);
     add_client_commands(command_line, common);
     add_finding_commands(command_line, common);
     g_options.reset();

@@ -104,7 +104,7 @@ TEST_F(TrafficLogTest, ATapWritesTheFramesOfAHost) {
     TapLog tap(*log);
     std::size_t frames = 0;
     while (const auto record = session->next_traffic()) {
-        tap.put(*session, *record);
+        tap.put(*record, [&](const auto& of) { return session->line_of(of); });
         ++frames;
     }
     EXPECT_GE(frames, 2U);

@@ -14,7 +14,8 @@
 #include <vector>
 
 #include "takt/base/result.hpp"
-#include "takt/host/session.hpp"
+#include "takt/console/tap_thread.hpp"
+#include "takt/host/traffic.hpp"
 #include "takt/line/traffic_factory.hpp"
 #include "takt/model/project.hpp"
 #include "takt/os/record_writer.hpp"
@@ -49,6 +50,8 @@ public:
 
     /// @param line  without its end; control characters are escaped
     void put(std::string_view line);
+    /// Frames were lost before they came here.
+    void put_lost(std::uint64_t count);
 
 private:
     std::string path_;  // empty: not a file
@@ -80,6 +83,7 @@ private:
     UnitId last_unit_;
 };
 
+/// For engines of one-off commands: frames are formatted on the engine's thread.
 /// @param log  outlives the observers; nullptr: the factory is empty
 [[nodiscard]] line::TrafficFactory traffic_factory(TrafficLog* log, LineTraffic::Side side);
 
@@ -88,12 +92,30 @@ class TapLog {
 public:
     /// @param log  outlives it
     explicit TapLog(TrafficLog& log) : log_(log) {}
-    void put(const host::Session& session, const host::TrafficRecord& record);
+    void put(const host::TrafficRecord& record, const LineOf& line_of);
 
 private:
     using Key = std::tuple<std::uint32_t, host::TrafficSource::Kind, std::size_t>;  // with the generation
     TrafficLog& log_;
     std::map<Key, LineTraffic> sources_;
+};
+
+/// Writes the frames of a tap on a thread of its own.
+class TapLogger {
+public:
+    /// @param log  outlives it
+    TapLogger(TrafficLog& log, TapSource source);
+    /// Writes what the source still has.
+    ~TapLogger() = default;
+
+private:
+    void turn();
+
+    TrafficLog& log_;
+    TapSource source_;
+    TapLog tap_;
+    std::uint64_t missed_ = 0;  // of the source, up to now
+    TapThread thread_;          // last: it uses the other members
 };
 
 }  // namespace takt::console

@@ -1,0 +1,207 @@
+// takt capture: a serial line that is overheard, or the packets of a network interface.
+#include "commands/capture_command.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <memory>
+
+#include "output.hpp"
+#include "progress.hpp"
+#include "stoppable_input.hpp"
+#include "takt/capture/pcapng_writer.hpp"
+#include "takt/capture/serial_pairing.hpp"
+#include "takt/console/capture_log.hpp"
+#include "takt/line/driver.hpp"
+#include "takt/line/serial_port.hpp"
+#include "takt/os/packet_socket.hpp"
+#include "takt/report/latency_report.hpp"
+#include "takt/wire/framer.hpp"
+#include "texts.hpp"
+#include "work_loop.hpp"
+
+namespace takt::app {
+namespace {
+
+constexpr Duration kShowInterval = std::chrono::milliseconds(200);
+constexpr Duration kTimeout = std::chrono::seconds(1);  // a response after it belongs to no request
+/// Adapters deliver late: a pause inside a frame that is no end of it.
+constexpr Duration kPause = std::chrono::milliseconds(20);
+
+/// Takes the frames of both directions of a line and sends nothing.
+class Overhearing final : public Engine {
+public:
+    Overhearing(const model::Line& line, wire::TrafficObserver& observer)
+        : observer_(observer), framer_(config_of(line)), pairing_(kTimeout) {}
+
+    void on_link(Instant, bool) override { framer_.reset(); }
+    void on_bytes(Instant t, Bytes bytes) override {
+        while (!bytes.empty()) {
+            const auto step = framer_.push(t, bytes);
+            bytes = bytes.subspan(step.consumed);
+            settle(t, step);
+        }
+    }
+    void on_tick(Instant t) override { settle(t, framer_.on_tick(t)); }
+    [[nodiscard]] Bytes transmit(Instant) override { return {}; }
+    [[nodiscard]] Instant next_wakeup() const override { return framer_.next_wakeup(); }
+    [[nodiscard]] std::uint64_t frames() const { return frames_; }
+
+private:
+    static wire::FramerConfig config_of(const model::Line& line) {
+        wire::FramerConfig config{.framing = line.framing, .side = wire::Side::slave};
+        config.silence = std::max(kPause, wire::t3_5(line.format));
+        return config;
+    }
+
+    // Of an overheard line a request counts as received, and a response as sent.
+    void settle(Instant t, const wire::FramerStep& step) {
+        if (step.complete) {
+            const auto frame = framer_.frame();
+            const auto role =
+                pairing_.on_frame(t.time_since_epoch().count(), frame.unit.value, frame.pdu).role;
+            const bool response =
+                role == capture::SerialPairing::Role::response || role == capture::SerialPairing::Role::stray;
+            observer_.on_frame(t, response ? wire::Direction::sent : wire::Direction::received, frame.unit,
+                               frame.pdu, framer_.raw());
+            ++frames_;
+            framer_.expect_more();
+        } else if (step.fault != wire::FrameFault::none) {
+            observer_.on_fault(t, step.fault, framer_.dropped());
+        }
+    }
+
+    wire::TrafficObserver& observer_;
+    wire::StandaloneFramer framer_;
+    capture::SerialPairing pairing_;
+    std::uint64_t frames_ = 0;
+};
+
+class SerialCapture {
+public:
+    SerialCapture(const Texts& texts, const CaptureOptions& options) : texts_(texts), options_(options) {}
+
+    Result<void> run() {
+        TAKT_CHECK(work_loop_.begin({}, {}));
+        TAKT_TRY(const auto target, line::parse_target(options_.target));
+        if (target.transport != model::Transport::serial) return fail(Code::unsupported, options_.target);
+        auto line = target.as_line();
+        line.rs485 = model::Rs485::none;  // the driver stays off
+        host::TrafficTap tap;
+        const auto observer = tap.factory()(line);
+        Overhearing overhearing(line, *observer);
+        auto source = console::tap_source(tap);
+        source.overheard = true;
+        TAKT_TRY(const auto log,
+                 console::CaptureLog::open(options_.file, std::move(source), note_lost_output));
+        TAKT_TRY(const auto driver, line::open_line(work_loop_.loop(), line, overhearing));
+        print_status(texts_("app.latency.listening", {{"interface", driver->name()}}) + '\n');
+        work_loop_.work(options_.run_for);
+        frames_ = overhearing.frames();
+        return {};
+    }
+
+    [[nodiscard]] std::uint64_t frames() const { return frames_; }
+
+private:
+    Texts texts_;
+    const CaptureOptions& options_;
+    WorkLoop work_loop_;
+    std::uint64_t frames_ = 0;
+};
+
+/// The kernel keeps packets while the disk is slow, so one thread reads and writes.
+class InterfaceCapture {
+public:
+    InterfaceCapture(const Texts& texts, const CaptureOptions& options) : texts_(texts), options_(options) {}
+
+    Result<void> run() {
+        TAKT_TRY(auto socket, os::PacketSocket::open(options_.interface));
+        TAKT_TRY(auto file, console::CaptureFile::open(options_.file));
+        auto input = StoppableInput::around(options_.interface, socket.descriptor());
+        print_status(texts_("app.latency.listening", {{"interface", options_.interface}}) + '\n');
+        begin_file();
+        const Instant start = line::now();
+        while (!StoppableInput::stopped() && (!options_.run_for || line::now() - start < *options_.run_for)) {
+            TAKT_TRY(const bool readable, input.wait(kShowInterval));
+            if (!readable) TAKT_CHECK(flush(file));
+            if (readable) TAKT_CHECK(socket.read([&](const auto& packet) { add(packet); }));
+            if (blocks_.size() < kChunk) continue;
+            if (file.is_full(blocks_.size())) TAKT_CHECK(rotate(file, socket.dropped()));
+            TAKT_CHECK(flush(file));
+        }
+        end_file(socket.dropped());
+        return flush(file);
+    }
+
+    [[nodiscard]] std::uint64_t frames() const { return packets_; }
+
+private:
+    static constexpr std::size_t kChunk = 8 << 10;  // bytes of one write
+
+    void begin_file() {
+        capture::append_section(blocks_);
+        capture::append_interface(blocks_, capture::LinkType::raw, options_.interface);
+    }
+    void end_file(std::uint64_t dropped) {
+        capture::append_statistics(blocks_,
+                                   {.time_ns = last_ns_, .received = packets_ + dropped, .dropped = dropped});
+    }
+    void add(const os::ReceivedPacket& packet) {
+        ++packets_;
+        last_ns_ = packet.time_ns;
+        capture::append_packet(
+            blocks_, {.time_ns = packet.time_ns,
+                      .data = {reinterpret_cast<const char*>(packet.data.data()), packet.data.size()},
+                      .original_length = packet.length});
+    }
+    Result<void> rotate(console::CaptureFile& file, std::uint64_t dropped) {
+        std::string next;
+        next.swap(blocks_);
+        end_file(dropped);
+        TAKT_CHECK(flush(file));
+        TAKT_CHECK(file.rotate());
+        begin_file();
+        blocks_ += next;
+        return {};
+    }
+    Result<void> flush(console::CaptureFile& file) {
+        TAKT_CHECK(file.write(blocks_));
+        blocks_.clear();
+        return {};
+    }
+
+    Texts texts_;
+    const CaptureOptions& options_;
+    std::string blocks_;  // not written yet
+    std::uint64_t packets_ = 0;
+    std::int64_t last_ns_ = 0;
+};
+
+template <class Source>
+ExitCode record(const Texts& texts, const CaptureOptions& options) {
+    Source source(texts, options);
+    if (const auto recorded = source.run(); !recorded) {
+        const auto& error = recorded.error();
+        const auto code = ended_by(texts, error);
+        if (error.code == Code::cannot_open && error.numbers[0] == EPERM && !options.interface.empty())
+            print_status("    " + texts("app.latency.rights") + '\n');
+        return code;
+    }
+    print_status(
+        texts("app.capture.done", {{"file", options.file.path},
+                                   {"count", report::grouped_number(source.frames(), texts.language())}}) +
+        '\n');
+    return ExitCode::ok;
+}
+
+}  // namespace
+
+ExitCode capture(const CommonOptions& common, const CaptureOptions& given) {
+    const Texts texts(common.language);
+    auto options = given;
+    if (options.file.path == "-") options.file.path = "/dev/stdout";
+    return options.interface.empty() ? record<SerialCapture>(texts, options)
+                                     : record<InterfaceCapture>(texts, options);
+}
+
+}  // namespace takt::app

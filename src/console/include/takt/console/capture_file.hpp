@@ -1,0 +1,58 @@
+// A capture on disk: a file of bounded size, and a bounded number of those before it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "takt/base/result.hpp"
+#include "takt/os/descriptor.hpp"
+
+namespace takt::console {
+
+struct CaptureFileOptions {
+    std::string path;
+    std::uint64_t file_bytes = 100'000'000;  ///< of one file; > 0
+    unsigned files = 10;                     ///< with the current one; > 0
+};
+
+/// Writes whole pcapng blocks. When the next ones do not fit, PATH becomes PATH with ".1" before its
+/// extension, ".1" becomes ".2", and so on; the oldest is removed. An existing PATH is overwritten; older
+/// files are left until a new one takes their name. A FIFO or device grows without rotation.
+///
+/// A failed write leaves no part of a block behind where the file can be cut, and does not close the file:
+/// the next write tries again. One thread.
+class CaptureFile {
+public:
+    /// @returns as os::open_anew()
+    [[nodiscard]] static Result<CaptureFile> open(const CaptureFileOptions& options);
+
+    /// Whether a rotation must come before that many bytes more.
+    [[nodiscard]] bool is_full(std::size_t bytes) const {
+        return regular_ && size_ + bytes > options_.file_bytes;
+    }
+
+    /// Begins the next file. Where the folder does not allow renaming, the file grows beyond its size.
+    /// @returns as os::open_anew(); then write() tries again to open it
+    [[nodiscard]] Result<void> rotate();
+
+    /// @param blocks  whole blocks
+    /// @returns io_failed (the system's error number); as os::open_anew()
+    [[nodiscard]] Result<void> write(std::string_view blocks);
+
+    /// "a.pcapng", 2 becomes "a.2.pcapng"; 0 is the path itself.
+    [[nodiscard]] static std::string numbered(const std::string& path, unsigned number);
+
+private:
+    explicit CaptureFile(CaptureFileOptions options) : options_(std::move(options)) {}
+    [[nodiscard]] Result<void> begin();
+
+    CaptureFileOptions options_;
+    os::Descriptor file_;
+    bool regular_ = true;
+    std::uint64_t size_ = 0;
+};
+
+}  // namespace takt::console

@@ -1,0 +1,61 @@
+// The capture of a running program: the frames of its lines and endpoints as pcapng files.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "takt/base/result.hpp"
+#include "takt/console/capture_file.hpp"
+#include "takt/console/tap_thread.hpp"
+#include "takt/console/traffic_log.hpp"
+#include "takt/host/traffic.hpp"
+#include "takt/report/traffic_capture.hpp"
+
+namespace takt::console {
+
+/// Writes a capture on a thread of its own, in the order of the frames' times: a serial line knows the time
+/// of a frame before or after it is recorded. Frames that the thread or the disk could not take are lost; the
+/// capture has their number as a comment of the next packet and in its interface statistics.
+class CaptureLog {
+public:
+    /// @param on_lost  is called at the end if a write failed
+    /// @returns as os::open_anew()
+    [[nodiscard]] static Result<std::unique_ptr<CaptureLog>> open(const CaptureFileOptions& options,
+                                                                  TapSource source,
+                                                                  TrafficLog::OnLost on_lost);
+    /// Writes what the source still has, and the end of the file.
+    ~CaptureLog();
+    CaptureLog(const CaptureLog&) = delete;
+    CaptureLog& operator=(const CaptureLog&) = delete;
+
+private:
+    CaptureLog(CaptureFile file, std::string path, TapSource source, TrafficLog::OnLost on_lost);
+
+    void turn(bool ending);
+    void take_all();
+    void add(const host::TrafficRecord& record);
+    void add_settled(Instant until);
+    void flush();
+    void rotate();
+    void note(const Error& error);
+
+    std::string path_;
+    TapSource source_;
+    TrafficLog::OnLost on_lost_;
+    CaptureFile file_;  // of the thread, as all up to error_
+    report::TrafficCapture capture_;
+    std::vector<host::TrafficRecord> pending_;  // an earlier frame may still come before them
+    std::int64_t offset_ns_ = 0;                // of the wall clock
+    std::string blocks_;                        // not written yet
+    std::uint64_t frames_ = 0;                  // in blocks_
+    std::uint64_t in_file_ = 0;                 // frames in the current file, with those in blocks_
+    std::uint64_t missed_ = 0;                  // of the source, up to now
+    std::int64_t last_ns_ = 0;                  // of the last frame
+    int error_ = 0;                             // of the first write that failed
+    std::optional<TapThread> thread_;
+};
+
+}  // namespace takt::console

@@ -1,0 +1,270 @@
+"""Captures of takt: run and serve --capture, opened by tshark and measured by takt latency."""
+import json
+import shutil
+import socket
+import subprocess
+
+import pytest
+
+from captures import adu
+from endpoints import free_port, wait_listening
+from frames import crc16
+from peer_base import PtyPeer
+from program import start, takt, until
+
+pytestmark = pytest.mark.skipif(not shutil.which("tshark"), reason="tshark is not installed")
+
+LINE = """  - name: {name}
+    transport: {transport}
+    framing: {framing}
+{more}
+    devices:
+      - name: {device}
+        address: {unit}
+        poll_period: 50ms
+        turnaround: 2ms
+        variables:
+          - {{name: {device} level, type: int, register: 0, read: 0x03, write: {write}}}
+"""
+
+
+def line(name, device, unit, framing="rtu", transport="simulated", more="", write="0x06"):
+    return LINE.format(name=name, device=device, unit=unit, framing=framing, transport=transport, write=write,
+                       more="\n".join("    " + m for m in more.split("; ") if m))
+
+
+def project(tmp_path, *lines):
+    path = tmp_path / "plant.yaml"
+    path.write_text("takt: 1\nlines:\n" + "".join(lines))
+    return path
+
+
+def tshark(path, *options):
+    done = subprocess.run(["tshark", "-n", "-r", str(path), *options], capture_output=True, text=True, timeout=60, check=True)
+    warnings = [w for w in done.stderr.splitlines() if "Running as user" not in w]
+    assert not warnings, warnings
+    return done.stdout
+
+
+def fields(path, *names):
+    rows = tshark(path, "-T", "fields", "-E", "occurrence=f", *(part for name in names for part in ("-e", name))).splitlines()
+    return [row.split("\t") for row in rows]
+
+
+def expect_clean(path):
+    """Wireshark has nothing to say but the comments: no warning, error or note, also about checksums."""
+    checks = ("-o", "ip.check_checksum:TRUE", "-o", "tcp.check_checksum:TRUE")
+    assert tshark(path, *checks, "-Y", "_ws.expert.severity >= 0x400000") == ""
+    assert tshark(path, *checks, "-Y", "_ws.malformed or tcp.analysis.flags") == ""
+
+
+@pytest.mark.parametrize("framing, more", [("rtu", ""), ("ascii", "data_bits: 7")])
+def test_a_serial_line_is_decoded_and_measured(tmp_path, framing, more):
+    capture = tmp_path / "run.pcapng"
+    with start("run", project(tmp_path, line("rs485-1", "Boiler", 16, framing, more=more)), "--stdin", "--json", "--capture", capture) as run:
+        run.wait_event(lambda e: e.get("name") == "Boiler level", "a value")
+        run.send("write \"Boiler level\" 1234")
+        run.wait_event(lambda e: e.get("outcome") == "done", "the outcome of the write")
+        run.send("quit")
+        run.finish()
+    expect_clean(capture)
+    rows = fields(capture, "frame.interface_name", "modbus.func_code", "mbtcp.unit_id", "modbus.response_time", "frame.comment", "frame.packet_flags_direction")
+    assert {(r[0], r[2]) for r in rows} == {("rs485-1", "16")}
+    assert {r[1] for r in rows} >= {"3", "6"}
+    responses = [r for r in rows if r[3]]
+    assert responses and all(float(r[3]) > 0.002 for r in responses)
+    assert {int(r[5], 0) & 3 for r in responses} == {1} and {int(r[5], 0) & 3 for r in rows if not r[3]} == {2}
+    start_of_frame = "Boiler | 10 03" if framing == "rtu" else "Boiler | :1003"
+    assert rows[0][4].startswith(start_of_frame), rows[0]
+    total = takt("latency", capture, "--json").json["total"]
+    assert total["answered"] == len(responses)
+    assert total["min_ms"] > 2
+
+
+def test_the_clients_of_a_server_are_connections_of_their_own(tmp_path):
+    port, capture = free_port(), tmp_path / "serve.pcapng"
+    with start("serve", "--listen", f"127.0.0.1:{port}", "--capture", capture) as serve:
+        wait_listening(port, serve)
+        clients = [socket.create_connection(("127.0.0.1", port)) for _ in range(3)]
+        for number in range(20):
+            for client in clients:
+                client.sendall(adu(number, 1, "03 0000 0002"))
+            for client in clients:
+                assert len(client.recv(100)) == 13
+        ports = {client.getsockname()[1] for client in clients}
+        for client in clients:
+            client.close()
+        serve.interrupt()
+    expect_clean(capture)
+    assert {int(r[0]) for r in fields(capture, "tcp.srcport") if r[0] != "502"} == ports
+    assert {tuple(r) for r in fields(capture, "ip.src", "ip.dst")} == {("127.0.0.1", "127.0.0.1")}
+    report = takt("latency", capture, "--json").json
+    assert (report["total"]["requests"], report["total"]["answered"]) == (60, 60)
+    assert report["total"]["max_ms"] > 0
+    assert report["capture"]["connections"] == 3
+
+
+class Noisy(PtyPeer):
+    """Answers each second request with a damaged checksum."""
+
+    def _run(self):
+        import os
+        count = 0
+        while not self._stop.is_set():
+            if not self._readable(0.02):
+                continue
+            request = os.read(self._master, 300)
+            answer = bytes([request[0], 3, 2, 0, 7])
+            count += 1
+            os.write(self._master, answer + (b"\xEE\xEE" if count % 2 else crc16(answer)))
+
+
+def test_damaged_bytes_are_in_the_capture(tmp_path):
+    capture = tmp_path / "run.pcapng"
+    with Noisy() as slave:
+        path = project(tmp_path, line("field", "Pump", 5, transport="serial", more=f"port: {slave.port}; baud: 115200"))
+        takt("run", path, "--for", "1s", "--quiet", "--capture", capture)
+    expect_clean(capture)
+    rows = fields(capture, "_ws.col.Protocol", "frame.comment", "data.data", "exported_pdu.exported_pdu")
+    damaged = [r for r in rows if "dropped: checksum" in r[1]]
+    assert damaged and all(r[2] == "0503020007eeee" for r in damaged), rows[:8]
+    report = takt("latency", capture, "--json", code=None).json
+    assert report["capture"]["damaged_frames"] == len(damaged)
+    assert report["total"]["answered"] > 0
+
+
+def test_files_are_rotated_and_bounded(tmp_path):
+    capture = tmp_path / "run.pcapng"
+    lines = [line(f"line-{n}", f"Device{n}", n + 1, more="baud: 115200").replace("50ms", "5ms") for n in range(4)]
+    takt("run", project(tmp_path, *lines), "--for", "2s", "--quiet", "--capture", capture, "--capture-size", "20k", "--capture-files", 3)
+    files = sorted(tmp_path.glob("*.pcapng"))
+    assert [f.name for f in files] == ["run.1.pcapng", "run.2.pcapng", "run.pcapng"]
+    assert all(f.stat().st_size <= 20_000 for f in files)
+    for file in files:
+        expect_clean(file)
+    newest, oldest = fields(files[2], "frame.time_epoch"), fields(files[1], "frame.time_epoch")
+    assert float(oldest[-1][0]) <= float(newest[0][0])
+
+
+def test_a_full_disk_ends_in_an_error_and_polling_goes_on(tmp_path):
+    result = takt("run", project(tmp_path, line("rs485-1", "Boiler", 16)), "--for", "400ms", "--capture", "/dev/full", code=None)
+    assert "Boiler: answering" in result.out
+    assert result.code == 3 and "/dev/full" in result.err, result
+
+
+@pytest.mark.parametrize("options, words", [(["--capture", "/none/a.pcapng"], "/none/a.pcapng"), (["--capture-size", "1M"], "--capture"),
+                                            (["--capture", "a", "--capture-size", "5"], "10k"), (["--capture", "a", "--capture-size", "10x"], "10k"),
+                                            (["--capture", "a", "--capture-files", "0"], "1")])
+def test_wrong_options(tmp_path, options, words):
+    result = takt("run", project(tmp_path, line("rs485-1", "Boiler", 16)), "--for", "100ms", *options, code=None)
+    assert result.code in (2, 3) and words in result.err, result
+
+
+@pytest.mark.parametrize("framing", ["rtu", "ascii"])
+def test_a_line_of_others_is_overheard_without_a_byte(tmp_path, framing):
+    """Both directions of a line reach a third pseudo-terminal, which nothing may come back from."""
+    capture = tmp_path / "line.pcapng"
+    requests, answers = (frame(1, f"03 00 0{n} 00 01", framing) for n in range(5)), (frame(1, f"03 02 00 0{n}", framing) for n in range(5))
+    with Bus() as bus, start("capture", f"{framing}://{bus.port}?baud=115200", "-o", capture) as listener:
+        until(lambda: any("listening on" in text for text in listener.err), "listening")
+        for request, answer in zip(requests, answers):
+            bus.pass_on(request)
+            bus.pass_on(answer)
+        bus.pass_on(frame(1, "06 00 05 12 34", framing))
+        bus.pass_on(frame(1, "06 00 05 12 34", framing))
+        last = b"01 06 00 05 12 34" if framing == "rtu" else b":010600051234"
+        until(lambda: capture.read_bytes().count(last) == 2, "the frames in the file")
+        listener.interrupt()
+        assert bus.heard() == b""
+    expect_clean(capture)
+    rows = fields(capture, "modbus.func_code", "modbus.response_time", "frame.packet_flags_direction")
+    assert [r[0] for r in rows] == ["3"] * 10 + ["6"] * 2
+    assert [bool(r[1]) for r in rows] == [False, True] * 6
+    assert not any(int(r[2] or "0", 0) & 3 for r in rows)
+    assert takt("latency", capture, "--json").json["total"]["answered"] == 6
+
+
+class Bus(PtyPeer):
+    """The test is all other stations of the line."""
+
+    def _run(self):
+        self._stop.wait()
+
+    def pass_on(self, data):
+        import os
+        import time
+        os.write(self._master, data)
+        time.sleep(0.03)  # the silence between frames of real lines
+
+    def heard(self):
+        import os
+        return os.read(self._master, 100) if self._readable(0) else b""
+
+
+def frame(unit, pdu, framing):
+    body = bytes([unit]) + bytes.fromhex(pdu)
+    if framing == "rtu":
+        return body + crc16(body)
+    return b":" + (body + bytes([-sum(body) & 0xFF])).hex().upper().encode() + b"\r\n"
+
+
+def test_an_interface_is_recorded(tmp_path, blank_device):
+    capture, port = tmp_path / "lo.pcapng", blank_device()
+    with start("capture", "--interface", "lo", "-o", capture) as listener:
+        until(lambda: any("listening on lo" in text for text in listener.err) or listener.process.poll() is not None, "listening")
+        if listener.process.poll() is not None:
+            pytest.skip("needs CAP_NET_RAW")
+        with socket.create_connection(("127.0.0.1", port)) as client:
+            for number in range(20):
+                client.sendall(adu(number, 1, "03 0000 0002"))
+                assert len(client.recv(100)) == 13
+        listener.interrupt()
+    mine = tshark(capture, "-Y", f"tcp.port == {port} and tcp.len > 0", "-d", f"tcp.port=={port},mbtcp").splitlines()
+    assert len(mine) == 40
+    report = takt("latency", capture, "--port", port, "--json", code=None).json
+    assert [s["answered"] for s in report["series"] if s["server"] == f"127.0.0.1:{port}"] == [20]
+
+
+@pytest.fixture
+def listening(tmp_path):
+    """takt latency --interface lo, listening."""
+    listener = start("latency", "--interface", "lo", "--json", "--port", "502", "--port", str(free_port()))
+    with listener:
+        try:
+            until(lambda: any("listening on lo" in text for text in listener.err), "listening", 10)
+        except AssertionError:
+            if any("CAP_NET_RAW" in text for text in listener.err):
+                pytest.skip("needs CAP_NET_RAW")
+            raise
+        yield listener
+
+
+def test_an_interface_is_measured_until_ctrl_c(listening, blank_device):
+    port = blank_device()
+    with socket.create_connection(("127.0.0.1", port)) as client:
+        for number in range(50):
+            client.sendall(adu(number, 1, "03 0000 0002"))
+            assert len(client.recv(100)) == 13
+    result = listening.interrupt(code=None)
+    report = result.json
+    mine = [s for s in report["series"] if s["server"] == f"127.0.0.1:{port}"]
+    assert len(mine) == 1 and (mine[0]["requests"], mine[0]["answered"]) == (50, 50), report["series"]
+    assert 0 < mine[0]["min_ms"] <= mine[0]["max_ms"] < 30000
+    assert report["file"] == "lo" and report["capture"]["dropped_packets"] == 0
+
+
+def test_an_unknown_interface_is_an_error():
+    result = takt("latency", "--interface", "takt-none", code=3)
+    assert "takt-none" in result.err
+
+
+def test_without_the_right_it_says_so(tmp_path):
+    copy = tmp_path / "takt"
+    shutil.copy(shutil.os.environ.get("TAKT", "build/dev/bin/takt"), copy)
+    copy.chmod(0o755)
+    tmp_path.chmod(0o755)
+    for parent in list(tmp_path.parents)[:3]:
+        parent.chmod(0o755) if str(parent).startswith("/tmp/pytest") else None
+    done = subprocess.run(["setpriv", "--reuid", "65534", "--clear-groups", "--inh-caps=-all", str(copy), "latency", "--interface", "lo"],
+                          capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 3 and "CAP_NET_RAW" in done.stderr, done
