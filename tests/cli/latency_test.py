@@ -9,6 +9,7 @@ import xml.etree.ElementTree as xml
 import pytest
 
 from captures import LINKS, Capture, Connection, adu
+from frames import crc16
 from frames import pcap as frames_pcap
 from frames import request as frame
 from program import TAKT, environment, start, takt, until
@@ -228,3 +229,61 @@ def test_a_server_on_another_port(tmp_path):
     c.respond(70, adu(1, 1, ANSWER))
     for options in ((), ("--port", 15020), ("--port", 502, "--port", 15020)):
         assert measured(tmp_path, capture.pcap(), *options)["slowest"][0]["time_ms"] == 0.07
+
+
+def rtu(pdu, unit=1):
+    body = bytes([unit]) + bytes.fromhex(pdu)
+    return body + crc16(body)
+
+
+def ascii_frame(pdu, unit=1):
+    body = bytes([unit]) + bytes.fromhex(pdu)
+    return b":" + (body + bytes([-sum(body) & 0xFF])).hex().upper().encode() + b"\r\n"
+
+
+@pytest.mark.parametrize("framing, frame_of", [("rtu", rtu), ("ascii", ascii_frame)])
+def test_serial_frames_in_tcp(tmp_path, framing, frame_of):
+    capture = Capture()
+    connection = Connection(capture, server=("10.0.0.2", 4001))
+    for number in range(10):
+        at = 1000 + number * 100_000
+        request, answer = frame_of("03 0000 0002"), frame_of("03 04 0001 0002")
+        connection.request(at, request[:5])
+        connection.request(at + 10, request[5:])
+        connection.respond(at + 1010 + number, answer)
+    connection.request(2_000_000, frame_of("03 0000 0002"))  # without a response
+    connection.request(2_500_000, frame_of("83 02")[:3])     # no whole frame
+    report = measured(tmp_path, capture.pcap(), "--framing", framing, "--port", 4001, "--timeout", "100ms")
+    total = report["total"]
+    assert (total["requests"], total["answered"], total["unanswered"]) == (11, 10, 1)
+    assert (total["min_ms"], total["max_ms"]) == (1.0, 1.009)
+    assert report["series"][0]["server"] == "10.0.0.2:4001"
+    assert report["capture"]["skipped_bytes"] == 3
+
+
+def test_fragments_are_put_together(tmp_path):
+    wanted = measured(tmp_path, source_capture().pcap())["total"]
+    capture = source_capture()
+    capture.packets = [part for packet in capture.packets for part in fragments_of(*packet)]
+    report = measured(tmp_path, capture.pcap())
+    assert (report["total"], report["capture"]["lost_fragments"]) == (wanted, 0)
+    assert report["capture"]["fragments"] == len(capture.packets)
+    del capture.packets[-1]
+    report = measured(tmp_path, capture.pcap())
+    assert report["total"]["answered"] == 4 and report["capture"]["lost_fragments"] > 0
+
+
+def fragments_of(time_ns, packet):
+    """An IPv4 packet as fragments of 16 bytes, the last one first."""
+    payload = packet[20:]
+    parts = []
+    for at in range(0, len(payload), 16):
+        piece = payload[at:at + 16]
+        place = (0x2000 if at + 16 < len(payload) else 0) | at // 8
+        parts.append((time_ns, packet[:2] + struct.pack(">H", 20 + len(piece)) + packet[4:6] + struct.pack(">H", place) + packet[8:20] + piece))
+    return parts[::-1]
+
+
+def test_a_time_of_exactly_zero_is_a_number(tmp_path):
+    total = measured(tmp_path, source_capture([0, 0, 0]).pcap())["total"]
+    assert [total[key] for key in ("min_ms", "mean_ms", "p50_ms", "p99.99_ms", "max_ms")] == [0, 0, 0, 0, 0]

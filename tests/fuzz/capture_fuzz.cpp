@@ -1,5 +1,7 @@
-// Arbitrary bytes as a capture, in pieces whose size is the first byte. Each request has one end.
+// Arbitrary bytes as a capture, in pieces whose size is the first byte. It also chooses the framing in TCP.
+// Each request has one end.
 #include <algorithm>
+#include <array>
 
 #include "input.hpp"
 #include "takt/capture/analysis.hpp"
@@ -25,9 +27,12 @@ void read(capture::CaptureReader& reader, Bytes file, std::size_t piece) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::Input input({data, size});
-    const std::size_t piece = 1U + input.byte() * 16U;
+    const unsigned first = input.byte();
+    const std::size_t piece = 1U + first * 16U;
+    static constexpr std::array kFramings{wire::Framing::tcp, wire::Framing::rtu, wire::Framing::ascii};
     capture::LatencyReport report({.limit = std::chrono::milliseconds(1), .microsecond_buckets = 10});
-    capture::Analysis analysis({}, std::chrono::seconds(1), report);
+    capture::Analysis analysis({.framing = kFramings[first % kFramings.size()]}, std::chrono::seconds(1),
+                               report);
     capture::CaptureReader reader(analysis);
     read(reader, input.bytes(size), piece);
     analysis.end();
