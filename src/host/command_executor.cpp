@@ -286,6 +286,7 @@ void CommandExecutor::give_up_sets(const std::function<bool(value::SlotId, const
 }
 
 void CommandExecutor::give_up_unavailable() {
+    if (sets_.empty()) return unavailable_.clear();  // without an allocation for nothing
     for (const auto& [line, device] : unavailable_)
         give_up_sets([&](value::SlotId slot, const WaitingSet&) {
             const auto index = std::get<value::VariableIndex>(configuration_.slots().owner(slot));

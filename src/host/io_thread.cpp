@@ -4,6 +4,7 @@
 // bell, in serve().
 #include "io_thread.hpp"
 
+#include <pthread.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -174,6 +175,7 @@ Result<void> IoThread::watch_requests() {
 void IoThread::begin() {
     std::binary_semaphore begun{0};
     thread_ = std::thread([this, &begun] {
+        (void)::pthread_setname_np(::pthread_self(), "takt-io");  // in top, gdb and strace
         io_thread_ = std::this_thread::get_id();
         begun.release();
         run();
