@@ -1,5 +1,7 @@
 #include "journal_reader.hpp"
 
+#include <algorithm>
+
 namespace takt::store {
 
 Result<std::optional<JournalEntry>> JournalReader::next() {
@@ -8,34 +10,37 @@ Result<std::optional<JournalEntry>> JournalReader::next() {
         const Segment* segment = segments_->holding(expected);
         if (segment == nullptr) {
             const Segment* first = segments_->first();
-            return gap_of_segments(first != nullptr ? *first->start : segments_->durable);
+            return gap_until(first != nullptr ? *first->start : segments_->durable);
         }
         if (scanner_.segment() != segment->number) scanner_.begin(segment->number);
         const StreamPosition end = segments_->end_of_segment(*segment);
         TAKT_TRY(const auto record, scanner_.peek(segment->readable));
-        if (!record || record->header.sequence > end.sequence) {
-            // Behind a segment that is whole, others may be gone: those before them could not be removed.
-            const bool whole = !record && scanner_.ended_with_a_record(segment->readable);
-            return whole ? gap_of_segments(end) : gap_until(end, GapCause::damaged);
-        }
-        if (record->header.sequence > expected) return gap_until(start_of(record->header), GapCause::damaged);
+        if (!record || record->header.sequence > end.sequence) return gap_until(end);
+        if (record->header.sequence > expected) return gap_until(start_of(record->header));
         scanner_.consume(*record);
         if (record->header.sequence == expected) return deliver(*record);
     }
     return std::nullopt;
 }
 
-/// Segments are missing up to `end`: those that the quota has removed, then others.
-JournalEntry JournalReader::gap_of_segments(const StreamPosition& end) {
+/// Records are missing up to `end`: those that the quota has removed, then others. A segment of which a write
+/// failed may have been kept, although the next one, which has its records again, was removed.
+JournalEntry JournalReader::gap_until(const StreamPosition& end) {
     const StreamPosition& quota = segments_->quota_end;
     if (quota.sequence <= at_.sequence) return gap_until(end, GapCause::damaged);
     return gap_until(quota.sequence < end.sequence ? quota : end, GapCause::quota);
 }
 
+// The record after may be older than the one before: its samples were taken before the start that a gap
+// `restart` stands for, or the clock was set back.
 JournalEntry JournalReader::gap_until(const StreamPosition& end, GapCause cause) {
     JournalEntry entry;
-    entry.gap =
-        Gap{cause, end.samples - at_.samples, at_.sequence + 1, end.sequence, at_.wall_ns, end.wall_ns};
+    entry.gap = Gap{.cause = cause,
+                    .samples = end.samples - at_.samples,
+                    .first_sequence = at_.sequence + 1,
+                    .last_sequence = end.sequence,
+                    .first_wall_ns = std::min(at_.wall_ns, end.wall_ns),
+                    .last_wall_ns = end.wall_ns};
     entry.header = {RecordType::gap, entry.gap->samples, end.sequence, at_.samples, end.wall_ns, 0,
                     end.epoch};
     at_ = end;

@@ -17,7 +17,7 @@ public:
     [[nodiscard]] const StreamPosition& position() const { return at_; }
 
 private:
-    [[nodiscard]] JournalEntry gap_of_segments(const StreamPosition& end);
+    [[nodiscard]] JournalEntry gap_until(const StreamPosition& end);
     [[nodiscard]] JournalEntry gap_until(const StreamPosition& end, GapCause cause);
     [[nodiscard]] JournalEntry deliver(const DecodedRecord& record);
 

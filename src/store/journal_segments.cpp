@@ -78,7 +78,6 @@ std::uint64_t SegmentList::total_bytes() const {
 void SegmentScanner::begin(std::uint64_t segment) {
     segment_ = segment;
     offset_ = 0;
-    skipped_ = false;
     window_offset_ = 0;
     window_.clear();
 }
@@ -112,7 +111,6 @@ Result<std::optional<DecodedRecord>> SegmentScanner::peek(std::uint64_t readable
         }
         if (record.state == DecodeState::good) return record;
         ++offset_;
-        skipped_ = true;
     }
     return std::nullopt;
 }

@@ -63,16 +63,9 @@ public:
     /// until the next peek() or begin(). @returns the errors of the storage
     [[nodiscard]] Result<std::optional<DecodedRecord>> peek(std::uint64_t readable);
     /// Goes behind a record of peek().
-    void consume(const DecodedRecord& record) {
-        offset_ += record.bytes;
-        skipped_ = false;
-    }
+    void consume(const DecodedRecord& record) { offset_ += record.bytes; }
     /// Where the next record may begin: behind the last consumed one.
     [[nodiscard]] std::uint64_t offset() const { return offset_; }
-    /// Whether the last record was followed by nothing else in the first `readable` bytes.
-    [[nodiscard]] bool ended_with_a_record(std::uint64_t readable) const {
-        return offset_ >= readable && !skipped_;
-    }
 
 private:
     [[nodiscard]] Result<void> fill(std::uint64_t readable);
@@ -81,7 +74,6 @@ private:
     JournalStorage* storage_;
     std::optional<std::uint64_t> segment_;
     std::uint64_t offset_ = 0;         // of the next record
-    bool skipped_ = false;             // bytes before it are no record
     std::uint64_t window_offset_ = 0;  // of window_ in the file
     std::vector<std::uint8_t> window_;
 };

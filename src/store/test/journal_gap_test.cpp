@@ -269,6 +269,48 @@ TEST_F(JournalGapTest, ASegmentThatIsGoneBetweenOthersHasTheCauseOfItsRemoval) {
     }
 }
 
+// The first segment ends with the rest of a failed write. The second has those records again, and the quota
+// removes it.
+TEST_F(JournalGapTest, BehindAFailedWriteTheQuotaIsTheCauseOfItsGap) {
+    options_.quota_bytes = 4 * options_.segment_bytes;
+    start();
+    append_records(1);
+    disk_.fail_from = disk_.operations();
+    disk_.fail_count = 1;
+    append_records(1);
+    ASSERT_TRUE(journal_->status().failure);
+    disk_.keeps = disk_.contents().begin()->first;
+    const std::uint64_t second = disk_.contents().begin()->first + 1;
+    disk_.fail_from = -1;
+    tick(1s);
+    ASSERT_EQ(disk_.contents().count(second), 1U);
+    while (disk_.contents().count(second) != 0) append_records(1);
+    start();
+    const auto entries = read_all(kCloud);
+    ASSERT_GE(entries.size(), 3U);
+    ASSERT_TRUE(entries[2].gap);
+    EXPECT_EQ(entries[2].gap->cause, GapCause::quota);
+    EXPECT_EQ(entries[2].gap->first_sequence, 3U);
+}
+
+// The samples of the first record were taken before the journal was opened.
+TEST_F(JournalGapTest, AGapDoesNotEndBeforeItBegins) {
+    start();
+    for (const std::int64_t before : {500, 400}) {
+        const std::vector<std::uint8_t> payload(100);
+        ASSERT_TRUE(journal_->append(now_, {1, wall() - before, 0, payload}));
+    }
+    tick();
+    disk_.flip(disk_.contents().begin()->first, kGapRecordBytes + 9);
+    start();
+    const auto entries = read_all(kCloud);
+    ASSERT_GE(entries.size(), 2U);
+    ASSERT_TRUE(entries[1].gap);
+    EXPECT_EQ(entries[1].gap->cause, GapCause::damaged);
+    EXPECT_EQ(entries[1].gap->first_wall_ns, kSecond - 400);
+    EXPECT_EQ(entries[1].gap->last_wall_ns, kSecond - 400);
+}
+
 TEST_F(JournalGapTest, DamageThatWaitsIsCountedAfterTheStart) {
     start();
     append_records(6);

@@ -50,8 +50,10 @@ struct Gap {
     std::uint64_t samples = 0;         ///< exact. Zero for a restart: the number is not known
     std::uint64_t first_sequence = 0;  ///< the gap replaces these records; a gap that was written as a record
     std::uint64_t last_sequence = 0;   ///< replaces only itself
-    std::int64_t first_wall_ns = 0;    ///< no missing sample is older. For quota and damaged: the time of the
-    std::int64_t last_wall_ns = 0;  ///< record before; and no sample is newer: the time of the record after
+    /// For a gap that was written: of the oldest missing sample. For quota and damaged: of the record before
+    /// the gap, or of the one after it if that is older. Not after `last_wall_ns`, but for a restart.
+    std::int64_t first_wall_ns = 0;
+    std::int64_t last_wall_ns = 0;  ///< of the newest missing sample; quota and damaged: of the record after
 
     friend bool operator==(const Gap&, const Gap&) = default;
 };
