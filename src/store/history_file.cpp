@@ -5,7 +5,9 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string_view>
 
 #include "history_tables.hpp"
@@ -16,6 +18,7 @@ namespace {
 
 constexpr int kMostSetAside = 999;
 constexpr std::string_view kMark("SQLite format 3\0", 16);
+constexpr std::size_t kPageBytes = 4096;  // of SQLite by default
 
 // FULL: each commit synchronises the write-ahead log. With NORMAL a power cut could undo commits whose
 // samples the journal has already been told to forget. Freed pages are used again; the file does not shrink.
@@ -28,14 +31,42 @@ bool is_there(const std::string& path) {
     return std::filesystem::exists(path, error);
 }
 
-/// A file of another program must not be touched. @returns malformed (cut off or empty), unsupported
+/// Whether the bytes are a leaf page of a table with cells: https://www.sqlite.org/fileformat.html, 1.6.
+bool is_table_page(std::span<const std::uint8_t> page) {
+    constexpr std::uint8_t kTableLeaf = 0x0D;
+    constexpr std::size_t kHeader = 8;
+    const auto number_at = [&](std::size_t at) { return std::size_t{page[at]} << 8U | page[at + 1]; };
+    if (page[0] != kTableLeaf) return false;
+    const auto cells = number_at(3);
+    const auto content = number_at(5);
+    if (cells == 0 || content < kHeader + 2 * cells || content >= page.size()) return false;
+    for (std::size_t i = 0; i < cells; ++i)
+        if (const auto cell = number_at(kHeader + 2 * i); cell < content || cell >= page.size()) return false;
+    return true;
+}
+
+/// Whether a page after the first one shows that the file was a database.
+bool has_table_page(const os::Descriptor& file) {
+    constexpr off_t kMostPages = 256;
+    std::array<std::uint8_t, kPageBytes> page{};
+    for (off_t i = 1; i < kMostPages; ++i) {
+        const auto count = ::pread(file.get(), page.data(), page.size(), i * static_cast<off_t>(page.size()));
+        if (count != static_cast<ssize_t>(page.size())) return false;
+        if (is_table_page(page)) return true;
+    }
+    return false;
+}
+
+/// A file of another program must not be touched. A database whose first page is damaged is no such file.
+/// @returns malformed (cut off or empty), unsupported
 Result<void> check_mark(const os::Descriptor& file, const std::string& path) {
     std::array<char, kMark.size()> head{};
     const auto count = ::pread(file.get(), head.data(), head.size(), 0);
     const std::string_view there(head.data(), count > 0 ? static_cast<std::size_t>(count) : 0);
     const bool zeros = there.find_first_not_of('\0') == std::string_view::npos;
     if (there == kMark) return {};
-    return fail(zeros || kMark.starts_with(there) ? Code::malformed : Code::unsupported, path);
+    const bool ours = zeros || kMark.starts_with(there) || has_table_page(file);
+    return fail(ours ? Code::malformed : Code::unsupported, path);
 }
 
 Result<os::Descriptor> locked(Result<os::Descriptor> file, const std::string& path) {
@@ -45,6 +76,11 @@ Result<os::Descriptor> locked(Result<os::Descriptor> file, const std::string& pa
 }
 
 }  // namespace
+
+Result<void> check_history_mark(const std::string& path) {
+    TAKT_TRY(const auto file, os::open_for_reading(path));
+    return check_mark(file, path);
+}
 
 Result<HistoryFile> open_history_file(const std::string& path) {
     HistoryFile opened;

@@ -19,6 +19,11 @@ struct HistoryFile {
 /// @returns busy, unsupported, malformed, cannot_open, io_failed as History::open()
 [[nodiscard]] Result<HistoryFile> open_history_file(const std::string& path);
 
+/// Whether a file that SQLite cannot read may be a history: of a file of another program no page looks like
+/// one of SQLite. Not for a file that this process writes: closing it would release the locks of SQLite.
+/// @returns unsupported: it is of another program; malformed: it is damaged
+[[nodiscard]] Result<void> check_history_mark(const std::string& path);
+
 /// Moves a damaged file aside, with its write-ahead log. @returns the new path
 [[nodiscard]] Result<std::string> set_history_aside(const std::string& path);
 

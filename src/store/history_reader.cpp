@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "history_file.hpp"
 #include "history_log.hpp"
 #include "history_picture.hpp"
 #include "history_tables.hpp"
@@ -178,8 +179,11 @@ Result<HistoryReader> HistoryReader::open(const std::string& path) {
             std::make_unique<SQLite::Database>(path, SQLite::OPEN_READONLY | SQLite::OPEN_NOMUTEX, kLockWait);
         return {};
     }));
-    TAKT_CHECK(with_results(path, state->database.get(),
-                            [&]() -> Result<void> { return check_history(*state->database, path); }));
+    const auto ours = with_results(path, state->database.get(),
+                                   [&]() -> Result<void> { return check_history(*state->database, path); });
+    // A file of another program is not a damaged history.
+    if (!ours && ours.error().code == Code::malformed) TAKT_CHECK(check_history_mark(path));
+    TAKT_CHECK(ours);
     return HistoryReader(std::move(state));
 }
 

@@ -187,6 +187,22 @@ TEST_F(HistoryTest, MovesADamagedFileAside) {
     }
 }
 
+TEST_F(HistoryTest, MovesAFileWhoseFirstPageIsDamagedAside) {
+    {
+        const auto history = open({.chunk_samples = 100, .log_commits = 1});
+        const auto id = history->series(kSeries).value();
+        for (int i = 0; i < 1000; ++i) history->append(id, at(i, std::int64_t{i}));
+        ASSERT_TRUE(history->commit(kStart));
+    }
+    std::string bytes = bytes_of(path_);
+    std::fill_n(bytes.begin(), 4096, 'x');
+    overwrite(path_, bytes);
+    EXPECT_EQ(HistoryReader::open(path_).error().code, Code::malformed);
+    auto opened = History::open(path_);
+    ASSERT_TRUE(opened);
+    EXPECT_EQ(bytes_of(opened->set_aside), bytes);
+}
+
 TEST_F(HistoryTest, MovesAFileWithDamagedTablesAside) {
     {
         const auto history = open();
@@ -221,6 +237,9 @@ TEST_F(HistoryTest, ReadsTheRestWhenAChunkIsDamaged) {
 
 TEST_F(HistoryTest, LeavesAFileOfAnotherProgramAlone) {
     overwrite(path_, "not a database, but somebody's notes");
+    EXPECT_EQ(History::open(path_).error().code, Code::unsupported);
+    EXPECT_EQ(HistoryReader::open(path_).error().code, Code::unsupported);
+    overwrite(path_, std::string(20'000, 'x'));
     EXPECT_EQ(History::open(path_).error().code, Code::unsupported);
     std::filesystem::remove(path_);
     SQLite::Database(path_, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE).exec("CREATE TABLE a (b)");
