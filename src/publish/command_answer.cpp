@@ -106,7 +106,10 @@ CommandAnswer answer_of(const CommandRequest& request, const host::Outcome& outc
     answer.read_back = json_of(info, outcome.read_back);
     if (value::is_exception(outcome.reason))
         answer.detail = "Modbus exception " + std::to_string(value::status_code(outcome.reason) & 0xFFU);
-    if (outcome.kind == Kind::get && !outcome.error) answer.quality = value::name(outcome.quality);
+    if (outcome.kind != Kind::get || outcome.error) return answer;
+    answer.quality = value::name(outcome.quality);
+    // Both clocks are those of this moment: the wall clock may have been set since the value was read.
+    if (outcome.good_at) answer.last_good_ns = wall_ns - (outcome.t - *outcome.good_at).count();
     return answer;
 }
 
@@ -120,6 +123,7 @@ std::string answer_message(const CommandAnswer& answer) {
     set(object, "detail", answer.detail);
     if (!answer.value.is_null()) object.set("value", answer.value);
     set(object, "quality", answer.quality);
+    if (answer.last_good_ns) object.set("last_good", time_text(*answer.last_good_ns));
     if (!answer.read_back.is_null()) object.set("read_back", answer.read_back);
     object.set("time", time_text(answer.wall_ns));
     return object.dump();

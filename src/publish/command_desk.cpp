@@ -248,7 +248,13 @@ void CommandDesk::on_outcome(const CommandTime& now, const host::Outcome& outcom
     const auto found = state.open.find(outcome.tag);
     if (found == state.open.end()) return;
     const auto& command = found->second;
-    state.end(found, answer_of(command.request, outcome, *command.configuration, now.wall_ns));
+    auto answer = answer_of(command.request, outcome, *command.configuration, now.wall_ns);
+    // A host that stops, or gets another project, ends what it has not sent.
+    if (answer.end == CommandEnd::expired && outcome.t < command.command.expires) {
+        answer.end = CommandEnd::refused;
+        answer.reason = "stopped";
+    }
+    state.end(found, std::move(answer));
 }
 
 void CommandDesk::stop(const CommandTime& now) {

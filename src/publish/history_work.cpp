@@ -90,8 +90,9 @@ Result<void> HistoryWork::append(const store::JournalEntry& entry) {
     }
     for (const auto& sample : batch->samples) {
         TAKT_TRY(const auto series, series_of(batch->series[sample.series]));
+        const bool good = sample.quality == value::Quality::good;
         history_->append(series, {.time_ns = sample.wall_ns,
-                                  .previous_ns = sample.previous_wall_ns,
+                                  .previous_ns = good ? sample.previous_wall_ns : std::nullopt,
                                   .value = sample.value,
                                   .quality = sample.quality,
                                   .reason = sample.reason});

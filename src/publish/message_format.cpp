@@ -37,7 +37,9 @@ void set_value(Json& object, const PlacedSample& placed) {
     object.set("quality", value::name(sample.quality));
     if (sample.reason != value::Reason::ok) set_reason(object, "reason", sample.reason);
     object.set("time", time_text(sample.wall_ns));
-    if (sample.previous_wall_ns) object.set("after", time_text(*sample.previous_wall_ns));
+    const bool good = sample.quality == value::Quality::good;
+    if (sample.previous_wall_ns)
+        object.set(good ? "after" : "last_good", time_text(*sample.previous_wall_ns));
     object.set("cause", name(sample.cause));
 }
 

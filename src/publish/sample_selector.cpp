@@ -73,7 +73,7 @@ void SampleSelector::deliver(Entry& entry, Instant t, SampleCause cause, std::op
           .reason = seen.reason,
           .cause = cause,
           .at = good && seen.good_at ? *seen.good_at : (cause == SampleCause::change ? seen.t : t),
-          .previous = good ? previous : std::nullopt});
+          .previous = good ? previous : seen.good_at});
 }
 
 void SampleSelector::on_change(Instant t, const host::ValueChanged& changed, const Sink& sink) {

@@ -59,6 +59,7 @@ struct Desk {
         desk.on_outcome(now, {.tag = command.tag,
                               .kind = command.kind,
                               .slot = command.slot,
+                              .t = now.t,
                               .result = result,
                               .value = command.value});
     }
@@ -247,6 +248,38 @@ TEST(CommandDesk, AKnownIdIsNeverExecutedAgain) {
     EXPECT_EQ(desk.answer(), first);
     ASSERT_TRUE(desk.give(request("a", R"("command":"set","variable":"Setpoint","value":6)")));
     EXPECT_NE(desk.refusal().find("\"duplicate_id\""), std::string::npos);
+}
+
+// The host ends what it has not sent when it stops.
+TEST(CommandDesk, ACommandThatEndsBeforeItExpiresIsRefused) {
+    Desk desk;
+    ASSERT_TRUE(desk.give(request("a", kSet)));
+    desk.done(*desk.next(), value::CommandResult::expired);
+    EXPECT_NE(desk.answer()->payload.find(R"("outcome":"refused","reason":"stopped")"), std::string::npos);
+    ASSERT_TRUE(desk.give(request("b", kSet)));
+    const auto command = desk.next();
+    desk.pass(10s);
+    desk.done(*command, value::CommandResult::expired);
+    EXPECT_NE(desk.answer()->payload.find(R"("outcome":"expired","reason":"expired")"), std::string::npos);
+}
+
+TEST(CommandDesk, AnAnswerToGetHasTheTimeOfTheLastGoodRead) {
+    Desk desk;
+    ASSERT_TRUE(desk.give(request("a", R"("command":"get","variable":"Level")")));
+    const auto command = desk.next();
+    ASSERT_TRUE(command);
+    desk.desk.on_outcome(desk.now, {.tag = command->tag,
+                                    .kind = command->kind,
+                                    .slot = command->slot,
+                                    .t = desk.now.t,
+                                    .quality = value::Quality::bad,
+                                    .good_at = desk.now.t - 1500ms,
+                                    .value = std::int64_t{7}});
+    const auto answer = desk.answer();
+    ASSERT_TRUE(answer);
+    EXPECT_NE(answer->payload.find(R"("quality":"bad","last_good":"2026-11-24T02:29:58.500Z","time")"),
+              std::string::npos)
+        << answer->payload;
 }
 
 TEST(CommandDesk, MostCommandsAndAnswersAreLimited) {

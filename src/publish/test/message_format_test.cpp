@@ -47,6 +47,18 @@ TEST(MessageFormat, ABadValueHasItsReason) {
               R"("epoch":3,"seq":12})");
 }
 
+TEST(MessageFormat, ABadValueHasItsLastGoodRead) {
+    const auto text = message(kPower, {.value = 0.1,
+                                       .quality = value::Quality::bad,
+                                       .reason = value::Reason::timeout,
+                                       .wall_ns = kNow,
+                                       .previous_wall_ns = kNow - 100'000'000});
+    EXPECT_NE(
+        text.find(R"("time":"2025-11-24T16:00:00.123Z","last_good":"2025-11-24T16:00:00.023Z","cause")"),
+        std::string::npos)
+        << text;
+}
+
 TEST(MessageFormat, ValuesAreExact) {
     const struct {
         value::Value value;

@@ -65,6 +65,20 @@ TEST_F(Selector, AChangeHasItsInterval) {
     EXPECT_EQ(selector_->next_due(), kNever);
 }
 
+TEST_F(Selector, ABadValueHasItsLastGoodRead) {
+    begin({.heartbeat = 10s});
+    change(1s, 1.0);
+    read_again(2s);
+    change(3s, 1.0, Quality::bad, value::Reason::timeout);
+    snapshot(13s);
+    const auto samples = take();
+    ASSERT_EQ(samples.size(), 3U);
+    EXPECT_EQ(samples[1].at, at(3s));
+    EXPECT_EQ(samples[1].previous, at(2s));
+    EXPECT_EQ(samples[2].cause, SampleCause::heartbeat);
+    EXPECT_EQ(samples[2].previous, at(2s));
+}
+
 TEST_F(Selector, OtherSlotsAreNotDelivered) {
     begin({});
     for (const std::uint32_t slot : {0U, 2U, 99U})
@@ -93,7 +107,7 @@ TEST_F(Selector, ABadValueHasTheTimeOfItsQuality) {
     const auto samples = take();
     ASSERT_EQ(samples.size(), 2U);
     EXPECT_EQ(samples[1].at, at(4s));
-    EXPECT_EQ(samples[1].previous, std::nullopt);
+    EXPECT_EQ(samples[1].previous, at(1s));
     EXPECT_EQ(samples[1].reason, value::Reason::timeout);
 }
 

@@ -117,12 +117,14 @@ std::string difference(const Json& fields, const publish::Series& series, const 
         return good ? std::string() : differs(key, expected.empty() ? "none" : expected, seen);
     };
     const bool good = sample.reason == value::Reason::ok;
-    const auto after = sample.previous_wall_ns ? time_text(*sample.previous_wall_ns) : std::string();
+    const auto previous = sample.previous_wall_ns ? time_text(*sample.previous_wall_ns) : std::string();
+    const bool is_good = sample.quality == value::Quality::good;
     for (const auto& [key, expected] :
          {std::pair<const char*, std::string>{"quality", std::string(value::name(sample.quality))},
           {"reason", good ? std::string() : std::string(value::name(sample.reason))},
           {"time", time_text(sample.wall_ns)},
-          {"after", after},
+          {"after", is_good ? previous : ""},
+          {"last_good", is_good ? "" : previous},
           {"cause", std::string(publish::name(sample.cause))},
           {"unit", series.unit}})
         if (auto wrong = same_text(key, expected); !wrong.empty()) return wrong;

@@ -84,8 +84,9 @@ bool SamplingJudge::is_at(const Change& change, const publish::Sample& sample) c
     const bool good = sample.quality == value::Quality::good;
     if (!is_wall_time(good && change.what.good_at ? *change.what.good_at : change.t, sample.wall_ns))
         return false;
-    if (!good || !change.what.good_before) return !sample.previous_wall_ns;
-    return sample.previous_wall_ns && is_wall_time(*change.what.good_before, *sample.previous_wall_ns);
+    const auto& previous = good ? change.what.good_before : change.what.good_at;
+    if (!previous) return !sample.previous_wall_ns;
+    return sample.previous_wall_ns && is_wall_time(*previous, *sample.previous_wall_ns);
 }
 
 // A sample of a change is that of the next one that needs it. All others show the newest state.

@@ -30,7 +30,8 @@ struct CommandAnswer {
     std::string detail;  ///< for a reader; empty: none
     file::Json value;    ///< asked for, or of `get` found; null: none
     file::Json read_back;
-    std::string quality;  ///< of `get`; empty: none
+    std::string quality;                       ///< of `get`; empty: none
+    std::optional<std::int64_t> last_good_ns;  ///< of `get`: when the value was last read well, or set
     std::int64_t wall_ns = 0;
 };
 

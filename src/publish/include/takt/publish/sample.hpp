@@ -40,7 +40,8 @@ struct Sample {
     value::Reason reason = value::Reason::ok;
     SampleCause cause = SampleCause::change;
     std::int64_t wall_ns = 0;  ///< when the value was read, or the quality changed; ns since 1970 UTC
-    /// The read before: the value changed between it and `wall_ns`. Not later than `wall_ns`.
+    /// Of a good value: the read before, so that the value changed between it and `wall_ns`. Of another one:
+    /// the last good read. Not later than `wall_ns`.
     std::optional<std::int64_t> previous_wall_ns;
 };
 

@@ -36,8 +36,9 @@ struct SelectedSample {
     value::Quality quality = value::Quality::good;
     value::Reason reason = value::Reason::ok;
     SampleCause cause = SampleCause::change;
-    Instant at;                       ///< a good value: when it was read; else when the quality changed
-    std::optional<Instant> previous;  ///< of a change to a good value: the read before, where there was one
+    Instant at;  ///< a good value: when it was read; else when the quality changed
+    /// Of a change to a good value: the read before. Of a value that is not good: the last good read.
+    std::optional<Instant> previous;
 };
 
 /// Decides for one output. Pure: driven by the events and snapshots of one configuration, in their order.
