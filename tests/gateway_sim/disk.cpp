@@ -2,6 +2,8 @@
 
 #include <cerrno>
 
+#include "judge/records.hpp"
+
 namespace takt::gatewaysim {
 
 using namespace std::chrono_literals;
@@ -141,6 +143,13 @@ std::optional<Disk::Damage> Disk::damage_segment() {
     const Damage damage{chosen->first, random_.below(static_cast<std::uint32_t>(chosen->second.size()))};
     disk_.flip(damage.segment, damage.offset);
     return damage;
+}
+
+void Disk::damage_record(std::uint64_t segment, std::uint64_t sequence) {
+    const auto bytes = disk_.contents().at(segment);
+    for (const auto& record : read_records(bytes))
+        if (record.facts.sequence == sequence && !record.payload.empty())
+            disk_.flip(segment, static_cast<std::size_t>(record.payload.data() - bytes.data()));
 }
 
 std::vector<std::uint8_t> Disk::cursor(const std::string& name, unsigned slot) {

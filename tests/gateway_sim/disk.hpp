@@ -44,6 +44,8 @@ public:
     [[nodiscard]] std::unique_ptr<store::JournalStorage> connect();
 
     void set_mood(Mood mood);
+    /// Changes a byte of a record that is on the disk.
+    void damage_record(std::uint64_t segment, std::uint64_t sequence);
     /// The next operation that may fail does.
     void fail_once() { fail_once_ = true; }
     /// How long the operations since the last call took.

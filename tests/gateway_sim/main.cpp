@@ -14,7 +14,7 @@ namespace takt::gatewaysim {
 namespace {
 
 /// What many seeds must have seen.
-constexpr std::array<std::string_view, 29> kKinds{"killed",
+constexpr std::array<std::string_view, 30> kKinds{"killed",
                                                   "power_cut",
                                                   "orderly_stop",
                                                   "crashed_at_operation",
@@ -22,6 +22,7 @@ constexpr std::array<std::string_view, 29> kKinds{"killed",
                                                   "disk_failed",
                                                   "disk_full",
                                                   "disk_slow",
+                                                  "decayed",
                                                   "sampler_stalls",
                                                   "output_stalls",
                                                   "broker_away",

@@ -147,7 +147,7 @@ private:
 
     void draw_limits(publish::MqttConnected& limits) {
         if (chance(30)) limits.receive_maximum = static_cast<std::uint16_t>(1 + random_.below(20));
-        if (chance(10)) limits.maximum_packet = chance(50) ? 400 : 512;
+        if (chance(10)) limits.maximum_packet = chance(50) ? 430 : 512;
         if (chance(10)) limits.maximum_qos = static_cast<std::uint8_t>(random_.below(2));
         limits.retain_available = !chance(10);
         if (chance(10)) limits.server_keep_alive = 7;

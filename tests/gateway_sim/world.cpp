@@ -57,6 +57,7 @@ private:
     void begin_quiet();
     void start_program();
     void die(End end);
+    void decay();
     void end_program(End end);
     void note(const char* what) {
         complaints_.count(what);
@@ -82,6 +83,7 @@ private:
     bool power_was_cut_ = false;
     bool quiet_ = false;
     bool progress_checked_ = false;
+    int decays_ = 0;
     std::uint64_t failures_at_stop_ = 0;
     std::uint64_t steps_ = 0;
 };
@@ -151,6 +153,7 @@ void World::add_disk_timers() {
     mood(means.disk_full, Disk::Mood::full, "disk_fills_up");
     mood(means.disk_slow, Disk::Mood::slow, "disk_slow");
     add(means.single_failure, [this] { disk_.fail_once(); });
+    if (scenario_.damage) add(300ms, [this] { decay(); });
 }
 
 void World::add_network_timers() {
@@ -173,6 +176,18 @@ void World::add_network_timers() {
     add(means.half_open, [this] { network_.make_half_open(); });
     add(means.cut, [this] { network_.cut({publish::MqttFailureKind::lost, {}, {}}); });
     add(means.taken_over, [this] { network_.take_over(); });
+}
+
+// Damages a record of which the broker has a part. The program reads it again on the next connection.
+void World::decay() {
+    constexpr int kMost = 3;
+    const auto* record = judge_.partly_delivered();
+    if (!gateway_ || decays_ == kMost || record == nullptr) return;
+    ++decays_;
+    note("decayed");
+    disk_.damage_record(record->segment, record->facts.sequence);
+    judge_.on_decay(record->facts.sequence);
+    network_.cut({publish::MqttFailureKind::lost, {}, {}});
 }
 
 // Half of the ends come at an operation of the disk, the others at any time.

@@ -64,6 +64,12 @@ void JournalJudge::find_recovered() {
     recovered_ = std::max(recovered_, durable_sequence_);
 }
 
+void JournalJudge::on_decay(std::uint64_t sequence) {
+    damaged_ = true;
+    entries_.at(sequence - 1).present = false;
+    entries_.at(sequence - 1).unreadable = true;
+}
+
 void JournalJudge::on_pushed(Unit& unit) {
     not_durable_bytes_ += unit.queued.payload.size() + kOverhead;
     unit.not_durable = not_durable_bytes_;

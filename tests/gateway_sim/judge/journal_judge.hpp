@@ -38,6 +38,8 @@ public:
 
     /// The program begins with this disk. @param damaged  bytes were changed while it did not run
     void on_run_begin(Disk& disk, bool damaged);
+    /// A record on the disk was changed while the program runs.
+    void on_decay(std::uint64_t sequence);
     void on_pushed(Unit& unit);
 
     void on_listed() override;

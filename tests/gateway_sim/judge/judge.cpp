@@ -67,6 +67,15 @@ void Judge::on_queued(const QueuedSamples& samples, bool fits) {
     journal_.on_pushed(added);
 }
 
+const JournalJudge::Entry* Judge::partly_delivered() const {
+    const auto delivered = stream_.delivered_through();
+    const auto* record = journal_.record_of_sample(delivered + 1);
+    if (record == nullptr || !record->present || record->doubtful || record->facts.gap) return nullptr;
+    const bool durable = record->state == JournalJudge::State::durable;
+    return durable && record->facts.samples_before < delivered && record->facts.end() > delivered ? record
+                                                                                                  : nullptr;
+}
+
 void Judge::on_host_event(const host::Event& event) {
     sampling_.on_event(event);
     const auto* changed = std::get_if<host::ValueChanged>(&event.body);

@@ -21,6 +21,9 @@ public:
 
     [[nodiscard]] DiskObserver& disk() { return journal_; }
     void on_run_begin(Disk& disk, bool damaged);
+    /// The record of which a part is delivered; nullptr: there is none on the disk.
+    [[nodiscard]] const JournalJudge::Entry* partly_delivered() const;
+    void on_decay(std::uint64_t sequence) { journal_.on_decay(sequence); }
     void on_status(const publish::OutputStatus& status);
     void on_sent(const SentCommand& command) { commands_.on_sent(command); }
     void on_stopping() { commands_.on_stopping(); }
