@@ -86,7 +86,7 @@ Result<Answer> SessionCommands::state(const ControlCommand& command) const {
                 : all                                        ? report::values_json(now, time, command.name)
                                                              : report::list_json(*now.configuration);
     if (command.verb == ControlCommand::Verb::status && outputs_)
-        json.set("outputs", report::outputs_json(texts_, outputs_(), wall_ns(now.t)));
+        report::add_outputs(texts_, json, outputs_(), wall_ns(now.t));
     auto line = json.dump() + '\n';
     return Answer{.line = std::move(line), .json = std::move(json)};
 }

@@ -32,6 +32,7 @@ OutputStatus OutputEngine::status() const {
     status.samples.sampled += pushed.samples - status_taken_;
     status.samples.waiting += pushed.samples - status_taken_ - lost;
     status.samples.dropped += lost;
+    status.lost += lost;
     status.gaps += lost > 0 ? 1 : 0;
     return status;
 }
@@ -108,7 +109,9 @@ void OutputEngine::try_to_open(Instant now) {
     }
     open_failure_.reset();
     journal_.emplace(*std::move(opened));
-    appended_before_ = journal_->counters(kDestination).appended;
+    const auto before = journal_->counters(kDestination);
+    appended_before_ = before.appended;
+    dropped_before_ = before.dropped;
     work_->begin(now, *journal_, kDestination);
 }
 
@@ -156,6 +159,7 @@ void OutputEngine::publish_status(Instant now) {
         status.samples.delivered = counters.delivered;
         status.samples.dropped = counters.dropped;
         status.samples.waiting = counters.waiting;
+        status.lost = counters.dropped - std::min(counters.dropped, dropped_before_);
         status.gaps = counters.gaps;
         status.journal = journal_->status();
         status.journal_failure = status.journal.failure;

@@ -10,6 +10,7 @@ std::string_view name(OutputState state) {
         case OutputState::waiting: return "waiting";
         case OutputState::stopped: return "stopped";
         case OutputState::ended: return "ended";
+        case OutputState::removed: return "removed";
     }
     return "";
 }

@@ -80,11 +80,31 @@ void OutputThread::run() {
         const auto now = line::now();
         if (stopping_) engine_.stop();
         if (state_changed_.exchange(false)) engine_.on_state_changed(now);
-        engine_.step(now);
+        step(now);
         if (engine_.finished(now)) break;
         wait(engine_.next_wakeup());
     }
-    engine_.close(line::now());
+    const auto now = line::now();
+    step_began_ = now.time_since_epoch().count();
+    engine_.close(now);
+    step_began_ = kWaiting;
+}
+
+void OutputThread::step(Instant now) {
+    step_began_ = now.time_since_epoch().count();
+    engine_.step(now);
+    step_began_ = kWaiting;
+}
+
+// A step waits for the disk only, so a long one shows that the disk hangs. The status of the engine is that
+// of the step before.
+OutputStatus OutputThread::status() const {
+    const Instant::rep began = step_began_;
+    auto status = engine_.status();
+    if (began == kWaiting) return status;
+    const Duration waits = line::now() - Instant(Duration(began));
+    if (waits >= kDiskHangs) status.disk_waits = waits;
+    return status;
 }
 
 void OutputThread::wait(Instant until) {

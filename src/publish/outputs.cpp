@@ -5,7 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "takt/base/assert.hpp"
@@ -42,13 +45,16 @@ void Outputs::ring() {
 
 std::vector<OutputStatus> Outputs::status() const {
     std::vector<std::shared_ptr<OutputThread>> threads;
+    std::vector<OutputStatus> removed;
     {
         const std::lock_guard lock(threads_mutex_);
         if (!last_status_.empty()) return last_status_;
         threads = threads_;
+        removed = removed_;
     }
     std::vector<OutputStatus> all;
     for (const auto& thread : threads) all.push_back(thread->status());
+    all.insert(all.end(), removed.begin(), removed.end());
     return all;
 }
 
@@ -63,6 +69,7 @@ void Outputs::run() {
     std::vector<OutputStatus> last;
     for (const auto& running : running_) last.push_back(running.thread->status());
     const std::lock_guard lock(threads_mutex_);
+    last.insert(last.end(), removed_.begin(), removed_.end());
     last_status_ = std::move(last);
 }
 
@@ -89,33 +96,59 @@ std::vector<SampleFeed*> Outputs::on_configuration(Instant now, const host::Conf
         for (auto& running : running_)
             if (running.thread->name() == setups[i].thread.name && running.settings == setups[i].settings)
                 continued[i] = running.thread;
-    end_others(continued);
+    end_others(continued, setups);
 
     std::vector<SampleFeed*> feeds;
     for (std::size_t i = 0; i < setups.size(); ++i) {
         auto& setup = setups[i];
         setup.thread.wake_sampler = [this] { ring(); };
+        const auto log = setup.thread.log;
+        auto directory = setup.thread.directory;
         auto thread = continued[i];
         if (!thread) thread = std::make_shared<OutputThread>(std::move(setup.thread), setup.make_work());
         auto feed = std::make_unique<SampleFeed>(series, setup.selected, thread->queue(), now);
         feeds.push_back(feed.get());
-        running_.push_back({std::move(setup.settings), std::move(thread), std::move(feed)});
+        running_.push_back(
+            {std::move(setup.settings), std::move(directory), log, std::move(thread), std::move(feed)});
     }
     const std::lock_guard lock(threads_mutex_);
     for (const auto& running : running_) threads_.push_back(running.thread);
     return feeds;
 }
 
-void Outputs::end_others(const std::vector<std::shared_ptr<OutputThread>>& continued) {
+void Outputs::end_others(const std::vector<std::shared_ptr<OutputThread>>& continued,
+                         const std::vector<OutputSetup>& setups) {
+    const auto is_in_project = [&](std::string_view name) {
+        return std::ranges::any_of(setups, [&](const auto& setup) { return setup.thread.name == name; });
+    };
     auto former = std::exchange(running_, {});
     {
         const std::lock_guard lock(threads_mutex_);
         threads_.clear();
+        std::erase_if(removed_, [&](const auto& status) { return is_in_project(status.name); });
     }
     std::erase_if(former,
                   [&](const Running& running) { return std::ranges::count(continued, running.thread) > 0; });
     for (auto& running : former) running.thread->ask_to_stop();
     for (auto& running : former) running.thread->finish();
+    for (const auto& running : former)
+        if (!is_in_project(running.thread->name())) note_removed(running);
+}
+
+// The samples stay in the journal, which no output reads any more.
+void Outputs::note_removed(const Running& ended) {
+    auto status = ended.thread->status();
+    if (status.samples.waiting == 0) return;
+    const auto count = std::to_string(status.samples.waiting);
+    const std::array arguments{LogArgument{.name = "name", .text = status.name},
+                               LogArgument{.name = "count", .text = count},
+                               LogArgument{.name = "directory", .text = ended.directory}};
+    ended.log.message(LogLevel::warning, "log.output.removed", arguments);
+    status.state = OutputState::removed;
+    status.destination = ended.directory;
+    status.failure.clear();
+    const std::lock_guard lock(threads_mutex_);
+    removed_.push_back(std::move(status));
 }
 
 void Outputs::on_enqueued(std::size_t feed) {

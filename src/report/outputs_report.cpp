@@ -41,13 +41,16 @@ file::Json journal_json(const Texts& texts, const publish::OutputStatus& status)
     object.set("samples_lost", status.journal.samples_lost);
     object.set("dropped_segments", status.journal.dropped_segments);
     object.set("torn_bytes", status.journal.torn_bytes);
+    object.set("disk_waits_ms", milliseconds(status.disk_waits));
     object.set("failure", status.journal_failure ? error_json(texts, *status.journal_failure) : file::Json());
     return object;
 }
 
-Duration duration_of(const file::Json& milliseconds) {
-    const auto* const number = std::get_if<double>(&milliseconds.value());
-    if (const auto* const whole = std::get_if<std::int64_t>(&milliseconds.value()))
+/// @param milliseconds  null: none
+Duration duration_of(const file::Json* milliseconds) {
+    if (milliseconds == nullptr) return {};
+    const auto* const number = std::get_if<double>(&milliseconds->value());
+    if (const auto* const whole = std::get_if<std::int64_t>(&milliseconds->value()))
         return std::chrono::milliseconds(*whole);
     return number == nullptr ? Duration{} : Duration(static_cast<std::int64_t>(*number * 1e6));
 }
@@ -67,7 +70,7 @@ std::string line_of(const Texts& texts, const file::Json& output) {
                                            {"delivered", string_of(output, "delivered")},
                                            {"waiting", string_of(output, "waiting")}});
     if (const auto* const age = output.find("oldest_waiting_ms"); age != nullptr && !age->is_null())
-        text += texts("app.output.oldest", {{"age", age_text(duration_of(*age))}});
+        text += texts("app.output.oldest", {{"age", age_text(duration_of(age))}});
     if (const auto dropped = string_of(output, "dropped"); !dropped.empty() && dropped != "0")
         text += texts("app.output.dropped", {{"count", dropped}});
     if (const auto gaps = string_of(output, "gaps"); !gaps.empty() && gaps != "0")
@@ -83,6 +86,8 @@ std::string line_of(const Texts& texts, const file::Json& output) {
     const auto* const journal = output.find("journal");
     const auto torn = journal != nullptr ? string_of(*journal, "torn_bytes") : std::string();
     if (!torn.empty() && torn != "0") text += texts("app.output.torn", {{"count", torn}});
+    const auto waits = journal != nullptr ? duration_of(journal->find("disk_waits_ms")) : Duration{};
+    if (waits > Duration{}) text += texts("app.output.disk_waits", {{"age", age_text(waits)}});
     const auto* const failure = journal != nullptr ? journal->find("failure") : nullptr;
     if (failure != nullptr && !failure->is_null())
         text += texts("app.output.journal", {{"failure", without_stop(string_of(*failure, "text"))}});
@@ -120,6 +125,7 @@ file::Json output_json(const Texts& texts, const publish::OutputStatus& status, 
     object.set("delivered", status.samples.delivered);
     object.set("waiting", status.samples.waiting);
     object.set("dropped", status.samples.dropped);
+    object.set("lost", status.lost);
     object.set("gaps", status.gaps);
     object.set("oldest_waiting", status.oldest_waiting_ns
                                      ? file::Json(publish::time_text(*status.oldest_waiting_ns))
@@ -137,6 +143,18 @@ file::Json output_json(const Texts& texts, const publish::OutputStatus& status, 
     object.set("journal", journal_json(texts, status));
     if (status.mqtt) object.set("mqtt", mqtt_json(*status.mqtt));
     return object;
+}
+
+void add_outputs(const Texts& texts, file::Json& status, std::span<const publish::OutputStatus> outputs,
+                 std::int64_t wall_ns) {
+    const bool trouble = std::ranges::any_of(outputs, [](const publish::OutputStatus& output) {
+        using enum publish::OutputState;
+        return output.journal_failure || output.disk_waits > Duration{} || output.lost > 0 ||
+               output.commands_unrecorded > 0 || output.state == stopped || output.state == removed;
+    });
+    const auto* const health = status.find("health");
+    if (trouble && health != nullptr && *health == file::Json("ok")) status.set("health", "degraded");
+    status.set("outputs", outputs_json(texts, outputs, wall_ns));
 }
 
 file::Json outputs_json(const Texts& texts, std::span<const publish::OutputStatus> outputs,

@@ -36,7 +36,8 @@ public:
         store::GapCause cause{};
     };
     void add(Item item) {
-        const std::lock_guard lock(mutex_);
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return !held_; });
         items_.push_back(std::move(item));
         changed_.notify_all();
     }
@@ -46,11 +47,18 @@ public:
         return items_;
     }
     std::vector<Item> all() { return wait_for(0); }
+    /// While it is held, the thread of the output does not return.
+    void hold(bool held) {
+        const std::lock_guard lock(mutex_);
+        held_ = held;
+        changed_.notify_all();
+    }
 
 private:
     std::mutex mutex_;
     std::condition_variable changed_;
     std::vector<Item> items_;
+    bool held_ = false;
 };
 
 class MemoryWork final : public OutputWork {
@@ -107,7 +115,7 @@ protected:
         outputs_.emplace(*host_->open_session({.from_beginning = true}),
                          [this, policy](const host::ConfigurationPtr& configuration) {
                              ++configured_;
-                             return setups(*configuration, policy);
+                             return removed_ ? std::vector<OutputSetup>() : setups(*configuration, policy);
                          });
     }
     std::vector<OutputSetup> setups(const host::Configuration& configuration, const SamplePolicy& policy) {
@@ -139,6 +147,7 @@ protected:
     std::shared_ptr<Received> received_ = std::make_shared<Received>();
     std::shared_ptr<std::atomic<bool>> away_ = std::make_shared<std::atomic<bool>>(false);
     std::atomic<int> configured_ = 0;
+    std::atomic<bool> removed_ = false;  // the output, with the next configuration
     std::unique_ptr<host::ProjectHost> host_;
     std::optional<Outputs> outputs_;
 };
@@ -224,6 +233,46 @@ TEST_F(OutputsTest, AnOutputContinuesOverAChangeOfTheProject) {
     // One gap only: the journal was not opened again.
     EXPECT_EQ(std::ranges::count(items, std::string(), &Received::Item::variable), 1);
     EXPECT_EQ(items.back().variable.find("Speed"), std::string::npos);
+}
+
+TEST_F(OutputsTest, ARemovedOutputWithSamplesThatWaitIsReported) {
+    *away_ = true;
+    start();
+    for (int i = 0; i < 3000 && status().samples.waiting < 5; ++i) std::this_thread::sleep_for(10ms);
+    const auto apply = [&](bool removed) {
+        removed_ = removed;
+        auto project = host::test::project_of(kPlant);
+        auto plan = plan::make_plan(project);
+        ASSERT_TRUE(host_->apply(std::move(project), std::move(plan)));
+    };
+    apply(true);
+    for (int i = 0; i < 3000 && status().state != OutputState::removed; ++i)
+        std::this_thread::sleep_for(10ms);
+    EXPECT_EQ(status().state, OutputState::removed);
+    EXPECT_EQ(status().name, "cloud");
+    EXPECT_GE(status().samples.waiting, 5U);
+    EXPECT_EQ(status().destination, folder_ / "journal/cloud");
+    *away_ = false;
+    apply(false);
+    for (int i = 0; i < 3000 && status().state != OutputState::delivering; ++i)
+        std::this_thread::sleep_for(10ms);
+    EXPECT_EQ(outputs_->status().size(), 1U);
+    EXPECT_EQ(status().state, OutputState::delivering);
+    stop();
+}
+
+// A work that does not return stands for a disk that does not answer.
+TEST_F(OutputsTest, ADiskThatHangsIsReportedWhileItHangs) {
+    start();
+    ASSERT_GE(received_->wait_for(1).size(), 1U);
+    EXPECT_EQ(status().disk_waits, Duration{});
+    received_->hold(true);
+    for (int i = 0; i < 3000 && status().disk_waits == Duration{}; ++i) std::this_thread::sleep_for(10ms);
+    EXPECT_GE(status().disk_waits, 2s);
+    received_->hold(false);
+    for (int i = 0; i < 3000 && status().disk_waits > Duration{}; ++i) std::this_thread::sleep_for(10ms);
+    EXPECT_EQ(status().disk_waits, Duration{});
+    stop();
 }
 
 TEST_F(OutputsTest, ADirectoryThatCannotBeUsedIsReportedAndSamplesWait) {

@@ -45,13 +45,46 @@ TEST(OutputsReport, ALineForEachOutput) {
 
 TEST(OutputsReport, EveryStateHasItsWords) {
     using enum publish::OutputState;
-    for (const auto state : {starting, connecting, delivering, waiting, stopped, ended})
+    for (const auto state : {starting, connecting, delivering, waiting, stopped, ended, removed})
         for (const auto language : kLanguages) {
             auto one = status();
             one.state = state;
             one.journal_failure = Error{Code::io_failed, "journal", {28, 0, 0}};
             expect_complete(output_text(Texts(language), one, 0));
         }
+}
+
+TEST(OutputsReport, ADiskThatHangsAndSamplesThatAreTooLargeAreShown) {
+    auto made = status();
+    made.disk_waits = std::chrono::seconds(3);
+    made.too_large = 4;
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        const auto text = output_text(texts, made, 0);
+        expect_contains(text, texts("app.output.disk_waits", {{"age", age_text(std::chrono::seconds(3))}}));
+        expect_contains(text, texts("app.output.too_large", {{"count", "4"}}));
+    }
+    EXPECT_JSON(*output_json(english(), made, 0).find("journal")->find("disk_waits_ms"), 3000.0);
+}
+
+TEST(OutputsReport, TroubleOfAnOutputShowsInTheHealth) {
+    using Change = void (*)(publish::OutputStatus&);
+    const auto health_with = [](const char* before, Change change) {
+        auto made = status();
+        change(made);
+        auto answer = file::Json::object();
+        answer.set("health", before);
+        add_outputs(english(), answer, std::span(&made, 1), 0);
+        EXPECT_TRUE(answer.find("outputs"));
+        return std::get<std::string>(answer.find("health")->value());
+    };
+    EXPECT_EQ(health_with("ok", [](auto&) {}), "ok") << "a broker that is away";
+    const Change troubles[] = {[](auto& its) { its.lost = 1; },
+                               [](auto& its) { its.disk_waits = std::chrono::seconds(2); },
+                               [](auto& its) { its.journal_failure = Error{Code::io_failed, "j", {28}}; },
+                               [](auto& its) { its.state = publish::OutputState::stopped; }};
+    for (const auto change : troubles) EXPECT_EQ(health_with("ok", change), "degraded");
+    EXPECT_EQ(health_with("failed", troubles[0]), "failed");
 }
 
 TEST(OutputsReport, JsonHasTheCountsAndTheOldest) {

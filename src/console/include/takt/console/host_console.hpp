@@ -68,6 +68,7 @@ private:
         publish::OutputState state{};
         std::string failure;
         std::optional<Error> journal_failure;
+        bool disk_waits = false;
         std::uint64_t gaps = 0;
         friend bool operator==(const OutputSummary&, const OutputSummary&) = default;
     };

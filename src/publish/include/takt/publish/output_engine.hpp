@@ -90,6 +90,7 @@ private:
     std::uint64_t taken_ = 0;            // samples from the queue
     std::uint64_t taken_lost_ = 0;       // of them, lost before
     std::uint64_t appended_before_ = 0;  // counted by the journal when it was opened
+    std::uint64_t dropped_before_ = 0;   // likewise
     bool stopping_ = false;
     Instant stop_until_ = kNever;  // kNever: it goes on
     bool leaving_ = false;         // the work was stopped

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "takt/base/result.hpp"
+#include "takt/base/time.hpp"
 #include "takt/publish/mqtt_status.hpp"
 #include "takt/store/journal.hpp"
 
@@ -28,6 +29,7 @@ enum class OutputState : std::uint8_t {
     waiting,     ///< the destination is away; the next attempt follows
     stopped,     ///< a user must act; see the failure
     ended,
+    removed,  ///< from the project, with samples that wait; the destination is the directory of the journal
 };
 std::string_view name(OutputState state);
 
@@ -39,7 +41,8 @@ struct OutputStatus {
     std::optional<std::int64_t> oldest_waiting_ns;  ///< wall time of the oldest durable sample not delivered
     std::string destination;                        ///< the broker in use, or the file
     std::optional<Error> journal_failure;           ///< of its disk; none as soon as it works again
-    std::string failure;  ///< the last one of the destination; empty: none since the last success
+    Duration disk_waits{};  ///< for so long the disk has not answered; zero: less than 2 s
+    std::string failure;    ///< the last one of the destination; empty: none since the last success
     store::JournalStatus journal;
     std::optional<MqttStatus> mqtt;  ///< of an MQTT output
     // Of this run.
@@ -47,6 +50,7 @@ struct OutputStatus {
     std::uint64_t commands_refused = 0;     ///< of them, before the host got them
     std::uint64_t answers_dropped = 0;      ///< too many waited for the broker
     std::uint64_t commands_unrecorded = 0;  ///< without a line in commands.log, which could not be written
+    std::uint64_t lost = 0;                 ///< samples that were dropped
     std::uint64_t too_large = 0;            ///< samples that exceed the largest packet of the broker
     std::string set_aside;  ///< of a history: where a damaged file was moved; empty: there was none
 };

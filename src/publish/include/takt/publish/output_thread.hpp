@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <thread>
@@ -48,16 +49,23 @@ public:
     /// ask_to_stop(), and waits for the end. The owner's thread.
     void finish();
 
-    [[nodiscard]] OutputStatus status() const { return engine_.status(); }
+    [[nodiscard]] OutputStatus status() const;
 
 private:
+    /// A disk that does not answer for this time is reported.
+    static constexpr Duration kDiskHangs = std::chrono::seconds(2);
+    static constexpr Instant::rep kWaiting = std::numeric_limits<Instant::rep>::max();
+
     void run();
     void wait(Instant until);
+    /// Does not return while the disk does not answer.
+    void step(Instant now);
 
     os::Descriptor bell_;  // an eventfd
     OutputEngine engine_;
     std::atomic<bool> stopping_ = false;
     std::atomic<bool> state_changed_ = false;
+    std::atomic<Instant::rep> step_began_ = kWaiting;  // kWaiting: between two steps
     std::thread thread_;
 };
 

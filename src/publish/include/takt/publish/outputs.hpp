@@ -48,12 +48,15 @@ public:
     /// OutputThread::Options::stop_limit. To be called after ProjectHost::stop(). A second call does nothing.
     void stop();
 
-    /// In the order of the project; the last states after stop().
+    /// In the order of the project; the last states after stop(). Outputs that were removed from the project
+    /// while samples waited follow, in the state `removed`, until they are in it again.
     [[nodiscard]] std::vector<OutputStatus> status() const;
 
 private:
     struct Running {
         std::string settings;
+        std::string directory;  ///< of its journal
+        Log log;
         std::shared_ptr<OutputThread> thread;
         std::unique_ptr<SampleFeed> feed;
     };
@@ -66,7 +69,9 @@ private:
     void run();
     void ring();
     void wait(Instant until);
-    void end_others(const std::vector<std::shared_ptr<OutputThread>>& continued);
+    void end_others(const std::vector<std::shared_ptr<OutputThread>>& continued,
+                    const std::vector<OutputSetup>& setups);
+    void note_removed(const Running& ended);
 
     // The sampling thread's.
     std::unique_ptr<host::Session> session_;
@@ -79,6 +84,7 @@ private:
     mutable std::mutex threads_mutex_;  // held for a copy only
     std::vector<std::shared_ptr<OutputThread>> threads_;
     std::mutex stop_mutex_;
+    std::vector<OutputStatus> removed_;      // with samples that wait, under threads_mutex_
     std::vector<OutputStatus> last_status_;  // after the end, under threads_mutex_
     std::thread thread_;
 };

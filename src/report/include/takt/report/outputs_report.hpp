@@ -28,4 +28,9 @@ namespace takt::report {
 [[nodiscard]] file::Json outputs_json(const Texts& texts, std::span<const publish::OutputStatus> outputs,
                                       std::int64_t wall_ns);
 
+/// Adds the key `outputs` to the answer to `status`. Its health is not `ok` where an output loses samples,
+/// cannot write its journal, or needs a person.
+void add_outputs(const Texts& texts, file::Json& status, std::span<const publish::OutputStatus> outputs,
+                 std::int64_t wall_ns);
+
 }  // namespace takt::report
