@@ -1,6 +1,7 @@
 #include "takt/report/traffic_capture.hpp"
 
 #include "takt/base/network.hpp"
+#include "takt/line/serial_port.hpp"
 
 namespace takt::report {
 namespace {
@@ -15,7 +16,22 @@ std::string server_address(const model::Line& line) {
     return known ? line.port : std::string();
 }
 
+/// A TCP connection and a pseudo-terminal have no character times: a response may come before its request
+/// would have been sent.
+bool has_character_times(const model::Line& line) {
+    const bool serial = line.framing != wire::Framing::tcp && line.transport != model::Transport::tcp &&
+                        line.transport != model::Transport::tls;
+    return serial && (line.transport == model::Transport::simulated || !line::is_pseudo_terminal(line.port));
+}
+
 }  // namespace
+
+Instant TrafficCapture::end_of(const host::TrafficRecord& record) {
+    const auto* const source = source_of(record);
+    const bool sent = record.direction == wire::Direction::sent && !overheard_;
+    const bool timed = sent && source && source->format.baud > 0;
+    return timed ? record.t + wire::transmission_time(source->format, record.raw.size()) : record.t;
+}
 
 const TrafficCapture::Source* TrafficCapture::source_of(const host::TrafficRecord& record) {
     const Key key{record.generation, record.source.kind, record.source.index};
@@ -26,6 +42,7 @@ const TrafficCapture::Source* TrafficCapture::source_of(const host::TrafficRecor
     const auto name = line->name.empty() ? line->port : line->name;
     const auto number = numbers_.try_emplace({record.source.kind, name}, numbers_.size()).first->second;
     Source source{.number = number, .name = name, .framing = line->framing, .address = server_address(*line)};
+    if (has_character_times(*line)) source.format = line->format;
     for (const auto& device : line->devices) source.devices[device.address.value] = device.name;
     return &sources_.emplace(key, std::move(source)).first->second;
 }

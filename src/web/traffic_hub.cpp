@@ -161,7 +161,7 @@ Result<std::string> TrafficHub::capture() const {
     report::TrafficCapture capture([&](const auto& record) { return session->line_of(record); });
     std::string bytes;
     capture.frames().begin_file(bytes);
-    for (const auto& record : last) capture.add(record, clock.ns(record.t), bytes);
+    for (const auto& record : last) capture.add(record, clock.ns(capture.end_of(record)), bytes);
     return bytes;
 }
 

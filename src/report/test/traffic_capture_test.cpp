@@ -53,6 +53,20 @@ TEST(TrafficCapture, ALineStaysTheSameInterfaceAfterAReload) {
     EXPECT_EQ(file.find("rs485-1", first + 1), std::string::npos);
 }
 
+TEST(TrafficCapture, ASentFrameHasTheTimeOfItsLastCharacter) {
+    auto line = line_named("rs485-1", wire::Framing::rtu);
+    line.transport = model::Transport::simulated;
+    line.format = {.baud = 9600, .parity = wire::Parity::none, .stop_bits = 1};
+    TrafficCapture capture([&](const auto&) { return line; });
+    auto record = request_of(1);
+    EXPECT_EQ(capture.end_of(record) - record.t, wire::transmission_time(line.format, 4));
+    record.direction = wire::Direction::received;
+    EXPECT_EQ(capture.end_of(record), record.t);
+    line.transport = model::Transport::tcp;
+    record = request_of(2);
+    EXPECT_EQ(capture.end_of(record), record.t) << "RTU over TCP";
+}
+
 TEST(TrafficCapture, DroppedBytesHaveTheirReason) {
     TrafficCapture capture([](const auto&) { return line_named("rs485-1", wire::Framing::rtu); });
     std::string file;

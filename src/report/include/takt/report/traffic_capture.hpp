@@ -12,6 +12,7 @@
 #include "takt/capture/frame_capture.hpp"
 #include "takt/host/traffic.hpp"
 #include "takt/model/line.hpp"
+#include "takt/wire/line_timing.hpp"
 
 namespace takt::report {
 
@@ -26,7 +27,11 @@ public:
     explicit TrafficCapture(LineOf line_of, bool overheard = false)
         : line_of_(std::move(line_of)), overheard_(overheard) {}
 
-    /// @param wall_ns  the time of the record, since 1970
+    /// When the last character of a frame was complete. A record has this time if it was received. If it was
+    /// sent it has the time of its first character, and the others follow at the bit rate of the line.
+    [[nodiscard]] Instant end_of(const host::TrafficRecord& record);
+
+    /// @param wall_ns  the time of the frame, since 1970
     /// @param out      receives the blocks
     void add(const host::TrafficRecord& record, std::int64_t wall_ns, std::string& out);
 
@@ -38,6 +43,7 @@ private:
         std::size_t number = 0;
         std::string name;
         wire::Framing framing{};
+        wire::CharacterFormat format{.baud = 0};        // of a line with character times; baud 0: none
         std::string address;                            // of the server; empty: unknown
         std::map<std::uint8_t, std::string> devices{};  // by address
     };
