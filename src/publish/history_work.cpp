@@ -101,32 +101,30 @@ Result<void> HistoryWork::append(const store::JournalEntry& entry) {
 }
 
 // A commit without samples notes up to when the values are known.
-Result<void> HistoryWork::take(Instant now) {
+Result<bool> HistoryWork::take(Instant now) {
     TAKT_CHECK(open());
     bool more = true;
-    while (more) {
-        while (records_ < kMostRecords) {
-            TAKT_TRY(const auto entry, journal_->read(destination_));
-            more = entry.has_value();
-            if (!more) break;
-            TAKT_CHECK(append(*entry));
-            last_sequence_ = entry->header.sequence;
-            ++records_;
-        }
-        TAKT_CHECK(history_->commit(system_wall_ns(now)));
-        if (records_ > 0) TAKT_CHECK(journal_->acknowledge(now, destination_, last_sequence_));
-        records_ = 0;
+    while (records_ < kMostRecords) {
+        TAKT_TRY(const auto entry, journal_->read(destination_));
+        more = entry.has_value();
+        if (!more) break;
+        TAKT_CHECK(append(*entry));
+        last_sequence_ = entry->header.sequence;
+        ++records_;
     }
-    return {};
+    TAKT_CHECK(history_->commit(system_wall_ns(now)));
+    if (records_ > 0) TAKT_CHECK(journal_->acknowledge(now, destination_, last_sequence_));
+    records_ = 0;
+    return more;
 }
 
+// One commit a call: the thread takes new samples in between, and a long call shows that the disk hangs.
 void HistoryWork::work(Instant now) {
     if (stopped_ || now < next_) return;
-    next_ = now + kCommitEvery;
-    if (const auto taken = take(now); !taken)
-        fail_with(now, taken.error());
-    else
-        failure_.reset();
+    const auto more = take(now);
+    if (!more) return fail_with(now, more.error());
+    failure_.reset();
+    next_ = *more ? now : now + kCommitEvery;
 }
 
 // What was appended and not committed is forgotten, and read from the journal again.
@@ -137,8 +135,11 @@ void HistoryWork::fail_with(Instant now, const Error& error) {
 }
 
 void HistoryWork::stop(Instant now) {
-    next_ = now;
-    work(now);
+    if (stopped_) return;
+    do {
+        next_ = now;
+        work(now);
+    } while (next_ == now);
     stopped_ = true;
     history_.reset();
 }

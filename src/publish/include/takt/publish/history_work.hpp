@@ -40,7 +40,8 @@ private:
     static constexpr std::size_t kMostRecords = 256;
 
     [[nodiscard]] Result<void> open();
-    [[nodiscard]] Result<void> take(Instant now);
+    /// Commits at most kMostRecords. @returns whether more wait
+    [[nodiscard]] Result<bool> take(Instant now);
     [[nodiscard]] Result<void> append(const store::JournalEntry& entry);
     [[nodiscard]] Result<store::SeriesId> series_of(const Series& series);
     void fail_with(Instant now, const Error& error);
