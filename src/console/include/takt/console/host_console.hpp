@@ -69,7 +69,7 @@ private:
         std::string failure;
         std::optional<Error> journal_failure;
         bool disk_waits = false;
-        std::uint64_t gaps = 0;
+        bool has_gaps = false;
         friend bool operator==(const OutputSummary&, const OutputSummary&) = default;
     };
     using LinkState = std::pair<bool, std::optional<Error>>;  // up; why not
