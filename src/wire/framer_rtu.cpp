@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "checksum.hpp"
-#include "takt/wire/expected_length.hpp"
 #include "takt/base/assert.hpp"
+#include "takt/wire/expected_length.hpp"
 #include "takt/wire/frame.hpp"
 #include "takt/wire/framer.hpp"
 #include "takt/wire/pdu.hpp"
