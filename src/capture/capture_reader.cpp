@@ -112,6 +112,7 @@ bool CaptureReader::parse() {
             step.packet.number = ++packets_;
             sink_.on_packet(step.packet);
         }
+        dropped_ += step.dropped;
         skip_ = step.length;
     }
     return true;

@@ -90,6 +90,7 @@ void add_part(std::string& text, std::string_view part) {
 
 void FrameCapture::begin_file(std::string& out) {
     interfaces_.clear();
+    captured_ = lost_ = 0;
     append_section(out);
 }
 
@@ -107,7 +108,7 @@ FrameCapture::Connection& FrameCapture::connection_of(const CapturedFrame& frame
         connections_.erase(
             std::ranges::min_element(connections_, {}, [](const auto& entry) { return entry.second.used; }));
     auto& connection = connections_[std::move(key)];
-    connection.used = captured_;
+    connection.used = ++uses_;
     return connection;
 }
 

@@ -16,6 +16,7 @@ constexpr std::size_t kBlockHead = 8;
 constexpr std::size_t kLeastSection = 28;
 constexpr std::size_t kLeastInterface = 20;
 constexpr std::size_t kPacketHead = 28;            // of an enhanced packet block, with the block's head
+constexpr std::size_t kStatisticsHead = 20;        // likewise of an interface statistics block
 constexpr std::size_t kSimpleHead = 12;            // likewise of a simple packet block
 constexpr std::size_t kMostDescription = 1 << 16;  // bytes of a section header or an interface description
 // A packet and its options.
@@ -54,7 +55,8 @@ struct Interface {
     std::uint32_t most_captured = 0;  // snaplen; 0: no limit
     Resolution resolution;
     std::int64_t offset_ns = 0;
-    std::uint32_t number = 0;  // over all sections
+    std::uint32_t number = 0;   // over all sections
+    std::uint64_t dropped = 0;  // by the last statistics
 };
 
 class PcapngParser final : public RecordParser {
@@ -71,6 +73,8 @@ public:
             case format::kEnhancedPacket:
             case format::kObsoletePacket: return with_block(bytes, length, kPacketHead + 4, kMostBlock);
             case format::kSimplePacket: return with_block(bytes, length, kSimpleHead + 4, kMostBlock);
+            case format::kInterfaceStatistics:
+                return with_block(bytes, length, kStatisticsHead + 4, kMostDescription);
             default: return {.length = length};
         }
     }
@@ -97,6 +101,7 @@ private:
         switch (numbers_.u32(block.data())) {
             case format::kInterface: return add_interface(block);
             case format::kSimplePacket: return simple_packet(block);
+            case format::kInterfaceStatistics: return statistics(block);
             case format::kObsoletePacket: return packet(block, numbers_.u16(block.data() + kBlockHead));
             default: return packet(block, numbers_.u32(block.data() + kBlockHead));
         }
@@ -130,6 +135,26 @@ private:
         interface.number = next_number_++;
         interfaces_.push_back(interface);
         return {.length = block.size()};
+    }
+
+    RecordStep statistics(Bytes block) {
+        RecordStep step{.length = block.size()};
+        const auto number = numbers_.u32(block.data() + kBlockHead);
+        if (number >= interfaces_.size()) return step;
+        auto& interface = interfaces_[number];
+        auto options = block.subspan(kStatisticsHead, block.size() - kStatisticsHead - 4);
+        while (options.size() >= 4) {
+            const auto code = numbers_.u16(options.data());
+            const std::size_t length = numbers_.u16(options.data() + 2);
+            if (code == format::kEndOfOptions || options.size() < 4 + length) break;
+            if (code == format::kDropped && length == 8) {
+                const auto dropped = numbers_.u64(options.data() + 4);
+                step.dropped = dropped - std::min(dropped, interface.dropped);
+                interface.dropped = dropped;
+            }
+            options = options.subspan(std::min(options.size(), 4 + (length + 3) / 4 * 4));
+        }
+        return step;
     }
 
     static bool set_resolution(Interface& interface, std::uint8_t value) {

@@ -18,7 +18,8 @@ struct RecordStep {
     std::uint64_t length = 0;  ///< of the record; may be greater than the bytes there: the rest is skipped
     std::optional<CaptureError> error = {};  ///< without offset and packet
     bool has_packet = false;
-    Packet packet = {};  ///< without its number
+    Packet packet = {};         ///< without its number
+    std::uint64_t dropped = 0;  ///< packets that the capture lacks, by statistics since those before
 };
 
 /// Reads one record after the other.

@@ -100,8 +100,8 @@ void CaptureLog::flush() {
     const auto frames = std::exchange(frames_, 0);
     if (written) return;
     note(written.error());
-    capture_.frames().add_loss(frames);
     capture_.frames().begin_file(blocks_);
+    capture_.frames().add_loss(frames);
 }
 
 void CaptureLog::note(const Error& error) {

@@ -82,6 +82,7 @@ private:
             progress.show(line::now(), {.done = bytes, .total = input.size().value_or(0)}, step());
         }
         if (!StoppableInput::stopped()) reader_.end();
+        analysis_.set_dropped(reader_.dropped());
         return {};
     }
 

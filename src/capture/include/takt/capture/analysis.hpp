@@ -24,7 +24,7 @@ struct PacketCounts {
     std::uint64_t malformed = 0;       ///< their headers contradict themselves
     std::uint64_t other_link = 0;
     std::uint16_t first_other_link = 0;  ///< the type of the first of those
-    std::uint64_t dropped = 0;           ///< by the system, before this program had them
+    std::uint64_t dropped = 0;           ///< when the capture was made, or by the system
     std::uint64_t untimed = 0;           ///< without a time: left out
     std::uint64_t backwards = 0;         ///< earlier than the packet before
     std::int64_t first_ns = 0;           ///< since 1970
@@ -41,7 +41,7 @@ public:
     Analysis& operator=(const Analysis&) = delete;
 
     void on_packet(const Packet& packet) override;
-    /// The system could not keep that many packets, in all.
+    /// That many packets passed and are not in the capture, in all.
     void set_dropped(std::uint64_t count) { packets_.dropped = count; }
     /// The capture has ended.
     void end();

@@ -66,6 +66,8 @@ public:
 
     [[nodiscard]] const std::optional<CaptureError>& error() const { return error_; }
     [[nodiscard]] std::uint64_t packets() const { return packets_; }
+    /// Packets that were lost when the capture was made, as its statistics say (pcapng).
+    [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
 private:
     friend class RecordParser;
@@ -82,6 +84,7 @@ private:
     std::uint64_t offset_ = 0;  // of begin_ in the file
     std::uint64_t skip_ = 0;    // bytes of a block without interest that have not come yet
     std::uint64_t packets_ = 0;
+    std::uint64_t dropped_ = 0;
     std::unique_ptr<RecordParser> parser_;
     std::optional<CaptureError> error_;
 };

@@ -57,9 +57,10 @@ public:
     /// Frames were lost before the next one, which gets a comment about it.
     void add_loss(std::uint64_t count);
 
-    /// Ends a file: statistics of what was captured and lost in all files up to now.
+    /// Ends a file: statistics of what was captured and lost since it began.
     void end_file(std::int64_t wall_ns, std::string& out);
 
+    /// Since the file began.
     [[nodiscard]] std::uint64_t lost() const { return lost_; }
 
 private:
@@ -80,9 +81,10 @@ private:
 
     std::map<std::pair<std::size_t, LinkType>, std::uint32_t> interfaces_;
     std::map<ConnectionKey, Connection> connections_;
-    std::uint64_t captured_ = 0;
-    std::uint64_t lost_ = 0;
-    std::uint64_t unreported_ = 0;  // of lost_
+    std::uint64_t captured_ = 0;    // in this file
+    std::uint64_t lost_ = 0;        // likewise
+    std::uint64_t unreported_ = 0;  // lost before the next frame
+    std::uint64_t uses_ = 0;        // of connections
 };
 
 }  // namespace takt::capture
