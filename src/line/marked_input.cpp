@@ -4,31 +4,30 @@
 
 namespace takt::line {
 
-std::size_t MarkedInput::decode(std::span<std::uint8_t> bytes) {
+std::optional<wire::Character> MarkedInput::take(std::uint8_t byte) {
     constexpr std::uint8_t kMark = 0xFF;
+    switch (state_) {
+        case State::plain:
+            if (byte != kMark) return wire::Character{byte, false};
+            state_ = State::marked;
+            return std::nullopt;
+        case State::marked:
+            state_ = byte == 0 ? State::faulty : State::plain;
+            if (byte == 0) return std::nullopt;
+            return wire::Character{byte, false};
+        case State::faulty: break;
+    }
+    state_ = State::plain;
+    ++(byte == 0 ? breaks_ : faulty_);
+    return wire::Character{byte, true};
+}
+
+std::size_t MarkedInput::decode(std::span<std::uint8_t> bytes) {
     std::size_t kept = 0;
     for (const std::uint8_t byte : bytes) {
-        switch (state_) {
-            case State::plain:
-                if (byte == kMark)
-                    state_ = State::marked;
-                else
-                    bytes[kept++] = byte;
-                break;
-            case State::marked:
-                state_ = byte == 0 ? State::faulty : State::plain;
-                if (byte != 0) bytes[kept++] = byte;
-                break;
-            case State::faulty:
-                state_ = State::plain;
-                if (byte == 0) {
-                    ++breaks_;
-                } else {
-                    ++faulty_;
-                    bytes[kept++] = static_cast<std::uint8_t>(~byte);
-                }
-                break;
-        }
+        const auto character = take(byte);
+        if (!character || (character->faulty && character->value == 0)) continue;
+        bytes[kept++] = character->faulty ? static_cast<std::uint8_t>(~character->value) : character->value;
     }
     return kept;
 }

@@ -97,8 +97,9 @@ std::unexpected<Error> cannot_open(const std::string& path) {
     return fail(Code::cannot_open, path, errno);
 }
 
-Result<os::Descriptor> open_locked(const std::string& path) {
-    os::Descriptor fd(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+Result<os::Descriptor> open_locked(const std::string& path, bool read_only) {
+    const int access = read_only ? O_RDONLY : O_RDWR;
+    os::Descriptor fd(::open(path.c_str(), access | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
     if (!fd && errno == EBUSY) return fail(Code::busy, path);
     if (!fd) return cannot_open(path);
     termios2 probe{};
@@ -110,23 +111,23 @@ Result<os::Descriptor> open_locked(const std::string& path) {
 
 // A driver does not report an unsupported setting. It silently keeps or substitutes another one, so the
 // settings are read back. A bit rate may differ by at most 2 %.
-Result<void> check_taken(int fd, const SerialSettings& settings, const termios2& wanted) {
+Result<void> check_taken(int fd, const std::string& path, const wire::CharacterFormat& format,
+                         const termios2& wanted) {
     termios2 got{};
-    if (::ioctl(fd, TCGETS2, &got) != 0) return cannot_open(settings.path);
+    if (::ioctl(fd, TCGETS2, &got) != 0) return cannot_open(path);
     const auto differs = [&](tcflag_t mask) { return ((got.c_cflag ^ wanted.c_cflag) & mask) != 0; };
     const auto refuse = [&](std::string_view what, unsigned value) {
-        return fail(Code::unsupported, settings.path + " " + std::string(what) + "=" + std::to_string(value));
+        return fail(Code::unsupported, path + " " + std::string(what) + "=" + std::to_string(value));
     };
     const std::uint32_t deviation =
         got.c_ospeed > wanted.c_ospeed ? got.c_ospeed - wanted.c_ospeed : wanted.c_ospeed - got.c_ospeed;
     if (deviation > wanted.c_ospeed / 50) return refuse("baud", wanted.c_ospeed);
     if (differs(PARENB | PARODD))
-        return fail(Code::unsupported,
-                    settings.path + (settings.format.parity == Parity::even  ? " parity=even"
-                                     : settings.format.parity == Parity::odd ? " parity=odd"
-                                                                             : " parity=none"));
-    if (differs(CSTOPB)) return refuse("stop_bits", settings.format.stop_bits);
-    if (differs(CSIZE)) return refuse("data_bits", settings.format.data_bits);
+        return fail(Code::unsupported, path + (format.parity == Parity::even  ? " parity=even"
+                                               : format.parity == Parity::odd ? " parity=odd"
+                                                                              : " parity=none"));
+    if (differs(CSTOPB)) return refuse("stop_bits", format.stop_bits);
+    if (differs(CSIZE)) return refuse("data_bits", format.data_bits);
     return {};
 }
 
@@ -137,6 +138,7 @@ struct SerialPort::Impl {
     std::string path;
     termios2 original{};
     bool configured = false;
+    bool pseudo = false;
     std::optional<serial_rs485> original_rs485;
     std::optional<serial_struct> original_serial;
     Rs485 mode = Rs485::none;
@@ -145,8 +147,9 @@ struct SerialPort::Impl {
 
     ~Impl();
     Result<void> configure(const SerialSettings& settings);
+    Result<void> apply(const wire::CharacterFormat& format);
     bool enable_kernel_rs485();
-    Result<void> configure_rs485(const SerialSettings& settings, bool pseudo);
+    Result<void> configure_rs485(const SerialSettings& settings);
     void ask_low_latency();
     void set_sending(bool on);
     std::optional<bool> transmitter_empty() const;
@@ -190,15 +193,19 @@ std::optional<bool> SerialPort::Impl::transmitter_empty() const {
 Result<void> SerialPort::Impl::configure(const SerialSettings& settings) {
     if (::ioctl(fd.get(), TCGETS2, &original) != 0) return cannot_open(path);
     struct stat status{};
-    const bool pseudo = ::fstat(fd.get(), &status) == 0 && is_pseudo_terminal(status);
-    const termios2 wanted = raw_mode(original, settings.format);
-    if (::ioctl(fd.get(), TCSETS2, &wanted) != 0) return cannot_open(path);
-    configured = true;
-    if (!pseudo) TAKT_CHECK(check_taken(fd.get(), settings, wanted));
-    TAKT_CHECK(configure_rs485(settings, pseudo));
+    pseudo = ::fstat(fd.get(), &status) == 0 && is_pseudo_terminal(status);
+    TAKT_CHECK(apply(settings.format));
+    TAKT_CHECK(configure_rs485(settings));
     if (settings.low_latency && !pseudo) ask_low_latency();
     ::ioctl(fd.get(), TCFLSH, TCIFLUSH);
     return {};
+}
+
+Result<void> SerialPort::Impl::apply(const wire::CharacterFormat& format) {
+    const termios2 wanted = raw_mode(original, format);
+    if (::ioctl(fd.get(), TCSETS2, &wanted) != 0) return cannot_open(path);
+    configured = true;
+    return pseudo ? Result<void>() : check_taken(fd.get(), path, format, wanted);
 }
 
 bool SerialPort::Impl::enable_kernel_rs485() {
@@ -212,7 +219,7 @@ bool SerialPort::Impl::enable_kernel_rs485() {
     return true;
 }
 
-Result<void> SerialPort::Impl::configure_rs485(const SerialSettings& settings, bool pseudo) {
+Result<void> SerialPort::Impl::configure_rs485(const SerialSettings& settings) {
     if (pseudo || settings.rs485 == Rs485::none) return {};
     if (settings.rs485 == Rs485::rts) {
         int rts = TIOCM_RTS;
@@ -252,7 +259,7 @@ SerialPort::~SerialPort() = default;
 
 Result<std::unique_ptr<SerialPort>> SerialPort::open(const SerialSettings& settings) {
     TAKT_CHECK(check_ranges(settings.format));
-    TAKT_TRY(os::Descriptor fd, open_locked(settings.path));
+    TAKT_TRY(os::Descriptor fd, open_locked(settings.path, settings.read_only));
     auto impl = std::make_unique<Impl>();
     impl->fd = std::move(fd);
     impl->path = settings.path;
@@ -282,6 +289,26 @@ Result<std::size_t> SerialPort::read(std::span<std::uint8_t> buffer) {
     if (got > 0) return impl_->input.decode(buffer.first(static_cast<std::size_t>(got)));
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
     return fail(Code::connection_lost, impl_->path, got == 0 ? EIO : errno);
+}
+
+Result<std::size_t> SerialPort::read_characters(std::span<wire::Character> characters) {
+    std::array<std::uint8_t, 512> bytes;
+    const auto room = std::min(bytes.size(), characters.size());
+    const ssize_t got = ::read(impl_->fd.get(), bytes.data(), room);
+    if (got < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
+    if (got <= 0) return fail(Code::connection_lost, impl_->path, got == 0 ? EIO : errno);
+    std::size_t count = 0;
+    for (const auto byte : std::span(bytes).first(static_cast<std::size_t>(got)))
+        if (const auto character = impl_->input.take(byte)) characters[count++] = *character;
+    return count;
+}
+
+Result<void> SerialPort::set_format(const wire::CharacterFormat& format) {
+    TAKT_CHECK(check_ranges(format));
+    TAKT_CHECK(impl_->apply(format));
+    impl_->input = {};
+    ::ioctl(impl_->fd.get(), TCFLSH, TCIFLUSH);
+    return {};
 }
 
 Result<std::size_t> SerialPort::write(Bytes bytes) {

@@ -136,6 +136,35 @@ TEST(SerialPort, CarriesEveryByte) {
     EXPECT_EQ(got, all);
 }
 
+TEST(SerialPort, OpenedForReadingItSendsNothing) {
+    const auto loop = make_loop();
+    const Pty pty;
+    auto settings = settings_of(pty.path);
+    settings.read_only = true;
+    const auto port = SerialPort::open(settings);
+    ASSERT_TRUE(port);
+    const std::uint8_t byte = 1;
+    EXPECT_EQ((*port)->write({&byte, 1}).error(),
+              (Error{Code::connection_lost, std::string_view(pty.path), {EBADF, 0, 0}}));
+    pty.write("a\xff");
+    std::vector<wire::Character> got;
+    const auto read = [&](std::size_t wanted) {
+        return run_until(*loop, [&] {
+            wire::Character characters[10];
+            const auto count = (*port)->read_characters(characters).value();
+            got.insert(got.end(), characters, characters + count);
+            return got.size() >= wanted;
+        });
+    };
+    EXPECT_TRUE(read(2));
+    ASSERT_TRUE((*port)->set_format({9600, 8, wire::Parity::even, 1}));
+    EXPECT_EQ(::cfgetospeed(std::array{settings_now(pty)}.data()), static_cast<speed_t>(B9600));
+    pty.write("b");
+    EXPECT_TRUE(read(3));
+    EXPECT_EQ(got, (std::vector<wire::Character>{{'a', false}, {0xFF, false}, {'b', false}}));
+    EXPECT_EQ((*port)->set_format({9600, 9, wire::Parity::even, 1}).error().code, Code::out_of_range);
+}
+
 TEST(SerialPort, KnowsPseudoTerminals) {
     const Pty pty;
     EXPECT_TRUE(is_pseudo_terminal(pty.path));

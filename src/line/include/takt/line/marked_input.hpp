@@ -3,7 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+
+#include "takt/wire/character.hpp"
 
 namespace takt::line {
 
@@ -17,6 +20,10 @@ class MarkedInput {
 public:
     /// Decodes in place. @returns how many bytes are left at the front of `bytes`
     [[nodiscard]] std::size_t decode(std::span<std::uint8_t> bytes);
+
+    /// The character that ends with this byte. Unlike decode(), it has the value that was received, and a
+    /// break is a faulty zero.
+    [[nodiscard]] std::optional<wire::Character> take(std::uint8_t byte);
 
     [[nodiscard]] std::uint64_t faulty_characters() const { return faulty_; }
     [[nodiscard]] std::uint64_t breaks() const { return breaks_; }

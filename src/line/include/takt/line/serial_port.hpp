@@ -7,6 +7,7 @@
 
 #include "takt/line/byte_stream.hpp"
 #include "takt/model/project.hpp"
+#include "takt/wire/character.hpp"
 #include "takt/wire/line_timing.hpp"
 
 namespace takt::line {
@@ -17,6 +18,7 @@ struct SerialSettings {
     model::Rs485 rs485 = model::Rs485::automatic;
     bool low_latency =
         true;  ///< ask the driver to hand on received bytes at once (USB adapters wait up to 16 ms)
+    bool read_only = false;  ///< opened for reading: the system refuses every write()
 };
 
 struct SerialCounters {
@@ -47,6 +49,13 @@ public:
     [[nodiscard]] int fd() const override;
     [[nodiscard]] Result<std::size_t> read(std::span<std::uint8_t> buffer) override;
     [[nodiscard]] Result<std::size_t> write(Bytes bytes) override;
+
+    /// As read(), with the value of faulty characters as received.
+    /// @param characters  at most as many bytes are read. @returns how many were stored
+    [[nodiscard]] Result<std::size_t> read_characters(std::span<wire::Character> characters);
+    /// Changes the character format. Received bytes that were not read are dropped, and the counters begin at
+    /// zero. @returns what open() returns for a format
+    [[nodiscard]] Result<void> set_format(const wire::CharacterFormat& format);
 
     /// The RS-485 mode in effect: kernel, rts or none.
     [[nodiscard]] model::Rs485 rs485() const;
