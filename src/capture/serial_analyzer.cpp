@@ -26,14 +26,21 @@ SerialAnalyzer::Line& SerialAnalyzer::line_of(std::uint32_t interface) {
     return lines_.try_emplace(interface, timeout_).first->second;
 }
 
+Bytes SerialAnalyzer::frame_of(const Packet& packet) {
+    if (packet.link != LinkType::rtac_serial) return packet.data;
+    return packet.data.size() > kRtacHeader ? packet.data.subspan(kRtacHeader) : Bytes{};
+}
+
 void SerialAnalyzer::on_packet(const Packet& packet) {
     auto& line = line_of(packet.interface);
     if (packet.link == LinkType::upper_pdu) return on_upper_pdu(line, packet);
-    if (packet.link != LinkType::rtac_serial) return on_frame(line, packet, packet.data);
-    if (packet.data.size() <= kRtacEvent) return;
-    const auto event = packet.data[kRtacEvent];
-    if (event >= kFirstErrorOfRtac || event == kDataLostOfRtac) ++counts_.line_errors;
-    if (packet.data.size() > kRtacHeader) on_frame(line, packet, packet.data.subspan(kRtacHeader));
+    const bool is_rtac = packet.link == LinkType::rtac_serial;
+    if (is_rtac && packet.data.size() > kRtacEvent) {
+        const auto event = packet.data[kRtacEvent];
+        if (event >= kFirstErrorOfRtac || event == kDataLostOfRtac) ++counts_.line_errors;
+    }
+    const auto frame = frame_of(packet);
+    if (!is_rtac || !frame.empty()) on_frame(line, packet, frame);
 }
 
 void SerialAnalyzer::on_upper_pdu(Line& line, const Packet& packet) {

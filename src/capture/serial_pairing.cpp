@@ -23,9 +23,9 @@ SerialPairing::SerialPairing(Duration timeout) : timeout_(timeout.count()) {
     longest_.fill(kUnknown);
 }
 
-std::int64_t SerialPairing::longest_wait(std::uint8_t unit, std::int64_t unknown) const {
+std::int64_t SerialPairing::longest_wait(std::uint8_t unit) const {
     const auto longest = longest_[unit];
-    if (longest == kUnknown) return unknown;
+    if (longest == kUnknown) return timeout_;
     return std::min(timeout_, std::max(kWaitFactor * std::min(longest, timeout_), kLeastWait));
 }
 
@@ -36,7 +36,7 @@ bool SerialPairing::answers(const Waiting& waiting, std::int64_t time_ns, std::u
     if (!wire::decode_response(bytes.shape(), bytes.pdu(), pdu)) return false;
     if (!std::ranges::equal(bytes.pdu(), pdu)) return true;
     const bool can_repeat = bytes.shape().repeated || !bytes.shape().decoded;
-    return can_repeat && time_ns - waiting.time_ns <= longest_wait(unit, timeout_);
+    return can_repeat && time_ns - waiting.time_ns <= longest_wait(unit);
 }
 
 // The oldest request whose response is still due; else the newest one that the frame answers.
@@ -63,7 +63,7 @@ void SerialPairing::give_up(std::size_t index, Outcome& outcome) {
     erase(order_, index);
 }
 
-// A master that asks again has given up the request before it, unless another master sent that.
+// A request that is repeated has no response. Others wait: another master may have sent them.
 void SerialPairing::give_up_before(std::int64_t time_ns, std::uint8_t unit, Bytes pdu, Outcome& outcome) {
     for (std::size_t i = 0; i < order_.size();) {
         const auto& waiting = slots_[order_[i]];
@@ -71,7 +71,7 @@ void SerialPairing::give_up_before(std::int64_t time_ns, std::uint8_t unit, Byte
         const bool same = waiting.unit == unit && std::ranges::equal(waiting.bytes.pdu(), pdu);
         if (age < longest_[waiting.unit]) outcome.overlaps = true;
         outcome.repeats = outcome.repeats || same;
-        if (same || age > longest_wait(waiting.unit, kUnknown))
+        if (same || age > longest_wait(waiting.unit))
             give_up(i, outcome);
         else
             ++i;

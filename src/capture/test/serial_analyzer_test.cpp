@@ -74,7 +74,7 @@ TEST(SerialAnalyzer, ASilentDeviceAndTheNextRequest) {
     line.rtu(2, "03 02 0000");
     line.rtu(1, "03 0000 0001");
     line.analyzer.end();
-    EXPECT_EQ(line.kept.text, "Q1 U1 Q2 A2-3 Q4 E4 ");
+    EXPECT_EQ(line.kept.text, "Q1 Q2 A2-3 U1 Q4 E4 ");
 }
 
 TEST(SerialAnalyzer, AnEchoIsAResponseUnlessItComesAfterTheTimeout) {

@@ -58,6 +58,17 @@ TEST(SerialPairing, KeepsRequestsOfTwoMastersWhileTheirResponsesAreDue) {
     EXPECT_EQ(line.text, "Q A1 Q A2 Q Q! A3 A4 ");
 }
 
+TEST(SerialPairing, WaitsAlsoForAUnitThatHasNotRespondedBefore) {
+    Line line;
+    line.frame(1, "03 0000 0001", 0ms);
+    line.frame(2, "03 0000 0001", 2ms);
+    line.frame(1, "03 02 0007", 5ms);
+    line.frame(2, "03 02 0007", 9ms);
+    line.frame(3, "03 0000 0001", 100ms);
+    line.frame(1, "03 0000 0001", 1101ms);
+    EXPECT_EQ(line.text, "Q Q A1 A2 Q U3 Q ");
+}
+
 TEST(SerialPairing, GivesTheOldestRequestTheFirstOfTwoEqualResponses) {
     Line line;
     line.frame(1, "03 0000 0001", 0ms);
@@ -85,7 +96,7 @@ TEST(SerialPairing, ARepetitionIsARequest) {
     line.frame(1, "03 0000 0001", 300ms);
     line.frame(1, "01 0300 0018", 600ms);
     line.frame(1, "01 0300 0018", 700ms);
-    EXPECT_EQ(line.text, "Q U1 Q= U2 Q U3 Q= ") << "the last one has the shape of a response to itself";
+    EXPECT_EQ(line.text, "Q U1 Q= Q U3 Q= ") << "the last one has the shape of a response to itself";
 }
 
 TEST(SerialPairing, ARepeatedWriteIsNoResponseWhereTheUnitRespondsSooner) {

@@ -39,7 +39,7 @@ struct ObservedResponse {
 
 /// Why there is no response to a request.
 enum class NoResponse : std::uint8_t {
-    unanswered,  ///< the connection ended, or the next request on the serial line came
+    unanswered,  ///< the connection ended; on a serial line as of SerialPairing
     end,         ///< the capture ended
     broadcast,   ///< none is sent
 };

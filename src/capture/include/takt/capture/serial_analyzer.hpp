@@ -35,6 +35,8 @@ public:
 
     [[nodiscard]] const SerialCounts& counts() const { return counts_; }
     [[nodiscard]] static bool is_serial(LinkType link);
+    /// The frame in a packet of those link types; empty: an event of the line.
+    [[nodiscard]] static Bytes frame_of(const Packet& packet);
 
 private:
     struct Line {

@@ -19,8 +19,9 @@ namespace takt::capture {
 ///   the responses of this unit so far let expect, or without any later than the time-out. An identical frame
 ///   that cannot be the response is a repetition.
 ///
-/// With one master at most one request waits. With several ones a request may be sent before the response to
-/// another has come: up to kMostWaiting wait then.
+/// Several masters may send requests before the response to another one has come. So a request waits until
+/// its response or its repetition comes, until it is older than its unit lets expect, or until more than
+/// kMostWaiting wait.
 ///
 /// Times are nanoseconds since any start. Never allocates. One owner, one thread.
 class SerialPairing {
@@ -77,7 +78,7 @@ private:
     [[nodiscard]] bool answers(const Waiting& waiting, std::int64_t time_ns, std::uint8_t unit,
                                Bytes pdu) const;
     [[nodiscard]] std::size_t answered_by(std::int64_t time_ns, std::uint8_t unit, Bytes pdu) const;
-    [[nodiscard]] std::int64_t longest_wait(std::uint8_t unit, std::int64_t unknown) const;
+    [[nodiscard]] std::int64_t longest_wait(std::uint8_t unit) const;
     void learn(const Waiting& waiting, std::int64_t time_ns, Bytes pdu);
     void give_up(std::size_t index, Outcome& outcome);
     void give_up_before(std::int64_t time_ns, std::uint8_t unit, Bytes pdu, Outcome& outcome);
