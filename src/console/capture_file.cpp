@@ -1,5 +1,6 @@
 #include "takt/console/capture_file.hpp"
 
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,6 +12,11 @@
 #include "takt/os/open.hpp"
 
 namespace takt::console {
+namespace {
+
+constexpr int kStallTimeoutMs = 2000;  // of the reader of a pipe
+
+}  // namespace
 
 Result<CaptureFile> CaptureFile::open(const CaptureFileOptions& options) {
     CaptureFile file(options);
@@ -47,20 +53,39 @@ Result<void> CaptureFile::rotate() {
 
 Result<void> CaptureFile::write(std::string_view blocks) {
     if (!file_) TAKT_CHECK(begin());
-    std::size_t done = 0;
-    while (done < blocks.size()) {
-        const auto count = ::write(file_.get(), blocks.data() + done, blocks.size() - done);
-        if (count < 0 && errno == EINTR) continue;
-        if (count <= 0) {
-            const int number = count < 0 ? errno : EIO;
-            const auto whole = static_cast<::off_t>(size_);
-            if (done > 0 && ::ftruncate(file_.get(), whole) == 0) (void)::lseek(file_.get(), whole, SEEK_SET);
-            return fail(Code::io_failed, options_.path, number);
-        }
-        done += static_cast<std::size_t>(count);
+    if (!rest_.empty()) {
+        const auto done = write_some(rest_);
+        rest_.erase(0, done.bytes);
+        if (!rest_.empty()) return fail(Code::io_failed, options_.path, done.error);
     }
-    size_ += blocks.size();
+    const auto done = write_some(blocks);
+    if (done.error == 0) {
+        size_ += blocks.size();
+        return {};
+    }
+    const auto whole = static_cast<::off_t>(size_);
+    if (regular_ && done.bytes > 0 && ::ftruncate(file_.get(), whole) == 0)
+        (void)::lseek(file_.get(), whole, SEEK_SET);
+    if (regular_ || done.bytes == 0) return fail(Code::io_failed, options_.path, done.error);
+    rest_ = blocks.substr(done.bytes);  // a reader has the begin of a block
     return {};
+}
+
+CaptureFile::Done CaptureFile::write_some(std::string_view bytes) const {
+    Done done;
+    while (done.bytes < bytes.size()) {
+        const auto count = ::write(file_.get(), bytes.data() + done.bytes, bytes.size() - done.bytes);
+        if (count >= 0) {
+            done.bytes += static_cast<std::size_t>(count);
+            continue;
+        }
+        if (errno == EINTR) continue;
+        done.error = errno;
+        pollfd waited{.fd = file_.get(), .events = POLLOUT, .revents = 0};
+        if (done.error != EAGAIN || ::poll(&waited, 1, kStallTimeoutMs) <= 0) return done;
+        done.error = 0;
+    }
+    return done;
 }
 
 }  // namespace takt::console

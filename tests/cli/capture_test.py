@@ -1,6 +1,7 @@
 """Captures of takt: run and serve --capture, opened by tshark and measured by takt latency."""
 import json
 import shutil
+import signal
 import socket
 import subprocess
 
@@ -10,7 +11,7 @@ from captures import adu
 from endpoints import free_port, wait_listening
 from frames import crc16
 from peer_base import PtyPeer
-from program import start, takt, until
+from program import TAKT, environment, start, takt, until
 
 pytestmark = pytest.mark.skipif(not shutil.which("tshark"), reason="tshark is not installed")
 
@@ -223,6 +224,21 @@ def test_an_interface_is_recorded(tmp_path, blank_device):
     assert len(mine) == 40
     report = takt("latency", capture, "--port", port, "--json", code=None).json
     assert [s["answered"] for s in report["series"] if s["server"] == f"127.0.0.1:{port}"] == [20]
+
+
+def test_standard_output_is_a_capture(tmp_path):
+    with Bus() as bus, subprocess.Popen([TAKT, "capture", f"rtu://{bus.port}?baud=115200", "-o", "-"], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, env=environment()) as listener:
+        until(lambda: b"listening" in listener.stderr.read1(), "listening")
+        bus.pass_on(frame(1, "03 00 00 00 01", "rtu"))
+        data = b""
+        while len(data) < 100:  # more than the header of the file
+            piece = listener.stdout.read1(65536)
+            assert piece, "it ended"
+            data += piece
+        listener.send_signal(signal.SIGINT)
+        (tmp_path / "a.pcapng").write_bytes(data + listener.communicate(timeout=30)[0])
+    assert [r[0] for r in fields(tmp_path / "a.pcapng", "modbus.func_code")] == ["3"]
 
 
 @pytest.fixture

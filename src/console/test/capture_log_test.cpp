@@ -1,6 +1,9 @@
 #include "takt/console/capture_log.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
@@ -122,6 +125,34 @@ TEST_F(CaptureLogTest, CannotBeOpenedBelowAFile) {
     const auto log = CaptureLog::open({.path = "/dev/null/x.pcapng"}, source, {});
     ASSERT_FALSE(log);
     EXPECT_EQ(log.error().code, Code::cannot_open);
+}
+
+TEST(CaptureFile, APipeGetsWholeBlocksAlsoAfterItsReaderStalled) {
+    const Folder folder;
+    const std::string path = folder / "live";
+    ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+    const os::Descriptor reader(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+    auto file = CaptureFile::open({.path = path, .file_bytes = 10});
+    ASSERT_TRUE(file);
+    EXPECT_FALSE(file->is_full(1000)) << "a pipe is not rotated";
+    const std::string first(100'000, 'a');  // more than a pipe holds
+    EXPECT_TRUE(file->write(first)) << "the rest waits";
+    EXPECT_FALSE(file->write("b"));
+    std::string got;
+    std::string chunk(1 << 16, ' ');
+    const auto take = [&] {
+        for (;;) {
+            const auto count = ::read(reader.get(), chunk.data(), chunk.size());
+            if (count <= 0) return;
+            got.append(chunk, 0, static_cast<std::size_t>(count));
+        }
+    };
+    for (int turn = 0; turn < 10 && got.size() <= first.size(); ++turn) {
+        take();
+        (void)file->write("c");
+    }
+    EXPECT_EQ(got.substr(0, first.size()), first);
+    EXPECT_EQ(got.substr(first.size(), 1), "c") << "what was refused is left out whole";
 }
 
 TEST(CaptureFile, PutsTheNumberBeforeTheExtension) {

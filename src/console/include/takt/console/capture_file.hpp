@@ -22,8 +22,9 @@ struct CaptureFileOptions {
 /// extension, ".1" becomes ".2", and so on; the oldest is removed. An existing PATH is overwritten; older
 /// files are left until a new one takes their name. A FIFO or device grows without rotation.
 ///
-/// A failed write leaves no part of a block behind where the file can be cut, and does not close the file:
-/// the next write tries again. One thread.
+/// A failed write leaves no part of a block behind, and does not close the file: the next write tries again.
+/// A pipe whose reader takes nothing for 2 s is a failure; the rest of what it has in part comes first
+/// then. One thread.
 class CaptureFile {
 public:
     /// @returns as os::open_anew()
@@ -47,12 +48,18 @@ public:
 
 private:
     explicit CaptureFile(CaptureFileOptions options) : options_(std::move(options)) {}
+    struct Done {
+        std::size_t bytes = 0;
+        int error = 0;  // why not all was written
+    };
     [[nodiscard]] Result<void> begin();
+    [[nodiscard]] Done write_some(std::string_view bytes) const;
 
     CaptureFileOptions options_;
     os::Descriptor file_;
     bool regular_ = true;
     std::uint64_t size_ = 0;
+    std::string rest_;  // of blocks that a pipe has in part
 };
 
 }  // namespace takt::console
