@@ -58,6 +58,30 @@ Backoff once_each_period(const Project& project, const Device& device) {
     return {.first = pause, .limit = pause};
 }
 
+/// A time, or a group of what was measured.
+void read_round_trip(Interpretation& state, Reader& reader, Device& device) {
+    if (!reader.is_mapping("round_trip")) {
+        device.round_trip = reader.duration("round_trip").value_or(device.round_trip);
+        return;
+    }
+    Reader parts(state.findings, *reader.value("round_trip"), reader.path_of("round_trip"),
+                 Object::round_trip, state.context);
+    const auto longest = parts.duration("longest");
+    const auto exchanges = parts.integer("exchanges");
+    const auto usual = parts.duration("usual");
+    const auto in_flight = parts.integer("in_flight");
+    if (longest && usual && *usual > *longest)
+        parts.report(Rule::round_trip_usual, "usual", "<= " + to_text(*longest),
+                     {{"longest", to_text(*longest)}});
+    if (!longest || !exchanges) return;
+    device.measured_round_trip =
+        MeasuredRoundTrip{.longest = *longest,
+                          .usual = std::min(usual.value_or(*longest), *longest),
+                          .exchanges = static_cast<std::uint64_t>(*exchanges),
+                          .in_flight = static_cast<std::uint16_t>(in_flight.value_or(1))};
+    device.round_trip = device.measured_round_trip->usual;
+}
+
 void read_times(Interpretation& state, Reader& reader, Device& device) {
     const DeviceDefaults defaults = device_defaults(state.context.profile);
     device.poll_period = reader.duration("poll_period").value_or(defaults.poll_period);
@@ -72,7 +96,7 @@ void read_times(Interpretation& state, Reader& reader, Device& device) {
         reader.report_without_effect("turnaround", "profile: owen-kc1");
         device.learn_turnaround = false;
     }
-    device.round_trip = reader.duration("round_trip").value_or(device.round_trip);
+    read_round_trip(state, reader, device);
     device.attempts = static_cast<std::uint16_t>(reader.integer("attempts").value_or(device.attempts));
     device.backoff = read_backoff(state, reader, state.project.backoff);
     if (!device.backoff && !state.backoff_given && state.context.profile == Profile::owen_kc1)

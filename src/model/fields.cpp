@@ -27,6 +27,7 @@ constexpr ObjectFields kObjectFields[] = {
     {Object::host, "host", kHost},
     {Object::faults, "faults", kFaults},
     {Object::backoff, "backoff", kBackoff},
+    {Object::round_trip, "round_trip", kRoundTrip},
     {Object::areas, "lines[].devices[].readable", kByArea},
     {Object::server, "servers[]", kServer},
     {Object::unit, "servers[].units[]", kUnit},

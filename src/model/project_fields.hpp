@@ -48,7 +48,7 @@ inline constexpr Field kDevice[] = {
     {.key = "poll_period", .kind = Kind::duration, .range = period},
     {.key = "response_timeout", .kind = Kind::duration, .range = kTimeout, .zero_means = default_timeout},
     {.key = "turnaround", .kind = Kind::duration, .range = kShortTime, .words = kTurnarounds},
-    {.key = "round_trip", .kind = Kind::duration, .range = kShortTime},
+    {.key = "round_trip", .kind = Kind::duration, .range = kShortTime, .object = Object::round_trip},
     {.key = "deadline", .kind = Kind::duration, .range = kDeadline},
     {.key = "attempts", .kind = Kind::integer, .range = between<1, 255>, .zero_means = one_attempt},
     kBackoffKey,
@@ -133,6 +133,13 @@ inline constexpr Field kHost[] = {
 inline constexpr Field kFaults[] = {
     {.key = "burst", .kind = Kind::integer, .range = between<0, 255>},
     {.key = "every", .kind = Kind::duration, .range = kLongTime},
+};
+
+inline constexpr Field kRoundTrip[] = {
+    {.key = "longest", .kind = Kind::duration, .required = true, .range = kShortTime},
+    {.key = "usual", .kind = Kind::duration, .range = kShortTime},
+    {.key = "exchanges", .kind = Kind::integer, .required = true, .range = between<100, 1'000'000'000'000>},
+    {.key = "in_flight", .kind = Kind::integer, .range = between<1, 16>},
 };
 
 inline constexpr Field kBackoff[] = {

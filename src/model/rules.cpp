@@ -68,6 +68,7 @@ constexpr std::array kRules{
     Entry{Rule::host_malformed, "host.malformed"},
     Entry{Rule::line_port_number, "line.port_number"},
     Entry{Rule::backoff_limit, "backoff.limit"},
+    Entry{Rule::round_trip_usual, "round_trip.usual"},
     Entry{Rule::burst_alone, "burst.alone"},
     Entry{Rule::line_tls, "line.tls"},
     Entry{Rule::line_port_missing, "line.port_missing"},

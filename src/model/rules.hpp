@@ -68,6 +68,7 @@ enum class Rule : std::uint8_t {
     host_malformed,
     line_port_number,  // {port}
     backoff_limit,     // {first}
+    round_trip_usual,  // {longest}
     burst_alone,
     line_tls,
     line_port_missing,     // {key}

@@ -63,7 +63,8 @@ std::vector<std::string> bad_projects() {
         // lines and devices
         "takt: 1\nlines:\n- {name: A, framing: tcp, baud: 07, stop_bits: 1.5, data_bits: x, tcp_port: 502,\n"
         "   devices: [{name: \"\", address: 248, attempts: 0, poll_period: 1w, registers_per_request: 999,\n"
-        "              status: none_such, strategy: optimal, backoff: {first: 2s, limit: 1s}, comment: "
+        "              status: none_such, strategy: optimal, backoff: {first: 2s, limit: 1s}, "
+        "round_trip: {longest: 1ms, usual: 2ms, exchanges: 100}, comment: "
         "\"a\\tb\"},\n"
         "             {name: D, address: 248, group_requests: false, strategy: classic}]}\n"
         "- {name: B, port: /dev/ttyS0, devices: [{name: D, address: 1, status: b}]}\n"

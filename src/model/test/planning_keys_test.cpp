@@ -97,6 +97,37 @@ TEST(PlanningKeys, AreKeptInTheProject) {
     EXPECT_EQ(one.faults.every, 1s);
 }
 
+TEST(PlanningKeys, ARoundTripIsATimeOrWhatWasMeasured) {
+    const Case cases[] = {
+        {"{round_trip: 2ms}", "?field.without_effect round_trip=2ms"},  // a serial line
+        {"{round_trip: {longest: 3ms}}", "field.missing exchanges= [100..1000000000000]"},
+        {"{round_trip: {exchanges: 100}}", "field.missing longest= [0ms..65535ms]"},
+        {"{round_trip: {longest: 3ms, exchanges: 99}}",
+         "field.out_of_range exchanges=99 [100..1000000000000]"},
+        {"{round_trip: {longest: 3ms, exchanges: 100, in_flight: 17}}",
+         "field.out_of_range in_flight=17 [1..16]"},
+        {"{round_trip: {longest: 3ms, usual: 4ms, exchanges: 100}}", "round_trip.usual usual=4ms [<= 3ms]"},
+    };
+    for (const auto& [keys, expected] : cases) {
+        const auto found = findings_text({.device = keys});
+        EXPECT_NE(found.find(expected), std::string::npos) << keys << ": " << found;
+    }
+    const auto given = device("{round_trip: {longest: 3ms, usual: 400us, exchanges: 99000, in_flight: 4}}");
+    EXPECT_EQ(given.round_trip, 400us);
+    EXPECT_EQ(given.measured_round_trip, (MeasuredRoundTrip{3ms, 400us, 99000, 4}));
+    EXPECT_EQ(given.expected_turnaround(), 3ms);
+    EXPECT_EQ(given.expected_turnaround(4), 3ms);
+    EXPECT_EQ(given.expected_turnaround(5), 6ms) << "as if the fifth one waited for the first four";
+    EXPECT_EQ(given.measured_exchanges(), 99000U);
+    const auto shortest = device("{round_trip: {longest: 3ms, exchanges: 100}}");
+    EXPECT_EQ(shortest.round_trip, 3ms);
+    const auto written = device("{turnaround: 5ms, round_trip: {longest: 3ms, exchanges: 100}}");
+    EXPECT_EQ(written.expected_turnaround(2), 10ms) << "what is written counts";
+    EXPECT_EQ(written.measured_exchanges(), 0U);
+    EXPECT_FALSE(device("{round_trip: 2ms}").measured_round_trip);
+    EXPECT_EQ(device("{round_trip: 2ms}").expected_turnaround(), std::nullopt);
+}
+
 TEST(PlanningKeys, ABackOffIsFilledUp) {
     struct BackoffCase {
         std::string_view of_project;

@@ -80,6 +80,21 @@ struct MeasuredTimes {
     friend bool operator==(const MeasuredTimes&, const MeasuredTimes&) = default;
 };
 
+/// Round trips of a TCP device that were measured apart from the project (docs/commands/latency.md).
+struct MeasuredRoundTrip {
+    Duration longest{};
+    Duration usual{};             ///< 99.9 % are not longer
+    std::uint64_t exchanges = 0;  ///< MeasuredTimes::kEnough at least
+    std::uint16_t in_flight = 1;  ///< requests in flight then
+    /// With another number in flight: a device that answers one request after the other takes as many times
+    /// as long for the last one.
+    [[nodiscard]] Duration longest_with(std::size_t requests) const {
+        const std::size_t share = (requests + in_flight - 1) / in_flight;
+        return longest * static_cast<std::int64_t>(share > 1 ? share : 1);
+    }
+    friend bool operator==(const MeasuredRoundTrip&, const MeasuredRoundTrip&) = default;
+};
+
 /// Measured times with the counts that they follow from.
 struct LearntTimes {
     /// Limit of stored counts.
@@ -181,7 +196,9 @@ struct Device {
     bool response_timeout_set = false;   ///< set in the project
     std::optional<Duration> turnaround;  ///< longest time to the first byte of the response, when known
     bool learn_turnaround = false;       ///< turnaround: learn
-    Duration round_trip = std::chrono::milliseconds(1);  ///< TCP
+    Duration round_trip =
+        std::chrono::milliseconds(1);  ///< TCP: for the estimate; of a measured one the usual
+    std::optional<MeasuredRoundTrip> measured_round_trip;
     std::uint16_t attempts = 3;
     bool group_requests = false;
     std::uint16_t registers_per_request = 16;
@@ -209,9 +226,16 @@ struct Device {
         if (!learn_turnaround || times.measured.exchanges < MeasuredTimes::kEnough) return std::nullopt;
         return times.measured.worst();
     }
-    /// As written, else as measured.
-    [[nodiscard]] std::optional<Duration> expected_turnaround() const {
-        return turnaround ? turnaround : measured_turnaround();
+    /// As written, else as measured; with so many requests in flight on its connection. A written turnaround
+    /// is that of one request: a device that answers one after the other takes as many times as long.
+    [[nodiscard]] std::optional<Duration> expected_turnaround(std::size_t requests = 1) const {
+        if (turnaround) return *turnaround * static_cast<std::int64_t>(requests);
+        return measured_round_trip ? measured_round_trip->longest_with(requests) : measured_turnaround();
+    }
+    /// The exchanges that expected_turnaround() rests on; 0: it is written, or not known.
+    [[nodiscard]] std::uint64_t measured_exchanges() const {
+        if (turnaround || !expected_turnaround()) return 0;
+        return measured_round_trip ? measured_round_trip->exchanges : times.measured.exchanges;
     }
 
     /// How long a request waits for the first byte of its response, where the response time-out is not set

@@ -63,6 +63,7 @@ enum class Object : std::uint8_t {
     host,
     faults,
     backoff,
+    round_trip,
     areas,
     server,
     unit,
