@@ -39,23 +39,42 @@ FaultRate fault_rate(const model::Faults& faults) {
     return {.burst = faults.burst, .every = std::max<Microseconds>(every, 1)};
 }
 
+/// The three analyses of a line, for one request at a time or several in flight.
+struct Analyses {
+    const LineTasks& line;
+    Effort* effort;
+
+    [[nodiscard]] Responses plain() const {
+        if (line.connection) return parallel_response_times(line.tasks, *line.connection, effort);
+        return responses_with_holds(
+            line, [&](const std::vector<Task>& tasks) { return response_times(tasks, effort); });
+    }
+    [[nodiscard]] Responses with_faults(const FaultRate& faults) const {
+        if (line.connection)
+            return parallel_response_times_with_faults(line.tasks, *line.connection, faults, effort);
+        return responses_with_holds(line, [&](const std::vector<Task>& tasks) {
+            return response_times_with_faults(tasks, faults, effort);
+        });
+    }
+    [[nodiscard]] Responses with_dead_device() const {
+        if (line.connection)
+            return parallel_response_times_with_dead_device(line.tasks, *line.connection, effort);
+        return responses_with_holds(line, [&](const std::vector<Task>& tasks) {
+            return response_times_with_dead_device(tasks, effort);
+        });
+    }
+};
+
 std::vector<JobBound> bounds_of(const model::Project& project, const LineTasks& line, Scope scope,
                                 Effort* effort) {
     const Responses unknown(line.tasks.size());
     const bool all = scope == Scope::everything;
-    using Tasks = std::vector<Task>;
-    const auto plain =
-        responses_with_holds(line, [&](const Tasks& tasks) { return response_times(tasks, effort); });
-    const auto with_faults =
-        !all ? unknown
-        : project.faults.burst == 0
-            ? plain
-            : responses_with_holds(line, [&](const Tasks& tasks) {
-                  return response_times_with_faults(tasks, fault_rate(project.faults), effort);
-              });
-    const auto with_dead = !all ? unknown : responses_with_holds(line, [&](const Tasks& tasks) {
-        return response_times_with_dead_device(tasks, effort);
-    });
+    const Analyses analyses{line, effort};
+    const auto plain = analyses.plain();
+    const auto with_faults = !all                        ? unknown
+                             : project.faults.burst == 0 ? plain
+                                                         : analyses.with_faults(fault_rate(project.faults));
+    const auto with_dead = all ? analyses.with_dead_device() : unknown;
     std::vector<JobBound> bounds;
     for (const LineJob& job : line.jobs) {
         JobBound made{.request = job.request, .cause = job.cause};
@@ -146,7 +165,7 @@ void set_request_ages(const LinePlan& plan, LineGuarantee& made) {
 }
 
 double share_of(const LineTasks& line, const std::optional<std::size_t>& task) {
-    return task ? utilization(std::span(line.tasks).subspan(*task, 1)) : 0;
+    return task ? utilization(std::span(line.tasks).subspan(*task, 1)) / line.in_flight() : 0;
 }
 
 void set_verdict(LineGuarantee& made) {
@@ -228,6 +247,20 @@ void Fallback::worsen(const LinePlan& plan, LineGuarantee& made) const {
 
 }  // namespace
 
+std::string_view name(ResponseSource source) {
+    constexpr std::array<std::string_view, 3> kNames{"written", "measured", "time_out"};
+    return kNames[static_cast<std::size_t>(source)];
+}
+
+ResponseSource response_source(const model::Line& line) {
+    auto worst = ResponseSource::written;
+    for (const auto& device : line.devices) {
+        if (!device.expected_turnaround()) return ResponseSource::time_out;
+        if (device.measured_exchanges() > 0) worst = ResponseSource::measured;
+    }
+    return worst;
+}
+
 LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan, Scope scope,
                              Effort* effort) {
     const LineTasks line = line_tasks(project, plan);
@@ -241,12 +274,15 @@ LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan
         set_ages(project.lines[plan.line], plan, made);
         set_request_ages(plan, made);
     }
-    made.utilization = utilization(line.tasks);
+    made.in_flight = line.in_flight();
+    made.utilization = utilization(line.tasks) / line.in_flight();
     if (is_saturated(plan)) made.utilization = std::max(1.0, made.utilization);
     made.relayed_share = share_of(line, line.relayed);
     made.client_share = share_of(line, line.clients);
-    made.feasible_edf = scope == Scope::everything && feasible_edf(tasks_and_holds(line));
     set_verdict(made);
+    // Several in flight: the second opinion would take one after the other.
+    made.feasible_edf =
+        line.connection ? made.feasible : scope == Scope::everything && feasible_edf(tasks_and_holds(line));
     return made;
 }
 

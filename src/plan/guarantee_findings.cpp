@@ -73,7 +73,7 @@ std::vector<std::size_t> devices_without_turnaround(const model::Line& line) {
 std::vector<std::size_t> measured_devices(const model::Line& line) {
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < line.devices.size(); ++i)
-        if (!line.devices[i].turnaround && line.devices[i].measured_turnaround()) found.push_back(i);
+        if (line.devices[i].measured_exchanges() > 0) found.push_back(i);
     return found;
 }
 
@@ -278,13 +278,14 @@ void LineVerdict::add_response_measured() {
     std::uint64_t least = UINT64_MAX;
     Duration longest{};
     for (const std::size_t d : measured_) {
-        least = std::min(least, line_.devices[d].times.measured.exchanges);
-        longest = std::max(longest, *line_.devices[d].measured_turnaround());
+        least = std::min(least, line_.devices[d].measured_exchanges());
+        longest = std::max(longest, *line_.devices[d].expected_turnaround(requests_in_flight(line_)));
     }
     Finding finding = line_finding("guarantee.response_measured", Severity::note);
     finding.value = time_text(longest);
     finding.arguments.emplace_back("devices", device_names(line_, measured_));
     finding.arguments.emplace_back("count", std::to_string(least));
+    finding.arguments.emplace_back("one_in", std::to_string(least / 3));
     findings_.push_back(std::move(finding));
 }
 

@@ -112,6 +112,8 @@ private:
     std::size_t add_task(const Request& request, const RequestJob& job);
     [[nodiscard]] RequestJob polled_job(const Request& request) const;
     void set_priorities();
+    void set_connection();
+    [[nodiscard]] std::vector<Lane> lanes() const;
 
     const model::Project& project_;
     const LinePlan& plan_;
@@ -122,6 +124,8 @@ private:
     /// Task order before deadlines are compared.
     enum class Rank : std::uint8_t { command, client, relayed, polled };
     std::vector<Rank> ranks_;              // by task
+    std::vector<std::size_t> writes_;      // tasks of writes
+    std::vector<std::size_t> alone_;       // tasks with a read-modify-write
     std::vector<std::size_t> tie_breaks_;  // by task: the request that breaks ties
 };
 
@@ -134,6 +138,7 @@ LineTasks TaskMaker::make() {
     }
     add_clients();
     if (line_.relayed) add_relayed();
+    set_connection();
     made_.holds = step_holds(line_, plan_, made_);
     std::stable_sort(made_.jobs.begin(), made_.jobs.end(), [](const LineJob& a, const LineJob& b) {
         return std::tie(a.request, a.cause) < std::tie(b.request, b.cause);
@@ -223,6 +228,8 @@ void TaskMaker::add_commanded(std::size_t index, const RequestJob& job) {
         task.period = std::max<Microseconds>(1, task.period);
         task.burst = std::max<std::uint16_t>(job.admission->burst, 1);
         ranks_[number] = Rank::command;
+        if (job.cause == Cause::write) writes_.push_back(number);
+        if (job.read_before) alone_.push_back(number);
         commanded.task = number;
         commanded.deadline = task.deadline;
     }
@@ -236,7 +243,9 @@ void TaskMaker::add_commanded(std::size_t index, const RequestJob& job) {
 void TaskMaker::add_admitted(Task task, Microseconds cost, Duration interval, std::uint16_t burst) {
     const Microseconds free = microseconds_down(interval - project_.host.overhead);
     task.frames = {cost};
-    task.period = std::max<Microseconds>(0, free) + cost;
+    // Several in flight end at the same time, so that the interval alone separates their starts.
+    task.period = requests_in_flight(line_) > 1 ? std::max<Microseconds>(1, free)
+                                                : std::max<Microseconds>(0, free) + cost;
     task.jitter = cost;
     task.deadline = task.period + task.jitter;
     Task idle = task;
@@ -301,6 +310,42 @@ std::optional<TransactionCost> TaskMaker::longest_command() const {
             note(costs_.of_write(request));
     }
     return longest;
+}
+
+// The poller sends to each device as much as that device takes, and one write at a time. A task of many
+// devices counts in the lanes of all of them. A read-modify-write waits until its device has answered.
+void TaskMaker::set_connection() {
+    const std::size_t in_flight = requests_in_flight(line_);
+    if (in_flight <= 1) return;
+    Connection made{.in_flight = static_cast<std::uint32_t>(in_flight)};
+    made.pause = microseconds_up(line_.request_gap + line_.frame_gap + project_.host.overhead);
+    made.lanes = lanes();
+    made.alone.resize(made_.tasks.size());
+    for (const auto task : alone_) made.alone[task] = true;
+    const bool modifying = std::ranges::any_of(line_.devices, &model::Device::read_modify_write);
+    if (made_.clients && modifying) made.alone[*made_.clients] = made.alone[*made_.clients + 1] = true;
+    made_.connection = std::move(made);
+}
+
+std::vector<Lane> TaskMaker::lanes() const {
+    std::vector<std::size_t> of_any;
+    for (const auto& first : {made_.clients, made_.relayed})
+        if (first) of_any.insert(of_any.end(), {*first, *first + 1});
+    std::vector<Lane> lanes;
+    const auto add = [&](std::size_t device, std::uint16_t in_flight, const std::vector<std::size_t>& tasks) {
+        Lane lane{.tasks = of_any, .in_flight = in_flight};
+        for (const auto i : tasks)
+            if (made_.tasks[i].device == device) lane.tasks.push_back(i);
+        if (lane.tasks.size() > 1) lanes.push_back(std::move(lane));
+    };
+    std::vector<std::size_t> all(made_.tasks.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    for (std::size_t device = 0; device < line_.devices.size(); ++device) {
+        const auto most = line_.devices[device].in_flight;
+        if (most < requests_in_flight(line_)) add(device, most, all);
+        if (most > 1) add(device, 1, writes_);
+    }
+    return lanes;
 }
 
 void TaskMaker::set_priorities() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "takt/plan/guarantee.hpp"
+#include "takt/plan/parallel_response.hpp"
 #include "takt/plan/response.hpp"
 
 namespace takt::plan {
@@ -28,10 +29,14 @@ struct StepHold {
 
 struct LineTasks {
     std::vector<Task> tasks;
-    std::vector<LineJob> jobs;           ///< in the order of the plan's requests
-    std::vector<StepHold> holds;         ///< of few lines
-    std::optional<std::size_t> relayed;  ///< the task of relayed requests
-    std::optional<std::size_t> clients;  ///< the task of commands of clients
+    std::vector<LineJob> jobs;             ///< in the order of the plan's requests
+    std::vector<StepHold> holds;           ///< of few lines
+    std::optional<std::size_t> relayed;    ///< the task of relayed requests
+    std::optional<std::size_t> clients;    ///< the task of commands of clients
+    std::optional<Connection> connection;  ///< several requests in flight
+
+    /// Transactions at a time.
+    [[nodiscard]] std::uint32_t in_flight() const { return connection ? connection->in_flight : 1; }
 };
 
 [[nodiscard]] LineTasks line_tasks(const model::Project& project, const LinePlan& plan);

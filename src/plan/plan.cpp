@@ -11,6 +11,7 @@
 #include "grouping.hpp"
 #include "optimal.hpp"
 #include "polling_load.hpp"
+#include "request_cost.hpp"
 #include "streams.hpp"
 #include "takt/base/assert.hpp"
 #include "trial_plan.hpp"
@@ -78,6 +79,9 @@ public:
 
 private:
     void add(Request&& request, std::size_t device);
+    /// Of a request on the line, as a share of it.
+    [[nodiscard]] double busy_time(const model::Device& device, ExactTime time,
+                                   std::size_t transactions) const;
 
     const model::Project& project_;
     const model::Line& line_;
@@ -88,6 +92,13 @@ private:
 
 void LinePlanner::add(std::vector<Request> requests, std::size_t device) {
     for (Request& request : requests) add(std::move(request), device);
+}
+
+// Requests in flight share the time of a transaction, but not request_gap.
+double LinePlanner::busy_time(const model::Device& device, ExactTime time, std::size_t transactions) const {
+    const auto gaps =
+        static_cast<double>(bus_times_.of(line_.request_gap)) * static_cast<double>(transactions);
+    return std::max(static_cast<double>(time) / static_cast<double>(in_flight(line_, device)), gaps);
 }
 
 void LinePlanner::add(Request&& request, std::size_t device) {
@@ -104,7 +115,8 @@ void LinePlanner::add(Request&& request, std::size_t device) {
     }
     request.bus_time = bus_times_.rounded_up(time);
     if (request.period && *request.period > Duration::zero())
-        plan_.utilization += static_cast<double>(time) / static_cast<double>(bus_times_.of(*request.period));
+        plan_.utilization +=
+            busy_time(asked, time, transactions.size()) / static_cast<double>(bus_times_.of(*request.period));
     times_.push_back(time);
     plan_.request_count += request.count();
     plan_.requests.push_back(std::move(request));

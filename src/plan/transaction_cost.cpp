@@ -86,9 +86,10 @@ RequestCosts TransactionCosts::costs(const Request& request, const Transactions&
 }
 
 TransactionCost TransactionCosts::cost(const model::Device& device, const FrameLengths& frames) const {
-    const Duration turnaround = is_broadcast(line_, device)
-                                    ? wire::kBroadcastTurnaround
-                                    : device.expected_turnaround().value_or(device.response_timeout);
+    const Duration turnaround =
+        is_broadcast(line_, device)
+            ? wire::kBroadcastTurnaround
+            : device.expected_turnaround(requests_in_flight(line_)).value_or(device.response_timeout);
     const std::size_t answer = is_broadcast(line_, device) ? 0 : frames.response;
     const wire::AttemptTimes<ExactTime> attempt{
         .request = bus_times_.characters(frames.request),

@@ -291,6 +291,8 @@ file::Json plan_json(const Texts& texts, const model::Project& project, const pl
         object.set("feasible_edf", proof.lines[i].feasible_edf);
         object.set("worst_utilization", proof.lines[i].utilization);
         object.set("exact", proof.lines[i].exact);
+        object.set("in_flight", proof.lines[i].in_flight);
+        object.set("response_source", plan::name(plan::response_source(line)));
         object.set("measures", measures_json(texts, proof.measures.found, planned.line));
         object.set("measures_complete", !std::ranges::binary_search(proof.measures.unfinished, planned.line));
         if (plan::learns(line)) object.set("learnt", learnt_json(project, planned.line));

@@ -428,5 +428,73 @@ TEST(Guarantee, CoprimePeriodsOfAStreamDoNotExplode) {
     EXPECT_EQ(found.ages[0][0], 65'497ms + *found.requests[0].response);
 }
 
+// Several requests in flight
+// ---------------------------------------------------------------------------------
+
+/// Eight devices behind one connection, each with a read of 100 ms.
+model::Project connection_of(std::uint16_t in_flight, Duration longest, std::uint16_t measured_with) {
+    model::Project project;
+    auto& line = project.lines.emplace_back();
+    line.transport = model::Transport::tcp;
+    line.framing = wire::Framing::tcp;
+    line.format.baud = 0;
+    for (std::uint8_t unit = 1; unit <= 8; ++unit) {
+        auto& device = line.devices.emplace_back();
+        device.name = "D" + std::to_string(unit);
+        device.address = UnitId{unit};
+        device.in_flight = in_flight;
+        device.measured_round_trip = model::MeasuredRoundTrip{longest, 1ms, 99'000, measured_with};
+        device.variables.push_back(int16(0).read(3).every(100ms).named("V" + std::to_string(unit)));
+    }
+    return project;
+}
+
+LineGuarantee proof_of(const model::Project& project) {
+    return guarantee(project, make_plan(project)).at(0);
+}
+
+TEST(Guarantee, RequestsInFlightAreNotProvedAsIfOneFollowedTheOther) {
+    const auto alone = proof_of(connection_of(1, 20ms, 1));
+    EXPECT_FALSE(alone.feasible) << "8 times 20 ms in 100 ms";
+    EXPECT_GT(alone.utilization, 1.6);
+    const auto four = proof_of(connection_of(4, 20ms, 4));
+    EXPECT_TRUE(four.feasible);
+    EXPECT_EQ(four.in_flight, 4U);
+    EXPECT_NEAR(four.utilization, alone.utilization / 4, 1e-9);
+    for (const auto& request : four.requests) {
+        EXPECT_GE(request.response, 20ms);
+        EXPECT_LE(request.response, 100ms);
+    }
+}
+
+TEST(Guarantee, ARoundTripMeasuredWithLessInFlightCountsAsServedInOrder) {
+    const auto four = proof_of(connection_of(4, 5ms, 1));
+    const auto one = proof_of(connection_of(1, 5ms, 1));
+    EXPECT_NEAR(four.utilization, one.utilization, 0.02);
+    EXPECT_GE(four.requests[0].transaction, 20ms);
+    EXPECT_GT(four.requests[0].response, one.requests[0].response) << "more is on its way before it";
+}
+
+TEST(Guarantee, StatesWhatTheResponseTimesRestOn) {
+    auto project = connection_of(1, 5ms, 1);
+    EXPECT_EQ(response_source(project.lines[0]), ResponseSource::measured);
+    for (auto& device : project.lines[0].devices) device.turnaround = 5ms;
+    EXPECT_EQ(response_source(project.lines[0]), ResponseSource::written);
+    project.lines[0].devices[3].turnaround.reset();
+    EXPECT_EQ(response_source(project.lines[0]), ResponseSource::measured);
+    project.lines[0].devices[3].measured_round_trip.reset();
+    EXPECT_EQ(response_source(project.lines[0]), ResponseSource::time_out);
+    EXPECT_EQ(name(ResponseSource::time_out), "time_out");
+}
+
+TEST(Guarantee, DevicesThatTakeLessShareTheConnection) {
+    auto project = connection_of(4, 10ms, 4);
+    const auto all = proof_of(project);
+    for (std::size_t i = 1; i < 8; ++i) project.lines[0].devices[i].in_flight = 1;
+    const auto limited = proof_of(project);
+    EXPECT_TRUE(limited.feasible);
+    EXPECT_GE(limited.requests[7].response, all.requests[7].response);
+}
+
 }  // namespace
 }  // namespace takt::plan

@@ -354,6 +354,7 @@ TEST(GuaranteeFindings, AMeasuredTurnaroundIsNotedAsMeasured) {
     EXPECT_EQ(findings[0].value, "10 ms");
     EXPECT_EQ(findings[0].arguments[1].second, "Meter");
     EXPECT_EQ(findings[0].arguments[2].second, "3120");
+    EXPECT_EQ(findings[0].arguments[3].second, "1040") << "the rule of three";
 
     // 17 requests of 103 ms every 2 s fit only without the one that may block them, and the check of each
     // second.

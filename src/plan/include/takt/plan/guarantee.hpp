@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "takt/plan/plan.hpp"
@@ -44,6 +45,16 @@ private:
     }
 };
 
+/// What the response times of a proof are, from the best to the worst.
+enum class ResponseSource : std::uint8_t {
+    written,   ///< `turnaround` of each device: as good as who wrote it
+    measured,  ///< of some devices; the confidence follows from the number of exchanges
+    time_out,  ///< of some devices nothing is known but their time-out
+};
+[[nodiscard]] std::string_view name(ResponseSource source);
+/// The worst one of the devices of a line.
+[[nodiscard]] ResponseSource response_source(const model::Line& line);
+
 struct LineGuarantee {
     std::size_t line = 0;
     /// In the order of the plan's requests. Bounds of the period if the request has one, else of the cause
@@ -61,9 +72,10 @@ struct LineGuarantee {
     double client_share = 0;   ///< of the utilization: commands of clients, at most
     /// Without failures all polled values, and all commands with a rate limit, meet their deadlines.
     bool feasible = true;
-    bool feasible_edf = true;  ///< second opinion: earliest deadline first
-    /// Each bound is exact for the tasks of the line. False: the analysis reached its limit (Effort), and
-    /// some bounds are larger.
+    bool feasible_edf = true;  ///< second opinion: earliest deadline first; several in flight: as `feasible`
+    std::uint32_t in_flight = 1;  ///< requests at a time
+    /// The analysis ended before its limit (Effort). With one request in flight each bound is then exact for
+    /// the tasks of the line. False: some bounds are larger, or missing.
     bool exact = true;
     /// There are requests without a rate limit. Their effect on others is not proved.
     std::size_t unlimited = 0;
