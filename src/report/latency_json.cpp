@@ -3,6 +3,7 @@
 
 #include "latency_parts.hpp"
 #include "takt/capture/bound.hpp"
+#include "takt/model/scalar.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/history_time.hpp"
 #include "takt/report/latency_report.hpp"
@@ -170,7 +171,18 @@ Json capture_json(const LatencyRun& run) {
     return object;
 }
 
-Json load_json(const LoadRun& load) {
+/// As the project has it.
+Json round_trip_json(const std::optional<model::MeasuredRoundTrip>& round_trip) {
+    if (!round_trip) return {};
+    auto object = Json::object();
+    object.set("longest", model::to_text(round_trip->longest));
+    object.set("usual", model::to_text(round_trip->usual));
+    object.set("exchanges", round_trip->exchanges);
+    object.set("in_flight", round_trip->in_flight);
+    return object;
+}
+
+Json load_json(const LoadRun& load, const std::optional<model::MeasuredRoundTrip>& round_trip) {
     const auto& [options, counts] = load;
     const auto& request = options.request.shape();
     auto object = Json::object();
@@ -195,6 +207,7 @@ Json load_json(const LoadRun& load) {
     auto times = Json::object();
     set_times(times, counts.from_sending);
     object.set("from_sending", std::move(times));
+    object.set("round_trip", round_trip_json(round_trip));
     return object;
 }
 
@@ -225,7 +238,7 @@ Json latency_json(const Texts& texts, const LatencyRun& run) {
     auto object = Json::object();
     object.set(run.load ? "target" : "file", run.file);
     if (run.load)
-        object.set("load", load_json(*run.load));
+        object.set("load", load_json(*run.load, round_trip_of(run)));
     else
         object.set("capture", capture_json(run));
     object.set("timeout_ms", milliseconds(config.timeout));

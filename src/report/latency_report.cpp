@@ -8,6 +8,7 @@
 
 #include "latency_parts.hpp"
 #include "takt/capture/bound.hpp"
+#include "takt/model/scalar.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/history_time.hpp"
 #include "takt/report/text_table.hpp"
@@ -293,6 +294,20 @@ double sent_per_second(const client::LoadCounts& counts) {
     return seconds > 0 ? static_cast<double>(counts.sent) / seconds : 0;
 }
 
+std::optional<model::MeasuredRoundTrip> round_trip_of(const LatencyRun& run) {
+    if (!run.load || run.file.find(":///") != std::string::npos) return std::nullopt;
+    const auto& [options, counts] = *run.load;
+    const auto& times = counts.from_sending;
+    const bool complete = counts.timed_out + counts.wrong + counts.lost == 0;
+    if (options.connections > 1 || !complete || times.count() < model::MeasuredTimes::kEnough)
+        return std::nullopt;
+    const auto whole = [](Duration time) { return std::chrono::ceil<std::chrono::microseconds>(time); };
+    return model::MeasuredRoundTrip{.longest = whole(times.max()),
+                                    .usual = whole(std::min(times.percentile(99.9), times.max())),
+                                    .exchanges = times.count(),
+                                    .in_flight = static_cast<std::uint16_t>(options.in_flight)};
+}
+
 LatencyVerdict latency_verdict(const capture::LatencyReport& report) {
     const auto& total = report.total();
     return {total.decided(), total.exceeded, capture::upper_bound(total.exceeded, total.decided())};
@@ -338,6 +353,16 @@ std::string latency_text(const Texts& texts, const LatencyRun& run, std::size_t 
     }
     if (const auto slowest = slowest_text(texts, run, columns); !slowest.empty()) text += '\n' + slowest;
     if (const auto notes = notes_text(texts, run); !notes.empty()) text += '\n' + notes;
+    if (const auto round_trip = round_trip_of(run))
+        text +=
+            '\n' +
+            texts(
+                "app.latency.load.round_trip",
+                {{"line", fmt::format("round_trip: {{longest: {}, usual: {}, exchanges: {}, "
+                                      "in_flight: {}}}",
+                                      model::to_text(round_trip->longest), model::to_text(round_trip->usual),
+                                      round_trip->exchanges, round_trip->in_flight)}}) +
+            '\n';
     if (report.config().limit) text += '\n' + latency_verdict_text(texts, report) + '\n';
     return text;
 }

@@ -130,3 +130,18 @@ def test_the_real_time_mode_is_reported(blank_device):
     (("tcp://h", "holding", 65530, 10), 2, "65535"), (("tcp://h", "holding", 0, 126), 2, "125")])
 def test_what_cannot_be_measured(options, code, word):
     assert word in takt("latency", *options, code=code).err
+
+
+def test_the_round_trip_is_for_a_project(blank_device, project):
+    text = takt("latency", target(blank_device()), "--requests", 300, "--in-flight", 4).out
+    line = next(x for x in text.splitlines() if "round_trip: {" in x).split(": ", 1)[1]
+    assert "exchanges: 300, in_flight: 4}" in line
+    path = project(f"""takt: 1
+lines: [{{name: L, transport: tcp, host: 127.0.0.1, devices: [{{name: D, address: 1, in_flight: 4,
+  {line}, variables: [{{name: V, type: int, register: 0, read: 3}}]}}]}}]
+""")
+    planned = takt("plan", path, "--json").json
+    assert (planned["lines"][0]["in_flight"], planned["lines"][0]["response_source"]) == (4, "measured")
+    note = next(f for f in planned["findings"] if f["code"] == "guarantee.response_measured")
+    assert "300 exchanges" in note["message"] and "1 in 100" in note["message"]
+    assert "1 in 100" in takt("check", path).out + takt("check", path).err

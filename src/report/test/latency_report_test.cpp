@@ -201,6 +201,28 @@ TEST(LatencyReport, ALoadStatesBothTimes) {
     EXPECT_JSON(*std::get<file::Json::Array>(json.find("slowest")->value())[0].find("request"), 5);
 }
 
+TEST(LatencyReport, ALoadGivesTheRoundTripOfAProject) {
+    MeasuredLoad load(std::nullopt);
+    load.options.in_flight = 4;
+    for (int i = 0; i < 97; ++i) load.counts.from_sending.record(2'000'500ns);
+    EXPECT_FALSE(round_trip_of(load.run())) << "some requests had no response";
+    load.counts.timed_out = load.counts.wrong = load.counts.lost = 0;
+    EXPECT_EQ(round_trip_of(load.run()), (model::MeasuredRoundTrip{2'001us, 2'001us, 100, 4}));
+    const auto json = latency_json(english(), load.run());
+    const auto& round_trip = *json.find("load")->find("round_trip");
+    EXPECT_JSON(*round_trip.find("longest"), "2001us");
+    EXPECT_JSON(*round_trip.find("exchanges"), 100);
+    EXPECT_NE(latency_text(english(), load.run(), SIZE_MAX)
+                  .find("round_trip: {longest: 2001us, usual: 2001us, exchanges: 100, in_flight: 4}"),
+              std::string::npos);
+    load.options.connections = 2;
+    EXPECT_FALSE(round_trip_of(load.run()));
+    load.options.connections = 1;
+    auto serial = load.run();
+    serial.file = "rtu:///dev/ttyS0";
+    EXPECT_FALSE(round_trip_of(serial));
+}
+
 TEST(LatencyReport, ALoadWithoutARateStatesThatResponsesDelayRequests) {
     const MeasuredLoad load(std::nullopt);
     for (const auto language : kLanguages) {

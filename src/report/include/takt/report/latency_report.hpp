@@ -10,6 +10,7 @@
 #include "takt/capture/latency.hpp"
 #include "takt/client/load.hpp"
 #include "takt/file/json.hpp"
+#include "takt/model/device.hpp"
 #include "takt/report/texts.hpp"
 
 namespace takt::report {
@@ -29,6 +30,11 @@ struct LatencyRun {
     capture::SerialCounts serial;
     std::optional<LoadRun> load = {};  ///< nothing: a capture
 };
+
+/// The round trip of a TCP device for its project (`round_trip`), as measured with so many in flight.
+/// Nothing: a serial line, several connections, fewer than 100 responses, or requests without a response in
+/// time.
+[[nodiscard]] std::optional<model::MeasuredRoundTrip> round_trip_of(const LatencyRun& run);
 
 /// What the exchanges show about the limit of LatencyConfig.
 struct LatencyVerdict {
