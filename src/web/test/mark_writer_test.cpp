@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <fstream>
@@ -117,7 +118,8 @@ TEST_F(MarkWriterTest, AFileThatCannotBeWrittenIsReportedOnceAndWrittenLater) {
         std::filesystem::remove(path_);
         ASSERT_TRUE(wait([&] { return messages_.codes().size() > 1; }));
         EXPECT_EQ(messages_.codes().back(), "log.marks.work");
-        EXPECT_EQ(marks.after(Marks::kNone).marks[1].severity, "warning") << "trends show the failure";
+        const auto shown = marks.after(Marks::kNone).marks;
+        EXPECT_EQ(std::ranges::count(shown, "warning", &Mark::severity), 1) << "trends show the failure";
     }
     EXPECT_EQ(run({}), "a ");
 }
