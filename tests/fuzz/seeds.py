@@ -124,7 +124,19 @@ def seed_captures():
     write("capture", "rtac", bytes([9]) + pcap(250, [struct.pack(">IIBBH", 0, 0, 1 + n % 2, 0, 0) + f for n, f in enumerate(frames)]))
 
 
+def seed_listen():
+    """Exchanges, 5 ms apart; a damaged frame; a tick."""
+    from frames import request
+    for choice, framing in ((0, "rtu"), (2, "rtu"), (8, "rtu"), (1, "ascii")):
+        steps = [struct.pack(">HB", 100, len(frame)) + frame for pair in PDUS for pdu in pair for frame in [request(framing, 1, pdu)] if len(frame) < 255]
+        damaged = request(framing, 1, PDUS[2][1])[:-3]
+        write("listen", f"golden-{choice}", bytes([choice]) + b"".join(steps) + struct.pack(">HB", 100, len(damaged)) + damaged + b"\x90\0\xff")
+        polls = [struct.pack(">HB", 2000, len(frame)) + frame for _ in range(12) for pdu in PDUS[2] for frame in [request(framing, 7, pdu)]]
+        write("listen", f"polls-{choice}", bytes([choice]) + b"".join(polls))
+
+
 seed_captures()
+seed_listen()
 seed_slaves()
 seed_masters()
 seed_texts()

@@ -1,0 +1,56 @@
+// A third party on a line: bytes in, exchanges out. It sends nothing.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "takt/capture/serial_pairing.hpp"
+#include "takt/listen/exchange.hpp"
+#include "takt/listen/frame_finder.hpp"
+#include "takt/listen/line_statistics.hpp"
+
+namespace takt::listen {
+
+struct ListenConfig {
+    FrameFinderConfig frames;
+    Duration timeout = std::chrono::seconds(1);  ///< a request waits so long for its response
+};
+
+/// Follows one line: finds frames, tells requests from responses (capture::SerialPairing), reports exchanges
+/// to the observer and keeps statistics. Allocates for statistics only, within the bounds of LineStatistics.
+/// One owner, one thread; time must not run backwards.
+class LineListener final : private LineSink {
+public:
+    LineListener(const ListenConfig& config, ListenObserver& observer);
+
+    /// @param t  when the last of `bytes` arrived
+    void on_bytes(Instant t, Bytes bytes) { finder_.push(t, bytes); }
+    void on_tick(Instant t);
+    /// When on_tick() can have a result.
+    [[nodiscard]] Instant next_wakeup() const;
+    /// One whole frame, with its checksum, from a capture: its characters have no times of their own.
+    void on_captured(Instant t, Bytes frame);
+    /// The end: bytes that are no frame are damaged, requests that wait are open.
+    void end();
+
+    [[nodiscard]] const LineStatistics& statistics() const { return statistics_; }
+
+private:
+    void on_frame(const LineFrame& frame) override;
+    void on_damaged(const DamagedBytes& damaged) override;
+    void begin_request(const LineFrame& frame, const capture::SerialPairing::Outcome& outcome);
+    void finish(capture::SerialPairing::Slot slot, Outcome outcome, Bytes response = {},
+                Duration response_time = {});
+    void give_up(const capture::SerialPairing::Slots& slots, Outcome outcome);
+
+    ListenConfig config_;
+    ListenObserver& observer_;
+    FrameFinder finder_;
+    capture::SerialPairing pairing_;
+    std::array<std::optional<SeenRequest>, capture::SerialPairing::kSlots> waiting_;  // by slot
+    wire::Pdu last_pdu_;  // of the last request on the line
+    std::uint8_t last_unit_ = 0;
+    LineStatistics statistics_;
+};
+
+}  // namespace takt::listen
