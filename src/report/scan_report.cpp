@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "takt/file/convert.hpp"
+#include "project_text.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/target_url.hpp"
 #include "takt/report/formatting.hpp"
@@ -59,15 +59,6 @@ std::string remarks(const Texts& texts, const discover::FoundUnit& unit) {
     return text;
 }
 
-std::string quoted(const std::string& text) {
-    std::string made = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') made += '\\';
-        made += c;
-    }
-    return made + '"';
-}
-
 file::Json optional_text(const std::string* text) {
     return text ? file::Json(printable(*text, text->size())) : file::Json();
 }
@@ -111,15 +102,6 @@ std::string_view kind_name(ScanTrouble::Kind kind) {
 
 // ---- the project file
 
-std::string connection_yaml(const model::Line& line) {
-    std::string text;
-    for (const auto& [key, value] : file::connection_keys(line)) {
-        const bool free_text = key == "port" || key == "host";
-        text += fmt::format("    {}: {}\n", key, free_text ? quoted(value) : value);
-    }
-    return text;
-}
-
 std::string variables_yaml(const model::Device& device) {
     if (device.variables.empty()) return "        variables: []\n";
     std::string text = "        variables:\n";
@@ -144,7 +126,7 @@ std::string probed_yaml(const discover::ProbeFindings& probe) {
 std::string device_yaml(const model::Device& device, const std::string& comment,
                         const discover::ProbeFindings* probe) {
     auto text = fmt::format("      - name: {}\n        address: {}\n", device.name, device.address.value);
-    if (!comment.empty()) text += fmt::format("        comment: {}\n", quoted(comment));
+    if (!comment.empty()) text += fmt::format("        comment: {}\n", quoted_yaml(comment));
     if (device.response_timeout != model::device_defaults(model::Profile::generic).response_timeout)
         text += fmt::format("        response_timeout: {}ms\n",
                             device.response_timeout / std::chrono::milliseconds(1));

@@ -1,0 +1,77 @@
+// The project file of a heard line.
+#include <fmt/format.h>
+
+#include "project_text.hpp"
+#include "takt/model/fields.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/listen_report.hpp"
+
+namespace takt::report {
+namespace {
+
+std::string period_text(Duration period) {
+    return fmt::format("{}ms", period / std::chrono::milliseconds(1));
+}
+
+std::string readable_yaml(const model::Device& device) {
+    std::string text;
+    for (std::size_t area = 0; area < device.readable.size(); ++area) {
+        if (device.readable[area].empty()) continue;
+        std::string ranges;
+        for (const auto& range : device.readable[area])
+            ranges += fmt::format("{}{}", ranges.empty() ? "" : ", ", range_text(range));
+        text += fmt::format("          {}: [{}]\n", wire::name(static_cast<wire::Area>(area)), ranges);
+    }
+    return text.empty() ? text : "        readable:\n" + text;
+}
+
+std::string variable_yaml(const model::Variable& variable, Duration usual) {
+    const bool coil = is_bit_area(variable.area);
+    auto text = fmt::format("          - {{name: {}, type: {}, {}: {}", variable.name,
+                            takt::name(variable.type), coil ? "coil" : "register", variable.start());
+    if (variable.read) text += fmt::format(", read: {}", function_text(*variable.read));
+    if (variable.write) text += fmt::format(", write: {}", function_text(*variable.write));
+    if (variable.read && variable.period != usual)
+        text += fmt::format(", period: {}", period_text(variable.period));
+    return text + "}\n";
+}
+
+std::string device_yaml(const Texts& texts, const model::Device& device, std::size_t left_out) {
+    auto text = fmt::format("      - name: {}\n        address: {}\n        poll_period: {}\n", device.name,
+                            device.address.value, period_text(device.poll_period));
+    if (device.response_timeout != model::device_defaults(model::Profile::generic).response_timeout)
+        text += fmt::format("        response_timeout: {}\n", period_text(device.response_timeout));
+    if (device.registers_per_request_set)
+        text += fmt::format("        registers_per_request: {}\n", device.registers_per_request);
+    text += readable_yaml(device);
+    if (device.variables.empty()) return text + "        variables: []\n";
+    text += "        variables:\n";
+    for (const auto& variable : device.variables) text += variable_yaml(variable, device.poll_period);
+    if (left_out > 0)
+        text += fmt::format("          # {}\n",
+                            texts("app.listen.project_left_out", {{"count", std::to_string(left_out)}}));
+    return text;
+}
+
+}  // namespace
+
+std::string listen_project(const Texts& texts, const ListenRun& run, int stretch) {
+    const auto project = listen::heard_project(run.statistics, run.connection, stretch);
+    auto text = fmt::format("# {}\n", texts("app.listen.project_head"));
+    if (!run.has_settings) text += fmt::format("# {}\n", texts("app.listen.project_settings"));
+    if (stretch > 1)
+        text += fmt::format("# {}\n",
+                            texts("app.listen.project_stretched", {{"factor", std::to_string(stretch)}}));
+    text += fmt::format("takt: 1\nlines:\n  - name: {}\n{}    devices:\n", project.line.name,
+                        connection_yaml(project.line));
+    for (std::size_t i = 0; i < project.line.devices.size(); ++i)
+        text += device_yaml(texts, project.line.devices[i], project.left_out[i]);
+    std::string others;
+    for (const auto unit : project.other_units)
+        others += fmt::format("{}{}", others.empty() ? "" : ", ", unit);
+    if (!others.empty())
+        text += fmt::format("# {}\n", texts("app.listen.project_units", {{"units", others}}));
+    return text;
+}
+
+}  // namespace takt::report
