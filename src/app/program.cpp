@@ -84,6 +84,7 @@ int run_program(int argc, char** argv) {
     add_history(line, common);
     add_latency(line, common);
     add_capture_command(line, common);
+    add_listen(line, common);
     add_replay(line, common);
     add_schema(line, common);
     add_selftest(line, common);

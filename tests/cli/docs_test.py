@@ -7,7 +7,7 @@ import pytest
 from program import ROOT, takt
 
 COMMANDS = {"check": [["check"]], "plan": [["plan"]], "run": [["run"]], "demo": [["demo"]], "ctl": [["ctl"]], "serve": [["serve"]],
-            "convert": [["convert"]], "table": [["table", "build"], ["table", "show"]], "history": [["history"]], "latency": [["latency"]], "capture": [["capture"]], "replay": [["replay"]], "schema": [["schema"]], "selftest": [["selftest"]], "read": [["read"]], "write": [["write"]],
+            "convert": [["convert"]], "table": [["table", "build"], ["table", "show"]], "history": [["history"]], "latency": [["latency"]], "capture": [["capture"]], "listen": [["listen"]], "replay": [["replay"]], "schema": [["schema"]], "selftest": [["selftest"]], "read": [["read"]], "write": [["write"]],
             "raw": [["raw"]], "scan": [["scan"]], "probe": [["probe"]]}
 PAGES = ROOT / "docs/commands"
 

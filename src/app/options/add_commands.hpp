@@ -17,6 +17,7 @@ void add_table_commands(CommandLine& line, const CommonOptions& common);
 void add_history(CommandLine& line, const CommonOptions& common);
 void add_capture_command(CommandLine& line, const CommonOptions& common);
 void add_latency(CommandLine& line, const CommonOptions& common);
+void add_listen(CommandLine& line, const CommonOptions& common);
 void add_replay(CommandLine& line, const CommonOptions& common);
 void add_schema(CommandLine& line, const CommonOptions& common);
 void add_selftest(CommandLine& line, const CommonOptions& common);

@@ -9,6 +9,7 @@
 #include "commands/convert_command.hpp"
 #include "commands/ctl_command.hpp"
 #include "commands/latency_command.hpp"
+#include "commands/listen_command.hpp"
 #include "commands/plan_command.hpp"
 #include "commands/probe_command.hpp"
 #include "commands/run_command.hpp"
@@ -199,6 +200,25 @@ TEST(Options, OfLatencyOfATarget) {
           "--same-content", "--realtime", "--cpu 0", "--spin 1us"})
         EXPECT_TRUE(parse("latency a.pcap " + std::string(wrong)).error) << wrong;
     EXPECT_TRUE(parse("latency udp://h").error);
+}
+
+TEST(Options, OfListen) {
+    const auto defaults = options_of<ListenOptions>("listen /dev/ttyUSB0");
+    EXPECT_EQ(defaults.port, "/dev/ttyUSB0");
+    EXPECT_EQ(defaults.timeout, 1s);
+    EXPECT_TRUE(!defaults.run_for && !defaults.quiet && !defaults.json && !defaults.force);
+    const auto given = options_of<ListenOptions>(
+        "listen ascii:///dev/x?baud=9600 --project a --write b --force --for 10s --timeout 200ms --quiet "
+        "--json");
+    EXPECT_EQ(given.port, "ascii:///dev/x?baud=9600");
+    EXPECT_EQ(given.project, "a");
+    EXPECT_EQ(given.write, "b");
+    EXPECT_EQ(given.run_for, 10s);
+    EXPECT_EQ(given.timeout, 200ms);
+    EXPECT_TRUE(given.force && given.quiet && given.json);
+    for (const auto* const wrong :
+         {"", "tcp://h", "rtu:///dev/x?baud=x", "/dev/x --for 0s", "/dev/x --timeout 1"})
+        EXPECT_TRUE(parse("listen " + std::string(wrong)).error) << wrong;
 }
 
 TEST(Options, OfAScanAndAProbe) {

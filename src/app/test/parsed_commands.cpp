@@ -9,6 +9,7 @@
 #include "commands/ctl_command.hpp"
 #include "commands/history_command.hpp"
 #include "commands/latency_command.hpp"
+#include "commands/listen_command.hpp"
 #include "commands/plan_command.hpp"
 #include "commands/probe_command.hpp"
 #include "commands/run_command.hpp"
@@ -51,6 +52,9 @@ ExitCode capture(const CommonOptions&, const CaptureOptions& options) {
     return keep(options);
 }
 ExitCode latency(const CommonOptions&, const LatencyOptions& options) {
+    return keep(options);
+}
+ExitCode listen(const CommonOptions&, const ListenOptions& options) {
     return keep(options);
 }
 ExitCode plan(const CommonOptions&, const PlanOptions& options) {
@@ -103,6 +107,7 @@ Parsed parse(const std::string& line) {
     add_history(command_line, common);
     add_latency(command_line, common);
     add_capture_command(command_line, common);
+    add_listen(command_line, common);
     add_client_commands(command_line, common);
     add_finding_commands(command_line, common);
     g_options.reset();

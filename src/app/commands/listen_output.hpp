@@ -1,0 +1,56 @@
+// What takt listen prints and writes, for a port as for a capture.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "commands/listen_command.hpp"
+#include "progress.hpp"
+#include "takt/host/project_file.hpp"
+#include "takt/listen/exchange.hpp"
+#include "takt/report/listen_report.hpp"
+#include "texts.hpp"
+
+namespace takt::app {
+
+/// Prints what a listener reports, then the summary; writes the project. One owner, one thread.
+class ListenOutput final : public listen::ListenObserver {
+public:
+    /// @param time_text  the time of an instant, as it is printed
+    ListenOutput(const Texts& texts, const ListenOptions& options, std::string port,
+                 std::function<std::string(Instant)> time_text);
+
+    /// Loads the project of the names, if there is one, and checks that the file for what is heard may be
+    /// written. @returns false: the reason was printed
+    [[nodiscard]] bool prepare();
+
+    void on_exchange(const listen::Exchange& exchange) override;
+    void on_stray(const listen::LineFrame& frame) override;
+    void on_damaged(const listen::DamagedBytes& damaged) override;
+
+    /// @param connection  the line without devices
+    /// @param faulty_characters  that the port reported
+    [[nodiscard]] ExitCode finish(const listen::LineStatistics& statistics, const model::Line& connection,
+                                  bool has_settings, std::uint64_t faulty_characters);
+    /// No frame can be expected of the line.
+    [[nodiscard]] ExitCode nothing_heard(std::uint64_t bytes) const;
+
+    [[nodiscard]] Progress& progress() { return progress_; }
+
+private:
+    [[nodiscard]] bool may_write() const;
+    void emit(const std::function<file::Json()>& json, const std::function<std::string()>& text);
+    [[nodiscard]] std::string accepted_project(const report::ListenRun& run) const;
+    [[nodiscard]] ExitCode write_project(const report::ListenRun& run) const;
+
+    Texts texts_;
+    const ListenOptions& options_;
+    std::string port_;
+    std::function<std::string(Instant)> time_text_;
+    Progress progress_;
+    std::optional<host::LoadedProject> project_;
+    report::HeardNames names_;
+};
+
+}  // namespace takt::app

@@ -1,0 +1,180 @@
+"""takt listen on a bus with foreign masters, libmodbus and pymodbus, against the record of the bus itself."""
+import json
+import re
+import statistics
+import time
+
+import pytest
+
+from frames import pcap
+from program import start, takt, until
+from serial_bus import Bus, LibmodbusMaster, PymodbusMaster, frame
+
+pytest.importorskip("pymodbus")
+
+PROJECT = """takt: 1
+lines:
+  - name: rs485
+    transport: serial
+    port: /dev/takt-none
+    devices:
+      - name: Boiler
+        address: 1
+        variables:
+          - {name: Level, type: uint16, register: 1, read: 0x03, unit: mm}
+          - {name: Flow, type: uint16, register: 3, read: 0x03, scale: 0.1}
+          - {name: Setpoint, type: uint16, register: 20, read: 0x03, write: 0x06}
+      - name: Pump
+        address: 2
+        variables: []
+"""
+
+
+class Listening:
+    """takt listen on the port "listener" of a bus. A context; `finish()` sends Ctrl-C."""
+
+    def __init__(self, bus, *options, settings="rtu://{}?baud=115200&parity=none"):
+        self.program = start("listen", settings.format(bus.ports["listener"]), *options)
+        until(lambda: self.program.catches(2), "the handler of signals")
+        self.bus = bus
+
+    def __enter__(self):
+        self.program.__enter__()
+        return self
+
+    def __exit__(self, *stop):
+        self.program.__exit__(*stop)
+
+    def events(self, kind):
+        return [e for e in self.program.events() if e["event"] == kind]
+
+    def finish(self, code=0):
+        result = self.program.interrupt(code=code)
+        assert self.bus.sent_by["listener"] == b"", "a third party sends nothing"
+        return result
+
+
+def hear_two_masters(cycles, *options):
+    """Both masters work for that many cycles; the bus, and what was heard."""
+    with Bus(["one", "two", "listener"]) as bus, Listening(bus, *options) as listening:
+        with LibmodbusMaster(bus.ports["one"], 0.25, [(1, 0, 4), (2, 10, 2)]) as one, \
+                LibmodbusMaster(bus.ports["two"], 0.33, [(3, 0, 10)], [(1, 20)]) as two:
+            until(lambda: one.cycles >= cycles and two.cycles >= cycles, "the cycles of both masters", deadline=60)
+        time.sleep(0.3)  # the responses to the last requests
+        return bus, listening.finish()
+
+
+def hex_of(pdu):
+    return pdu.hex(" ").upper()
+
+
+def test_every_exchange_of_two_masters_is_heard(tmp_path):
+    project = tmp_path / "heard.yaml"
+    bus, result = hear_two_masters(24, "--json", "--timeout", "10s", "--write", project)
+    lines = [json.loads(line) for line in result.lines]
+    exchanges = [e for e in lines if e["event"] == "exchange"]
+    heard = sorted((e["unit"], e["request"], e["response"]) for e in exchanges)
+    assert heard == sorted((unit, hex_of(pdu), hex_of(reply)) for unit, pdu, reply in bus.answers)
+    assert not [e for e in lines if e["event"] in ("stray", "damaged")]
+    assert 3 < statistics.median(e["response_ms"] for e in exchanges) < 50, "the devices take 4 ms"
+
+    summary = lines[-1]
+    assert summary["requests"] == summary["answered"] == len(bus.answers)
+    masters = [sorted((p["unit"], p["function"], p["start"]) for p in m["polls"]) for m in summary["masters"]]
+    assert sorted(masters) == [[(1, 3, 0), (2, 3, 10)], [(1, 6, 20), (3, 3, 0)]]
+    cycles = sorted(m["cycle_ms"] for m in summary["masters"])
+    assert cycles == [pytest.approx(250, rel=0.1), pytest.approx(330, rel=0.1)]
+
+    text = project.read_text()
+    assert takt("check", project).code == 0, text
+    plan = takt("plan", project, "--json").json
+    requests = {(r["device"], r["function"], r["start"], r["quantity"]) for r in plan["lines"][0]["requests"]}
+    assert {("unit 1", 3, 0, 4), ("unit 2", 3, 10, 2), ("unit 3", 3, 0, 10)} <= requests
+    periods = sorted(int(number) for number in re.findall(r"poll_period: (\d+)ms", text))
+    assert periods == [pytest.approx(250, rel=0.1)] * 2 + [pytest.approx(330, rel=0.1)]
+    assert "{name: unit1_holding_20, type: uint16, register: 20, write: 0x06}" in text
+
+
+def test_the_names_of_a_project(project):
+    _, result = hear_two_masters(4, "--project", project(PROJECT))
+    assert any("Boiler: unit 1 read holding registers 0..3 → 4 values: 0 1 2 3; " in line and line.endswith("Level = 1 mm, Flow = 0.3")
+               for line in result.lines), result
+    assert any("Setpoint = " in line for line in result.lines)
+    assert any("Pump: unit 2" in line for line in result.lines)
+    assert any(line.split()[:2] == ["1", "Boiler"] for line in result.lines), "the table of devices"
+
+
+@pytest.mark.parametrize("framing", ["rtu", "ascii"])
+def test_the_framing_is_found(framing):
+    with Bus(["master", "listener"], framing=framing) as bus, Listening(bus, "--json", settings="{}") as listening:
+        port, reads = bus.ports["master"], [(1, 0, 4)]
+        with LibmodbusMaster(port, 0.05, reads) if framing == "rtu" else PymodbusMaster(port, 0.05, reads, framing) as master:
+            until(lambda: len(listening.events("exchange")) >= 5, "exchanges")
+            assert master.cycles >= 5
+        result = listening.finish()
+    assert f"{framing.upper()}; characters needed" in result.err
+    answered = [e for e in listening.events("exchange") if (e["unit"], e["outcome"]) == (1, "answered")]
+    assert len(answered) >= 4
+    assert json.loads(result.lines[-1])["framing"] == framing
+
+
+def test_silent_devices_and_damage():
+    with Bus(["master", "listener"], units=(1,)) as bus, Listening(bus, "--json", "--timeout", "200ms") as listening:
+        with PymodbusMaster(bus.ports["master"], 0.05, [(1, 0, 4), (9, 0, 1), (1, 99, 2)]) as master:
+            until(lambda: master.cycles >= 4, "cycles")
+        for bad in (frame("rtu", 1, b"\x03\x02\0\0")[:-1] + b"\0", b"\x01\x03"):
+            time.sleep(0.1)
+            bus.send(bad)
+        until(lambda: len(listening.events("damaged")) == 2, "the damaged bytes")
+        bus.send(frame("rtu", 1, b"\x03\x02\0\0"))
+        until(lambda: listening.events("stray"), "the response without a request")
+        summary = json.loads(listening.finish().lines[-1])
+    devices = {d["unit"]: d for d in summary["devices"]}
+    assert devices[9]["silent"] and devices[9]["answered"] == 0 and devices[9]["unanswered"] >= 3
+    assert not devices[1]["silent"] and devices[1]["exceptions"] == {"2": master.cycles}
+    assert summary["damaged"] == 2 and summary["strays"] == 1
+
+
+def test_frames_of_a_capture(tmp_path):
+    exchange = [frame("rtu", 5, b"\x03\0\0\0\x01"), frame("rtu", 5, b"\x03\x02\0\x07")]
+    path = tmp_path / "line.pcap"
+    path.write_bytes(pcap(147, exchange * 5))
+    result = takt("listen", path, "--json", "--write", tmp_path / "heard.yaml")
+    lines = [json.loads(line) for line in result.lines]
+    assert [e["response_ms"] for e in lines[:-1]] == [1.0] * 5
+    assert lines[-1]["baud"] is None and lines[-1]["devices"][0]["unit"] == 5
+    assert takt("check", tmp_path / "heard.yaml").code == 0
+
+
+def test_exit_codes(tmp_path, project):
+    with Bus(["listener"]) as bus:
+        port = bus.ports["listener"]
+        assert "nothing was received" in takt("listen", port, "--for", "100ms", code=1).err
+        with Listening(bus) as listening:
+            bus.send(b"\x01\x03\x55\xAA")
+            listening.program.wait_line(lambda line: "damaged, bytes: 4: 01 03 55 AA" in line, "the bytes")
+            assert "no" in listening.finish(code=6).err
+        assert "error" in takt("listen", port, "--project", project("takt: 2\n"), code=2).err
+        assert "no serial line" in takt("listen", port, "--project", project("takt: 1\nlines: [{name: net, transport: tcp, host: 127.0.0.1, devices: [{name: D, address: 1, variables: []}]}]\n"), code=2).err
+    takt("listen", "/dev/takt-none", code=3)
+    takt("listen", "tcp://127.0.0.1", code=2)
+    unwritable = tmp_path / "there.yaml"
+    unwritable.write_text("mine")
+    path = tmp_path / "line.pcap"
+    path.write_bytes(pcap(147, [frame("rtu", 5, b"\x03\0\0\0\x01")]))
+    takt("listen", path, "--write", unwritable, code=2)
+    takt("listen", path, "--write", tmp_path / "no-folder/heard.yaml", code=7)
+    assert unwritable.read_text() == "mine"
+    takt("listen", path, "--write", unwritable, "--force")
+    assert "takt: 1" in unwritable.read_text()
+
+
+def test_a_port_that_is_lost_ends_with_the_summary():
+    bus = Bus(["listener"])
+    with bus:
+        listening = Listening(bus, "--json")
+        bus.send(frame("rtu", 5, b"\x03\0\0\0\x01") + frame("rtu", 5, b"\x03\x02\0\x07"))
+        until(lambda: listening.events("exchange"), "the exchange")
+    with listening:
+        result = listening.program.finish(code=3)
+    assert json.loads(result.lines[-1])["answered"] == 1
