@@ -1,5 +1,5 @@
 // Worst-case response times of a connection with several requests in flight (docs/guarantees.md, "Several
-// requests in flight"; docs/decisions/0046-requests-in-flight.md).
+// requests in flight"; docs/decisions/0047-requests-in-flight.md).
 #pragma once
 
 #include <cstddef>
