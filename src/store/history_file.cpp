@@ -93,11 +93,12 @@ Result<HistoryFile> open_history_file(const std::string& path) {
         return {};
     }));
     TAKT_CHECK(with_results(path, opened.database.get(), [&]() -> Result<void> {
-        if (!is_new) {
+        // A power cut can leave the file without its tables.
+        const bool empty = is_new || is_empty_history(*opened.database);
+        if (!empty)
             if (auto ours = check_history(*opened.database, path); !ours) return ours;
-        }
         opened.database->exec(kSettings);
-        if (is_new) make_history_tables(*opened.database);
+        if (empty) make_history_tables(*opened.database);
         return {};
     }));
     return opened;

@@ -111,6 +111,11 @@ void make_history_tables(SQLite::Database& database) {
     transaction.commit();
 }
 
+bool is_empty_history(SQLite::Database& database) {
+    return database.execAndGet("PRAGMA application_id").getInt() == 0 &&
+           database.execAndGet("SELECT count(*) FROM sqlite_master").getInt() == 0;
+}
+
 Result<void> check_history(SQLite::Database& database, const std::string& path) {
     const int application = database.execAndGet("PRAGMA application_id").getInt();
     const int version = database.execAndGet("PRAGMA user_version").getInt();

@@ -24,6 +24,8 @@ inline constexpr std::int64_t kHour = 3'600'000'000'000;
 
 /// Creates the tables in an empty file.
 void make_history_tables(SQLite::Database& database);
+/// Whether it is a database without tables and of no program.
+[[nodiscard]] bool is_empty_history(SQLite::Database& database);
 /// @returns malformed: not a history; unsupported: of a newer version
 [[nodiscard]] Result<void> check_history(SQLite::Database& database, const std::string& path);
 

@@ -235,6 +235,15 @@ TEST_F(HistoryTest, ReadsTheRestWhenAChunkIsDamaged) {
     EXPECT_EQ(picture->damaged_chunks, 1U);
 }
 
+// A power cut while the tables were made: the first page is on the disk, the transaction is not.
+TEST_F(HistoryTest, BeginsInAnEmptyDatabase) {
+    SQLite::Database(path_, SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)
+        .exec("PRAGMA journal_mode = WAL; VACUUM");
+    ASSERT_EQ(std::filesystem::file_size(path_), 4096U);
+    ASSERT_TRUE(History::open(path_));
+    ASSERT_TRUE(HistoryReader::open(path_));
+}
+
 TEST_F(HistoryTest, LeavesAFileOfAnotherProgramAlone) {
     overwrite(path_, "not a database, but somebody's notes");
     EXPECT_EQ(History::open(path_).error().code, Code::unsupported);
