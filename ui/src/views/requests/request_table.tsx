@@ -36,7 +36,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
       ),
     },
     { key: 'start', title: texts.start, width: '66px', ...right, cell: (its) => its.start },
-    { key: 'quantity', title: texts.quantity, width: '50px', ...right, cell: (its) => its.quantity },
+    { key: 'quantity', title: texts.quantity, width: '46px', ...right, cell: (its) => its.quantity },
     {
       key: 'variables',
       title: texts.variables,
@@ -52,7 +52,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
     {
       key: 'period',
       title: texts.period,
-      width: '82px',
+      width: '86px',
       ...right,
       cell: (its) => (
         <span class="text" title={whenWords(its)}>
