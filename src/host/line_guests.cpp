@@ -66,7 +66,7 @@ void LineGuests::submit(Instant t, std::size_t line, Waiting& waiting) {
     if (!poller.can_relay() ||
         !poller.may_start_relayed(t, exchange.unit, bus::answer_shape(transaction.request.shape())))
         return;
-    waiting.submitted = poller.relay(t, transaction).has_value();
+    waiting.submitted = poller.relay(t, transaction, exchange.spare).has_value();
     if (waiting.submitted) poke_(line);
 }
 

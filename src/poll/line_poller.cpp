@@ -73,8 +73,8 @@ std::optional<value::CommandOutcome> LinePoller::take_outcome() {
     return run_->commands_.take_outcome();
 }
 
-Result<void> LinePoller::relay(Instant t, const bus::Transaction& transaction) {
-    return run_->relay(t, transaction);
+Result<void> LinePoller::relay(Instant t, const bus::Transaction& transaction, bool spare) {
+    return run_->relay(t, transaction, spare);
 }
 bool LinePoller::was_up() const {
     return run_->link_.was_up();

@@ -7,12 +7,14 @@
 
 namespace takt::poll {
 
-Result<void> RelaySlot::put(const bus::Transaction& transaction, std::optional<std::size_t> device) {
+Result<void> RelaySlot::put(const bus::Transaction& transaction, std::optional<std::size_t> device,
+                            bool spare) {
     TAKT_ASSERT(empty());
     if (transaction.request.empty()) return fail(Code::out_of_range, 0, 1, wire::kMaxPdu);
     transaction_ = transaction;
     device_ = device;
     only_reads_ = transaction.request.only_reads();
+    spare_ = spare;
     return {};
 }
 

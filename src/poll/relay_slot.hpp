@@ -28,8 +28,10 @@ public:
     [[nodiscard]] bool empty() const { return !transaction_ && !outcome_; }
     /// Requires empty().
     /// @param device  that the transaction is for, if the line has it
+    /// @param spare   as of LinePoller::relay()
     /// @returns out_of_range for an empty request
-    [[nodiscard]] Result<void> put(const bus::Transaction& transaction, std::optional<std::size_t> device);
+    [[nodiscard]] Result<void> put(const bus::Transaction& transaction, std::optional<std::size_t> device,
+                                   bool spare = false);
     /// The transaction is taken back if it waits.
     /// @returns false: it does not
     bool withdraw();
@@ -43,6 +45,8 @@ public:
     [[nodiscard]] bus::AnswerShape shape() const { return bus::answer_shape(transaction_->request.shape()); }
     [[nodiscard]] std::optional<std::size_t> device() const { return device_; }
     [[nodiscard]] bool only_reads() const { return only_reads_; }
+    [[nodiscard]] bool spare() const { return spare_; }
+    [[nodiscard]] const bus::Transaction& transaction() const { return *transaction_; }
     /// Its position among what may be sent.
     [[nodiscard]] Candidate candidate(Instant t) const;
 
@@ -63,6 +67,7 @@ private:
     std::optional<bus::Transaction> transaction_;  // waits or is in flight
     std::optional<std::size_t> device_;
     bool only_reads_ = false;
+    bool spare_ = false;
     bool in_flight_ = false;
     Instant last_start_ = Instant::min();
     std::optional<bus::Outcome> outcome_;  // not taken yet

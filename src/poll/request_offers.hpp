@@ -61,6 +61,11 @@ public:
     /// Probes before their back-off has passed. Call it last: there is one only if nothing else may be sent,
     /// and nothing is due before it has timed out.
     void offer_early_probes(Instant t);
+    /// Whether nothing else may be sent at `t`, and nothing is due before a request that takes `lost` has
+    /// ended. Call it behind all other offers.
+    [[nodiscard]] bool is_spare(Instant t, Duration lost) const {
+        return !parts_.arbiter.best() && parts_.engine.idle() && after(t, lost) <= parts_.arbiter.wakeup();
+    }
     /// Any other request. @param due  it may not start before
     void offer(Instant t, UnitId unit, const bus::AnswerShape& shape, Instant due,
                const Candidate& candidate);

@@ -83,7 +83,7 @@ public:
     std::unique_ptr<RelaySlot> relay_;     // if the line is shared
 
     void admit_guests();
-    Result<void> relay(Instant t, const bus::Transaction& transaction);
+    Result<void> relay(Instant t, const bus::Transaction& transaction, bool spare);
 
     // take_over.cpp
     void hold();
@@ -140,6 +140,9 @@ private:
     // relayed.cpp
     void share_line();
     void offer_relayed(Instant t);
+    void offer_spare_relayed(Instant t);
+    [[nodiscard]] bool device_takes_relayed(Instant t) const;
+    void put_offer_of_relayed(Instant t);
     void start_relayed(Instant t);
     void on_relayed(const bus::Outcome& outcome);
     void give_up_relayed(Instant t, bus::Status status);

@@ -31,6 +31,7 @@ void LinePoller::Run::choose(Instant t) {
         offers_.offer_requests(t);
         offer_relayed(t);
         offer_trial(t);
+        offer_spare_relayed(t);
         offers_.offer_early_probes(t);
     }
     report_waiting_writes(t);

@@ -82,7 +82,8 @@ private:
                               .exchange = Command::Exchange{.line = line_,
                                                             .unit = UnitId{head[kHead - 1]},
                                                             .pdu = {pdu.begin(), pdu.end()},
-                                                            .wait = bridging_.wait},
+                                                            .wait = bridging_.wait,
+                                                            .spare = bridging_.spare},
                               .expires = after(t, bridging_.longest_wait)});
         if (!submitted) lose(t, submitted.error());
     }

@@ -15,6 +15,7 @@ namespace takt::web {
 
 struct BridgeOptions {
     Duration wait{};          ///< for a unit that is no device of the line
+    bool spare = false;       ///< as of Command::Exchange
     Duration longest_wait{};  ///< for the line to have time for a request
     /// A unit without a response is answered with exception 11, as a gateway does, and the link is lost if
     /// the line had no time. Otherwise neither is answered.

@@ -147,7 +147,7 @@ struct PolledLine {
 
 /// @returns the session's errors, not_found (the line)
 Result<PolledLine> polled_line(const HostAccess& host, const std::string& name,
-                               std::optional<Duration> timeout, bool scan) {
+                               std::optional<Duration> timeout, bool spare, bool scan) {
     TAKT_TRY(auto opened, host.open_session({.events = false}));
     const std::shared_ptr<host::Session> session = std::move(opened);
     const auto& lines = session->configuration()->project().lines;
@@ -158,6 +158,7 @@ Result<PolledLine> polled_line(const HostAccess& host, const std::string& name,
     return PolledLine{bridged_line(*found),
                       bridge_to(session, index,
                                 {.wait = wait,
+                                 .spare = spare,
                                  .longest_wait = scan ? kLongestScanWait : kLongestProbeWait,
                                  .report_absent = scan})};
 }
@@ -193,7 +194,7 @@ ApiResponse line_scan_response(DeviceSearch& search, const HostAccess& host, con
                                const file::Json& body, const std::string& name) {
     const auto timeout = timeout_of(body);
     if (!timeout) return unusable(request, timeout.error());
-    auto polled = polled_line(host, name, *timeout, true);
+    auto polled = polled_line(host, name, *timeout, flag_at(body, "spare", false), true);
     if (!polled) return no_line(request, polled.error(), name);
     auto order = line_scan_order(body, *std::move(polled), name);
     if (!order) return unusable(request, order.error());
@@ -251,7 +252,7 @@ ApiResponse probe_response(DeviceSearch& search, const HostAccess& host, const A
     const auto config = probe_config(*body);
     if (!config) return unusable(request, config.error());
     if (const auto name = line_name(text_at(*body, "target"))) {
-        auto polled = polled_line(host, *name, *timeout, false);
+        auto polled = polled_line(host, *name, *timeout, flag_at(*body, "spare", false), false);
         if (!polled) return no_line(request, polled.error(), *name);
         return started(search.start(ProbeOrder{.line = std::move(polled->line),
                                                .unit = UnitId{static_cast<std::uint8_t>(*unit)},

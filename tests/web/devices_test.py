@@ -215,7 +215,8 @@ def test_a_polled_line_is_scanned_beside_polling(site, meter):
     assert before <= len(site.run.out)
 
 
-def test_a_simulated_line_is_scanned(tmp_path):
+@pytest.mark.parametrize("spare", [False, True])
+def test_a_simulated_line_is_scanned(tmp_path, spare):
     path = tmp_path / "demo.yaml"
     path.write_text("""\
 takt: 1
@@ -223,14 +224,24 @@ lines:
   - name: bus
     transport: simulated
     framing: rtu
-    baud: 38400
+    baud: 115200
     devices:
-      - {name: Boiler, address: 16, poll_period: 100ms, variables: [{name: L, type: uint16, register: 0, read: 0x03}]}
+      - {name: Boiler, address: 16, poll_period: 200ms, response_timeout: 50ms, variables: [{name: L, type: uint16, register: 0, read: 0x03}]}
 """)
     with start("run", path, "--json", "--web", "127.0.0.1:0", "--allow-write") as run:
         site = Site(run)
-        post(site, "/search/scan", {"targets": ["line:bus"], "units": "14-18", "timeout_ms": 50})
+        post(site, "/search/scan", {"targets": ["line:bus"], "units": "14-18", "timeout_ms": 50, "spare": spare})
         assert [d["unit"] for d in wait_for_end(site)["devices"]] == [16]
+        post(site, "/search/probe", {"target": "line:bus", "unit": 16, "to": 9, "spare": spare})
+        assert not wait_for_end(site)["error"]
+
+
+def test_a_search_in_spare_time_ends_where_the_line_has_none(site, meter):
+    """A time-out of 500 ms does not fit between polled requests each 50 ms."""
+    post(site, "/search/scan", {"targets": ["line:net"], "units": "2", "timeout_ms": 500, "spare": True})
+    state = wait_for_end(site)
+    assert state["devices"] == [] and state["troubles"], state
+    assert {unit for unit, _ in meter.seen} == {1}
 
 
 def test_a_search_is_cancelled_and_one_at_a_time(site):

@@ -113,6 +113,65 @@ TEST(Relayed, AGuestIsSentOnlyWhenNothingIsDue) {
     EXPECT_GE(polls, 45u) << "each 20 ms";
 }
 
+/// The instants at which devices of periods are polled beside a client that always has a further request.
+struct Polled {
+    std::vector<Instant> polls;
+    std::size_t guests = 0;
+};
+Polled polled_beside(bool guests, bool spare, bool answers, Duration end) {
+    std::vector<model::Device> devices;
+    for (const Duration period : {50ms, 70ms, 130ms}) {
+        const auto number = static_cast<int>(devices.size()) + 1;
+        devices.push_back(device(number, {int16("v" + std::to_string(number), 0).read(3).every(period)}));
+        devices.back().turnaround = 3ms;
+    }
+    Bench bench(project(devices));
+    auto& line = bench.master.line(0);
+    line.admit_guests();
+    bench.players[kForeign].dead = !answers;
+    if (guests)
+        bench.after_each = [&] {
+            if (line.can_relay()) static_cast<void>(line.relay(bench.now, read(1), spare));
+        };
+    bench.run_until(end);
+    Polled found{.guests = foreign(bench.sent)};
+    for (const auto& sent : bench.sent)
+        if (sent.unit != kForeign) found.polls.push_back(sent.t);
+    return found;
+}
+
+TEST(Relayed, AGuestInSpareTimeMakesNoPolledRequestLate) {
+    const auto alone = polled_beside(false, false, true, 10s);
+    for (const bool answers : {true, false}) {
+        const auto beside = polled_beside(true, true, answers, 10s);
+        EXPECT_GT(beside.guests, 100u);
+        EXPECT_EQ(beside.polls, alone.polls) << "at the same instants as without it";
+    }
+    EXPECT_NE(polled_beside(true, false, false, 10s).polls, alone.polls) << "one at any time delays polling";
+}
+
+TEST(Relayed, AGuestInSpareTimeWaitsWhileTheLineHasNone) {
+    Bench bench(project(busy_devices(1)));  // each 20 ms: less than the guest's time-out
+    auto& line = bench.master.line(0);
+    line.admit_guests();
+    ASSERT_TRUE(line.relay(bench.now, read(1), true));
+    bench.run_until(2s);
+    EXPECT_EQ(foreign(bench.sent), 0u);
+    EXPECT_TRUE(line.withdraw_relayed());
+}
+
+// It must not keep the slot from a gateway.
+TEST(Relayed, OnASharedLineAGuestInSpareTimeIsOneOfTheRelayed) {
+    Bench bench(shared(busy_devices(6), 50ms));  // more than the line can hold
+    auto& line = bench.master.line(0);
+    bench.players[kForeign].dead = true;
+    auto asked = read(1);
+    asked.wait = 5s;
+    ASSERT_TRUE(line.relay(bench.now, asked, true));
+    bench.run_until(500ms);
+    ASSERT_EQ(bench.relayed.size(), 1u) << "with the time-out of the gateway";
+}
+
 TEST(Relayed, AGuestWaitsForALineThatIsNeverFree) {
     auto devices = busy_devices(8);
     for (auto& device : devices)

@@ -146,7 +146,11 @@ test('a scan of the running line finds its devices, and a new one is added to th
   await page.goto(`${plant.url}#/devices`);
   await page.getByLabel('Where').selectOption('line:rs485-1');
   await page.getByLabel('Addresses').fill('15-19');
+  await page.getByText(/older by up to [2-9]\d\d ms/).waitFor();
   await page.getByLabel('Time-out, ms').fill('30');
+  await page.getByText(/older by up to 1\d\d ms/).waitFor();
+  await page.getByLabel('Only in spare time').check();
+  await page.getByText('Values do not become older.').waitFor();
   await page.getByRole('button', { name: 'Scan' }).click();
   await page.getByText(/Found: 3 · requests/).waitFor();
   const found = page.getByRole('grid', { name: 'Found devices' });

@@ -6,7 +6,8 @@ import type { LineStatus, Search } from '../../api/types';
 import { formatDuration, formatNumber, t } from '../../i18n';
 import { mayWrite } from '../../store/info';
 import { Found } from './found';
-import { ask, placeText, problem, search } from './search_state';
+import { evaluation } from '../../store/project';
+import { ask, placeText, problem, search, spare, throughLine } from './search_state';
 
 const AGAIN_MS = 400;
 
@@ -22,9 +23,44 @@ function scan(): void {
   const body = {
     targets: target.split(/[\s,;]+(?=\S+:\/\/)/).filter(Boolean),
     ...(units.peek().trim() ? { units: units.peek().replace(/\s/g, '') } : {}),
+    ...throughLine(target),
     ...(timeout.peek().trim() ? { timeout_ms: Number(timeout.peek()) } : {}),
   };
   void ask(post<Search>('search/scan', body));
+}
+
+const LONGEST_FRAMES = 264; // bytes of a request and the longest response
+const BITS = 11; // of a character
+
+/** By how many milliseconds a request of a search without a response can delay the polling of a line. */
+function delayOf(name: string, wait: number): number {
+  const line = evaluation.value?.lines.find((its) => its.name === name);
+  if (!line?.baud) return wait || 500;
+  const characters = LONGEST_FRAMES * (line.framing === 'ascii' ? 2 : 1);
+  return (wait || 200) + Math.ceil((1000 * BITS * characters) / line.baud);
+}
+
+/** What the search does to polling. */
+function OnLine({ name }: { name: string }) {
+  const texts = t.value.devices.search;
+  const delay = formatNumber(delayOf(name, Number(timeout.value)));
+  return (
+    <>
+      <label class="check">
+        <input
+          type="checkbox"
+          checked={spare.value}
+          onChange={(event) => {
+            spare.value = event.currentTarget.checked;
+          }}
+        />
+        {texts.spare}
+      </label>
+      <p class="muted small wide">
+        {texts.onLine} {spare.value ? texts.spareNote : texts.delays(delay)}
+      </p>
+    </>
+  );
 }
 
 function Progress({ its }: { its: Search }) {
@@ -124,7 +160,7 @@ function Form({ lines, running }: { lines: LineStatus[]; running: boolean }) {
           </button>
         )}
       </span>
-      {where.value !== ADDRESS && <p class="muted small wide">{texts.onLine}</p>}
+      {where.value !== ADDRESS && <OnLine name={where.value.slice('line:'.length)} />}
     </form>
   );
 }

@@ -6,6 +6,8 @@ import { t } from '../../i18n';
 import { errorText } from '../../shell/toasts';
 
 export const search = signal<Search | null>(null);
+/** A search through a line of the project keeps to the time that no polled request needs. */
+export const spare = signal(false);
 /** Why the last call failed. */
 export const problem = signal('');
 
@@ -22,5 +24,9 @@ export async function ask(call: Promise<Search>): Promise<void> {
 export const placeText = (target: string): string =>
   target.startsWith('line:') ? t.value.devices.line(target.slice('line:'.length)) : target;
 
+/** What a search of a line of the project sends beside its target. */
+export const throughLine = (target: string): { spare?: boolean } =>
+  target.startsWith('line:') && spare.peek() ? { spare: true } : {};
+
 export const probe = (target: string, unit: number): void =>
-  void ask(post<Search>('search/probe', { target, unit }));
+  void ask(post<Search>('search/probe', { target, unit, ...throughLine(target) }));

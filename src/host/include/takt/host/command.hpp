@@ -31,8 +31,8 @@ struct Command {
         pull,   ///< a local of type bool: it rises from 0 to 1 and falls again, for the requests that it
                 ///< triggers
         probe,  ///< the device of the variable, if it does not answer: its back-off ends
-        /// A request to a unit of a polled line. It is sent when no other request is due; the guarantees do
-        /// not include it. One at a time for each line, of all sessions.
+        /// A request to a unit of a polled line. It is sent when no other request is due. The guarantees do
+        /// not include it, unless it keeps to spare time. One at a time for each line, of all sessions.
         exchange,
     };
     struct Exchange {
@@ -41,6 +41,9 @@ struct Command {
         std::vector<std::uint8_t> pdu;
         /// For the first byte of the response; of a device of the line its own time-outs apply.
         Duration wait = std::chrono::milliseconds(200);
+        /// It is sent only if it has ended, answered or not, before a polled request is due. On a line that a
+        /// server relays to it is one of the relayed requests instead, and waits no longer than they do.
+        bool spare = false;
     };
     Kind kind = Kind::get;
     value::SlotId slot;     ///< of the session's configuration; of probe: any variable of the device

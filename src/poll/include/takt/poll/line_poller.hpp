@@ -137,9 +137,12 @@ public:
     /// is sent once. If polling knows that its device does not answer, it is not sent: its outcome is a
     /// timeout at once. For a device of the line, the time-outs of that device apply; while a write to it is
     /// read back, only reads are sent to it.
+    /// @param spare  it is sent only if it has ended, answered or not, before another request is due. It
+    ///               makes no polled request late, and on a busy line it may wait forever. On a shared line
+    ///               it is one of the relayed ones instead, with their time-out
     /// @returns unsupported (the line is not shared); queue_full (1: it has one, or the outcome of the last
     ///          one was not taken); connection_lost; out_of_range for an empty request
-    [[nodiscard]] Result<void> relay(Instant t, const bus::Transaction& transaction);
+    [[nodiscard]] Result<void> relay(Instant t, const bus::Transaction& transaction, bool spare = false);
 
     [[nodiscard]] bool link_up() const;
     /// Whether there was a link at some time.
