@@ -55,10 +55,16 @@ def trace(thread, path, calls=600):
     return [found.groups() for found in (re.match(r"(\w+)\((.*)$", line) for line in lines) if found]
 
 
+def may_wait(name, rest, allowed):
+    if name == "futex":  # a wake-up of the thread that logs does not wait: a device was late on a busy computer
+        return "FUTEX_WAKE" not in rest
+    return name not in allowed or (name == "close" and "<pipe:" not in rest)
+
+
 def expect_only_allowed(calls):
     sanitized = b"__asan_init" in pathlib.Path(TAKT).read_bytes()
     allowed = ALLOWED | SANITIZER if sanitized else ALLOWED
-    others = [call for call in calls if call[0] not in allowed or (call[0] == "close" and "<pipe:" not in call[1])]
+    others = [call for call in calls if may_wait(*call, allowed)]
     assert not others, others[:10]
     for name, rest in calls:
         if name in ("write", "read"):
