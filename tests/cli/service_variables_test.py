@@ -103,13 +103,15 @@ def test_a_client_reads_the_health_of_a_line_while_its_device_stops_and_starts(p
             assert health["up"] == 1
             assert 0 < health["response_time"] < 200
             assert health["load"] <= 100
-            assert health["outages"] == 0
+            outages = health["outages"]  # a starting server may accept the connection before it can answer
+            assert outages <= 1
             written = until(lambda: takt("read", f"tcp://127.0.0.1:{plant.line}", "--unit", "16", "holding", "6").out == "6 77\n",
                             "the setting that is sent when the device answers")
             assert written
         until(lambda: plant.health(client)["state"] in (2, 4), "the device is gone")
         with plant.slave():
             until(lambda: plant.health(client)["state"] == 1, "the device is back")
+            assert plant.health(client)["outages"] > outages
             until(lambda: takt("read", f"tcp://127.0.0.1:{plant.line}", "--unit", "16", "holding", "6").out == "6 77\n",
                   "the setting again")
         now = datetime.datetime.now(datetime.timezone.utc).timestamp()
