@@ -1,4 +1,4 @@
-// The socket is of type SOCK_DGRAM: the kernel removes the link layer, whatever it is. recvmmsg() takes many
+// The socket is of type SOCK_DGRAM: the kernel removes any link layer. recvmmsg() takes many
 // packets in one call; the memory-mapped ring (TPACKET_V3) would save a copy, which Modbus does not need.
 #include "takt/os/packet_socket.hpp"
 

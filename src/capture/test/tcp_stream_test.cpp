@@ -1,4 +1,4 @@
-// The invariant of each case: bytes are passed once, in the order of their numbers, whatever the order of the
+// The invariant of each case: bytes are passed once, in the order of their numbers, in every order of the
 // segments.
 #include "takt/capture/tcp_stream.hpp"
 

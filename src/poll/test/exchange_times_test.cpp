@@ -1,8 +1,9 @@
-// Hand-moved time: 9600 bit/s, 8N1, so a character takes 1.0417 ms.
+// Hand-moved time. The parts alone have a line of 9600 bit/s, a whole line has the 115200 bit/s of its bench.
 #include "../exchange_times.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 
@@ -83,6 +84,41 @@ TEST(ExchangeTimes, LateWakeUpsAreTheTimeOfTheHost) {
     EXPECT_EQ(host.longest, 5ms);
     EXPECT_GE(host.p50, 100us);
     EXPECT_LE(host.p99, 113us) << "within 12.5 %";
+}
+
+TEST(LineTimes, TransactionsThatTakeLongerThanTheirCostAreCounted) {
+    auto slow = device(1, {int16("a", 0).read(3).every(100ms), int16("w", 50).write(6).on_change()});
+    slow.turnaround = 5ms;
+    Bench bench(project({slow, device(2, {int16("b", 0).read(3).every(100ms)})}));
+    bench.players[1].turnaround = bench.players[2].turnaround = 5ms;
+    bench.run_until(1050ms);
+    const auto over = [&](std::size_t request) { return bench.master.line(0).request(request).over_cost; };
+    EXPECT_EQ(over(0) + over(1) + over(2), 0U);
+    const auto before = bench.master.line(0).request(0).counters.answered;
+    bench.players[1].turnaround = bench.players[2].turnaround = 6ms;
+    bench.run_until(2s);
+    EXPECT_EQ(over(0), bench.master.line(0).request(0).counters.answered - before);
+    bench.players[1].dead = true;
+    bench.run_until(3s);
+    EXPECT_LE(over(0), 11U) << "a time-out is counted as such";
+    EXPECT_EQ(over(2), 0U) << "its turnaround is not known: C includes the time-out";
+}
+
+TEST(LineTimes, TheTimeOfALineHasThreeParts) {
+    Bench bench(project({device(1, {int16("a", 0).read(3).every(100ms)})}));
+    bench.players[1].turnaround = 5ms;
+    bench.run_until(10s);
+    const auto times = bench.master.line(0).line_times();
+    const auto& exact = bench.master.line(0).request(0).counters.time;
+    EXPECT_EQ(times.wire.count, exact.count());
+    EXPECT_EQ(times.turnaround.longest, 5ms);
+    EXPECT_EQ(times.wire.longest + times.turnaround.longest, exact.max());
+    EXPECT_EQ(times.host.longest, 0ms) << "hand-moved time is punctual";
+    bench.now += 40ms;
+    const auto due = bench.master.line(0).next_wakeup();
+    const auto late = std::max(due, bench.now) - due;
+    bench.master.line(0).on_tick(std::max(due, bench.now));
+    EXPECT_EQ(bench.master.line(0).line_times().host.longest, late);
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ struct LoadProgress {
 
 /// Sends a request again and again on one or many connections, and records each exchange in a report.
 ///
-/// With a rate, request n is due at start + n / rate, whatever happened to those before. Its response time
+/// With a rate, request n is due at start + n / rate, also after late ones. Its response time
 /// counts from this instant. A server that stops for a while therefore delays all requests that were due
 /// meanwhile, and all of them are recorded: there is no coordinated omission. Requests wait for the first
 /// connection with room; those that wait are a number, not a queue. Without a rate the response time counts

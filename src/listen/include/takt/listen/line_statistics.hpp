@@ -92,7 +92,7 @@ struct LineCounts {
     Instant last;
 };
 
-/// Memory is bounded whatever is heard: 256 units, kMostPolls polls for each. Allocates. One owner, one
+/// Memory is bounded: 256 units, kMostPolls polls for each. Allocates. One owner, one
 /// thread.
 class LineStatistics {
 public:

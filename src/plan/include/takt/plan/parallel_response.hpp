@@ -19,7 +19,8 @@ struct Lane {
 
 /// A connection that carries up to `in_flight` transactions at a time. The master starts the most urgent
 /// request as soon as fewer are in flight, and its lanes have room. Each transaction ends within the C of its
-/// task, whatever else is in flight. A request is not sent again before its last transaction has ended.
+/// task. Others in flight do not change this. A request is not sent again before its last transaction has
+/// ended.
 struct Connection {
     std::uint32_t in_flight = 2;
     /// For so long a start may be delayed by the start or the end of another transaction.
