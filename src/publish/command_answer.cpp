@@ -129,6 +129,16 @@ std::string answer_message(const CommandAnswer& answer) {
     return object.dump();
 }
 
+std::string short_answer_message(const CommandAnswer& answer) {
+    auto object = Json::object();
+    object.set("id", answer.id.empty() ? Json() : Json(answer.id));
+    object.set("outcome", name(answer.end));
+    set(object, "reason", answer.reason);
+    object.set("shortened", true);
+    object.set("time", time_text(answer.wall_ns));
+    return object.dump();
+}
+
 std::string missing_lines_text(std::string_view output, std::uint64_t count, std::int64_t wall_ns) {
     auto object = Json::object();
     object.set("time", time_text(wall_ns));

@@ -60,7 +60,7 @@ struct CommandDesk::State {
     std::map<std::uint64_t, OpenCommand> open;  // by tag: in the order of arrival
     std::uint64_t last_tag = 0;
     std::uint64_t last_id = 0;
-    std::deque<MqttMessage> answers;
+    std::deque<LiveMessage> answers;
     CommandCounters counters;
     std::uint64_t missing_lines = 0;  // of the audit log, since the last one
     bool stopped = false;
@@ -137,10 +137,11 @@ void CommandDesk::State::answer(const ReplyAddress& reply, const CommandAnswer& 
         answers.pop_front();
         ++counters.answers_dropped;
     }
-    MqttMessage message{.topic = reply.topic, .payload = answer_message(with)};
-    message.properties.correlation_data = reply.correlation_data;
-    message.properties.content_type = "application/json";
-    answers.push_back(std::move(message));
+    LiveMessage live{.message = {.topic = reply.topic, .payload = answer_message(with)},
+                     .short_payload = short_answer_message(with)};
+    live.message.properties.correlation_data = reply.correlation_data;
+    live.message.properties.content_type = "application/json";
+    answers.push_back(std::move(live));
 }
 
 void CommandDesk::State::audit(const CommandOrigin& origin, const CommandAnswer& with) {
@@ -276,7 +277,7 @@ void CommandDesk::stop(const CommandTime& now) {
     }
 }
 
-const MqttMessage* CommandDesk::first_answer() const {
+const LiveMessage* CommandDesk::first_answer() const {
     return state_->answers.empty() ? nullptr : &state_->answers.front();
 }
 

@@ -22,12 +22,19 @@ const MqttMessage* LiveQueue::next() const {
 }
 
 void LiveQueue::sent(MqttToken token) {
-    std::ranges::find(entries_, MqttToken{0}, &Entry::token)->token = token;
+    next_entry()->token = token;
     ++in_flight_;
 }
 
+bool LiveQueue::shorten_next() {
+    LiveMessage& live = next_entry()->live;
+    if (live.short_payload.empty()) return false;
+    live.message.payload = std::exchange(live.short_payload, {});
+    return true;
+}
+
 void LiveQueue::drop_next() {
-    entries_.erase(std::ranges::find(entries_, MqttToken{0}, &Entry::token));
+    entries_.erase(next_entry());
 }
 
 LiveQueue::Settled LiveQueue::settle(MqttToken token, MqttReason reason) {

@@ -1,6 +1,7 @@
 // The live messages of a session: bounded, in order, each until it is acknowledged or of no use.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -24,6 +25,8 @@ public:
     [[nodiscard]] const MqttMessage* next() const;
     /// next() was handed to the pipe.
     void sent(MqttToken token);
+    /// Gives next() its short payload. @returns false: it has none, or has it already
+    bool shorten_next();
     /// next() can never be sent.
     void drop_next();
 
@@ -44,6 +47,8 @@ private:
         LiveMessage live;
         MqttToken token = 0;  // 0: not in flight
     };
+
+    [[nodiscard]] auto next_entry() { return std::ranges::find(entries_, MqttToken{0}, &Entry::token); }
 
     std::size_t capacity_;
     std::deque<Entry> entries_;

@@ -289,10 +289,12 @@ std::optional<MqttAction> MqttSession::State::publish_action(Instant now, MqttMe
 std::optional<MqttAction> MqttSession::State::next_live(Instant now) {
     counters.live_dropped += live.drop_expired(now);
     while (const MqttMessage* message = live.next()) {
-        if (reason_not_to_send(*message, *version, packet_limit()) == MqttReason::success) {
+        const auto reason = reason_not_to_send(*message, *version, packet_limit());
+        if (reason == MqttReason::success) {
             live.sent(++last_token);
             return publish_action(now, MqttMessage(*message));
         }
+        if (reason == MqttReason::packet_too_large && live.shorten_next()) continue;
         live.drop_next();
         ++counters.live_dropped;
     }

@@ -105,7 +105,7 @@ void MqttWork::publish_answers(Instant now) {
         if (status.state != MqttState::connected || status.live_waiting + 4 > options_.session.live_queue)
             return;
         // Of an answer that can never be sent, the session counts the loss.
-        static_cast<void>(session_->publish(now, {.message = *answer}));
+        static_cast<void>(session_->publish(now, LiveMessage(*answer)));
         desk.remove_first_answer();
     }
 }

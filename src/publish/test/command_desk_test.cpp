@@ -66,7 +66,8 @@ struct Desk {
     std::optional<MqttMessage> answer() {
         const auto* const first = desk.first_answer();
         if (first == nullptr) return std::nullopt;
-        auto message = *first;
+        auto message = first->message;
+        short_answer = first->short_payload;
         desk.remove_first_answer();
         return message;
     }
@@ -78,6 +79,7 @@ struct Desk {
     }
 
     CommandTime now{Instant{100s}, kWall};
+    std::string short_answer;  // of the last answer()
     std::vector<std::string> audit;
     bool disk_full = false;
     host::ConfigurationPtr configuration;
@@ -112,6 +114,8 @@ TEST(CommandDesk, AnswersACommandThatTheHostHasDone) {
     EXPECT_EQ(answer->properties.correlation_data, std::string("\0x", 2));
     EXPECT_EQ(answer->payload, R"({"id":"a","command":"set","variable":"Setpoint","outcome":"done",)"
                                R"("value":5,"time":"2026-11-24T02:30:00.000Z"})");
+    EXPECT_EQ(desk.short_answer,
+              R"({"id":"a","outcome":"done","shortened":true,"time":"2026-11-24T02:30:00.000Z"})");
     ASSERT_EQ(desk.audit.size(), 1U);
     EXPECT_EQ(desk.audit[0],
               R"({"time":"2026-11-24T02:30:00.000Z","event":"command","output":"cloud",)"

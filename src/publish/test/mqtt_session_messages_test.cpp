@@ -225,6 +225,17 @@ TEST_F(MqttSessionMessages, TheLiveQueueIsBounded) {
     EXPECT_EQ(status().live_waiting, 2U);
 }
 
+TEST_F(MqttSessionMessages, ALiveOneBeyondThePacketLimitIsSentShort) {
+    connected_with(0, {.maximum_packet = 100});
+    const std::string large(200, 'x');
+    publish({.message = {.topic = "answer", .payload = "whole"}, .short_payload = "short of whole"});
+    publish({.message = {.topic = "answer", .payload = large}, .short_payload = "short"});
+    publish({.message = {.topic = "answer", .payload = large}, .short_payload = large});
+    publish({.message = {.topic = "answer", .payload = large}});
+    EXPECT_EQ(published(), "whole short");
+    EXPECT_EQ(status().counters.live_dropped, 2U);
+}
+
 TEST_F(MqttSessionMessages, ALiveOneSurvivesALostConnectionUntilItExpires) {
     connected_with(0);
     publish({.message = {.topic = "answer", .payload = "short"}, .expires = now + 500ms});

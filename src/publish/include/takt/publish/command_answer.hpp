@@ -54,6 +54,9 @@ struct CommandOrigin {
 /// The payload: JSON.
 [[nodiscard]] std::string answer_message(const CommandAnswer& answer);
 
+/// Only id, outcome, reason and time, for a broker whose packet limit excludes the whole answer.
+[[nodiscard]] std::string short_answer_message(const CommandAnswer& answer);
+
 /// The line of JSON, with its end, in the place of lines that could not be written.
 [[nodiscard]] std::string missing_lines_text(std::string_view output, std::uint64_t count,
                                              std::int64_t wall_ns);

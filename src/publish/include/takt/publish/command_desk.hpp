@@ -78,7 +78,7 @@ public:
     void stop(const CommandTime& now);
 
     /// The oldest answer that waits; nullptr: none.
-    [[nodiscard]] const MqttMessage* first_answer() const;
+    [[nodiscard]] const LiveMessage* first_answer() const;
     void remove_first_answer();
 
     [[nodiscard]] std::size_t open() const;

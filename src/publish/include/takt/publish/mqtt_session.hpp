@@ -59,7 +59,8 @@ struct MqttSessionOptions {
 /// A message that is not of the source: a state topic, the answer to a command.
 struct LiveMessage {
     MqttMessage message;
-    Instant expires = kNever;           ///< dropped if it is not acknowledged until then
+    std::string short_payload;  ///< sent where the broker's packet limit excludes the whole; empty: none
+    Instant expires = kNever;   ///< dropped if it is not acknowledged until then
     bool this_connection_only = false;  ///< dropped with the connection, not accepted without one
 };
 
