@@ -119,8 +119,11 @@ void StreamJudge::check_found_gap(const SeenMessage& message) {
         fail("gap_true", "the time of the last record before that was delivered", text(gap));
 }
 
-// The record before is gone too if another gap is before this one.
+// The record before is gone too if another gap is before this one. A gap begins no later than it ends: if the
+// clock was set back meanwhile, that other gap began with the time of the first record of this one.
 bool StreamJudge::begins_behind(const SeenGap& gap, std::uint64_t sequence) const {
+    const bool after_gap = sequence > 1 && !journal_.record(sequence - 1)->present;
+    if (after_gap && gap.first == time_text(journal_.record(sequence)->facts.wall_ns)) return true;
     for (; sequence > 1; --sequence) {
         const auto* before = journal_.record(sequence - 1);
         if (gap.first == time_text(before->facts.wall_ns)) return true;

@@ -41,7 +41,11 @@ void JournalJudge::on_run_begin(Disk& disk, bool damaged) {
         if (read && (!found || read->counter > cursor_.counter)) cursor_ = *read;
         found = found || read.has_value();
     }
-    cursor_damaged_ = cursor_damaged_ || (!found && !disk.cursor("cloud", 0).empty());
+    if (!found && !disk.cursor("cloud", 0).empty()) {
+        cursor_damaged_ = true;
+        const auto oldest = std::ranges::find_if(entries_, &Entry::present);
+        if (oldest != entries_.end()) deliveries_->on_cursor_lost(oldest->facts.samples_before);
+    }
     durable_units_ = 0;
     not_durable_bytes_ = 0;
     states_.assign(1, {clock_.now, kBufferFull});

@@ -25,6 +25,9 @@ public:
                                                                 std::uint64_t samples) const = 0;
     /// The stream ends after these samples: what came later never was.
     virtual void on_cut(std::uint64_t samples) = 0;
+    /// The cursor is lost: the stream begins after these samples, with the oldest record. What the quota
+    /// removed before is not known to anything on the disk.
+    virtual void on_cursor_lost(std::uint64_t samples) = 0;
 
 protected:
     ~Deliveries() = default;

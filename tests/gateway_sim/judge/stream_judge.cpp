@@ -227,6 +227,10 @@ void StreamJudge::on_cut(std::uint64_t samples) {
     finished_ = std::min(finished_, samples);
 }
 
+void StreamJudge::on_cursor_lost(std::uint64_t samples) {
+    for (std::uint64_t number = 1; number <= samples; ++number) at(number).fate |= kCovered | kFinished;
+}
+
 bool StreamJudge::has_arrived(std::uint64_t number) const {
     constexpr std::uint8_t kArrived = kReceived | kCovered | kRejected | kUnproved;
     return number <= samples_.size() && (samples_[number - 1].fate & kArrived) != 0;

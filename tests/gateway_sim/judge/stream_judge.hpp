@@ -34,6 +34,7 @@ public:
     [[nodiscard]] std::optional<std::string> unfinished(std::uint64_t sequence,
                                                         std::uint64_t samples) const override;
     void on_cut(std::uint64_t samples) override;
+    void on_cursor_lost(std::uint64_t samples) override;
 
     /// The end of a simulation: everything up to this sample must have arrived.
     void finish(std::uint64_t samples);
