@@ -28,7 +28,7 @@ constexpr auto kPace = 1ms;
 constexpr std::size_t kBlock = 200;    // exchanges
 constexpr auto kSettle = 10ms;         // before a block, so that a peer that spins has stopped
 constexpr std::size_t kResponse = 11;  // bytes: one register
-constexpr auto kSpin = std::chrono::microseconds(2000);  // longer than the pause between two requests
+constexpr auto kSpin = std::chrono::microseconds(50);
 constexpr int kPriority = 49;
 
 const std::vector<std::uint8_t> kRequest{0, 1, 0, 0, 0, 6, 1, 3, 0, 0, 0, 1};

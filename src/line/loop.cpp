@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <ctime>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -109,11 +110,12 @@ void Loop::Impl::wait(Instant end) {
         const std::lock_guard lock(mutex);
         at_once = at_once || !tasks.empty();
     }
-    const Instant until = std::min(timers.next(), end);
+    Instant until = std::min(timers.next(), end);
     int count = 0;
     if (spin > Duration::zero() && !at_once) {
-        count = spin_until(until);
+        count = spin_until(std::min(until, spin_end()));
         at_once = count != 0;
+        until = std::min(until, spin_again());
     }
     at_once = at_once || until <= now();
     if (!at_once) set_alarm(until);
@@ -122,6 +124,7 @@ void Loop::Impl::wait(Instant end) {
     ready_left = ready.size();
     event_next = 0;
     event_count = static_cast<std::size_t>(std::max(count, 0));
+    if (spin > Duration::zero()) note_arrival();
 }
 
 int Loop::Impl::poll_events(int timeout_ms) {
@@ -130,10 +133,30 @@ int Loop::Impl::poll_events(int timeout_ms) {
 
 // Tasks of other threads arrive as an event of the bell.
 int Loop::Impl::spin_until(Instant until) {
-    const Instant end = std::min(until, after(now(), spin));
     int count = 0;
-    while (count == 0 && now() < end) count = poll_events(0);
+    while (count == 0 && now() < until) count = poll_events(0);
     return count;
+}
+
+// The loop wakes up early enough for the lateness of its timer. An event may be late by as much as the spin.
+Instant Loop::Impl::spin_end() const {
+    const Instant t = now();
+    const Instant expected = forecast->next();
+    const bool soon = expected > t && expected - t <= spin + kTimerLateness;
+    return after(soon ? expected : t, spin);
+}
+
+Instant Loop::Impl::spin_again() const {
+    const Instant expected = forecast->next();
+    const Instant t = now();
+    return expected == kNever || expected - t <= spin + kTimerLateness ? kNever
+                                                                       : expected - spin - kTimerLateness;
+}
+
+void Loop::Impl::note_arrival() {
+    const auto pending = std::span(events).first(event_count);
+    if (std::ranges::any_of(pending, [](const epoll_event& event) { return event.data.ptr != nullptr; }))
+        forecast->on_arrival(now());
 }
 
 // An alarm that is set for an earlier instant stays. It causes one spurious wake-up, and setting a timer to a
@@ -207,6 +230,8 @@ bool Loop::run_until(const std::function<bool()>& done, Duration limit) {
 
 void Loop::set_spin(Duration spin) {
     impl_->spin = spin;
+    impl_->forecast.reset();
+    if (spin > Duration::zero()) impl_->forecast.emplace(spin);
 }
 
 void Loop::stop() {

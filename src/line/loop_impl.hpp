@@ -13,6 +13,7 @@
 #include <optional>
 #include <vector>
 
+#include "arrival_forecast.hpp"
 #include "signal_pipe.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/os/descriptor.hpp"
@@ -54,7 +55,8 @@ struct Loop::Impl {
     os::Descriptor alarm;  // a timerfd: to the microsecond, without the slack of a time-out
     os::Descriptor bell;   // an eventfd: rung by other threads
     Instant alarm_at = kNever;
-    Duration spin{};  // of polling before each sleep
+    Duration spin{};                          // of polling before each sleep, and around the expected event
+    std::optional<ArrivalForecast> forecast;  // if the loop spins
     std::array<epoll_event, kEvents> events{};
     std::size_t event_count = 0;
     std::size_t event_next = 0;
@@ -85,6 +87,9 @@ private:
     void wait(Instant end);
     [[nodiscard]] int poll_events(int timeout_ms);
     [[nodiscard]] int spin_until(Instant until);
+    [[nodiscard]] Instant spin_end() const;
+    [[nodiscard]] Instant spin_again() const;
+    void note_arrival();
     void set_alarm(Instant when);
     bool run_event();
     bool run_timer();

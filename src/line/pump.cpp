@@ -13,9 +13,6 @@ namespace {
 
 constexpr std::size_t kReadAtOnce = 4096;
 
-// Usual lateness of a timer on an idle machine. A punctual pump sleeps that much less and spins for the rest.
-constexpr Duration kTimerLateness = std::chrono::microseconds(80);
-
 }  // namespace
 
 Pump::Pump(Loop& loop, ByteStream& stream, Engine& engine, PumpOptions options, PumpEnd on_end)
@@ -134,6 +131,7 @@ void Pump::arm() {
     constexpr Duration kWhilePending = std::chrono::milliseconds(1);
     if (!pending_.empty()) wakeup = std::max(wakeup, now() + kWhilePending);
     wakeup_ = wakeup;
+    // A punctual pump sleeps less, and spins for the rest.
     timer_.set(options_.punctual && wakeup != kNever ? wakeup - kTimerLateness : wakeup);
 }
 

@@ -19,6 +19,9 @@ namespace takt::line {
 /// The wall-clock time of `t`, for log stamps. It follows adjustments of the system clock. Any thread.
 [[nodiscard]] std::chrono::system_clock::time_point wall_clock(Instant t);
 
+/// Usual lateness of a timer on an idle machine.
+inline constexpr Duration kTimerLateness = std::chrono::microseconds(80);
+
 /// Waits for descriptors, timers, signals and posted tasks, and calls back on the thread that runs it.
 ///
 /// The loop must outlive every Timer, Watch, driver and server made with it. These are made, used and
@@ -39,7 +42,8 @@ public:
     bool run_until(const std::function<bool()>& done, Duration limit);
 
     /// Before the loop sleeps, it polls its descriptors for this long, which saves the time of waking up and
-    /// takes the processor. Not while it runs, but from a callback.
+    /// takes the processor. If the events come in a steady cycle, it also polls around the instant of the
+    /// next one, until that is late by as much. Not while it runs, but from a callback.
     void set_spin(Duration spin);
 
     /// Makes run() and run_until() return after the callback in progress. Any thread.
