@@ -103,8 +103,8 @@ public:
     /// Reads what an earlier run left, and adds the destinations: DestinationId{i} is the one with
     /// destinations[i]. A known one continues after its last durable acknowledgement. If its cursor is
     /// missing or neither slot is good, it begins with the oldest record: the destination then gets records
-    /// again, marked as repeated, and misses none of those that are there. What the quota removed before is not
-    /// reported then. A destination that is new in an existing journal does the same.
+    /// again, marked as repeated, and misses none of those that are there. What the quota removed before is
+    /// not reported then. A destination that is new in an existing journal does the same.
     ///
     /// @param storage       must outlive the journal
     /// @param destinations  1 to 64 of a-z, 0-9, `-`, `_` each; used as the name of a file
