@@ -3,6 +3,7 @@
 #include "takt/capture/segment.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 namespace takt::capture {
@@ -16,6 +17,9 @@ constexpr std::size_t kIpv6Header = 40;
 constexpr std::size_t kTcpHeader = 20;
 constexpr int kMostTags = 4;        // VLAN tags
 constexpr int kMostExtensions = 8;  // IPv6 extension headers
+// Those with their length in units of 8 bytes: hop-by-hop, routing, destination, mobility, host identity,
+// shim6.
+constexpr std::array<std::uint8_t, 6> kOptions{0, 43, 60, 135, 139, 140};
 
 std::uint16_t u16(Bytes bytes, std::size_t at) {
     return static_cast<std::uint16_t>(bytes[at] << 8U | bytes[at + 1]);
@@ -129,7 +133,7 @@ Content decode_ipv4(Bytes bytes, std::size_t on_wire, Segment& segment, Fragment
 /// position.
 Content skip_extensions(Bytes bytes, std::uint8_t& next, std::size_t& at, Fragment& fragment) {
     for (int i = 0; i < kMostExtensions; ++i) {
-        const bool is_options = next == 0 || next == 43 || next == 60;
+        const bool is_options = std::ranges::find(kOptions, next) != kOptions.end();
         const bool is_fragment = next == 44;
         if (!is_options && !is_fragment && next != 51) return Content::segment;
         if (bytes.size() < at + 8) return Content::cut;

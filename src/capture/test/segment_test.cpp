@@ -76,7 +76,7 @@ Octets ipv6(std::string_view extensions, std::uint8_t next) {
 TEST(Segment, OfIpv6WithExtensionHeaders) {
     for (const auto& packet : {ipv6("", 6), ipv6("06 00 00 00 00 00 00 00", 0),
                                ipv6("3c 00 000000000000 06 01 000000000000 0000000000000000", 43),
-                               ipv6("06 00 0000 00000001", 44)}) {
+                               ipv6("06 00 0000 00000001", 44), ipv6("06 00 00 00 00 00 00 00", 135)}) {
         Segment segment;
         ASSERT_EQ(decode(LinkType::raw, packet, segment), Content::segment);
         EXPECT_EQ(segment.source.address, parse_ip("fe80::1"));
