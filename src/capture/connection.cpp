@@ -42,11 +42,31 @@ void Connection::Direction::on_gap() {
         mbap_.on_gap();
 }
 
-void Connection::Direction::begin() {
+void Connection::Direction::on_cut(const PacketRef& packet, std::size_t count) {
+    if (serial_)
+        serial_->begin();
+    else
+        mbap_.on_cut(packet, count, *this);
+}
+
+void Connection::Direction::begin(std::uint32_t sequence) {
+    ended = false;
+    stream.flush(*this);
+    stream.begin(sequence);
     if (serial_)
         serial_->begin();
     else
         mbap_.begin_aligned();
+}
+
+void Connection::Direction::restart() {
+    ended = false;
+    stream.flush(*this);
+    stream.forget();
+    if (serial_)
+        serial_->begin();
+    else
+        mbap_.restart();
 }
 
 void Connection::Direction::add_counts(TcpCounts& counts) const {
@@ -60,25 +80,42 @@ void Connection::on_segment(const Segment& segment, const PacketRef& packet) {
     const bool from_high = segment.source == key_.high;
     auto& sender = from(from_high);
     auto& receiver = from(!from_high);
-    if (segment.syn) on_syn(sender, segment);
+    if (segment.syn) {
+        on_syn(sender, receiver, segment);
+    } else if (closed_ && segment.length > 0 && sender.stream.is_beyond(segment.sequence)) {
+        closed_ = false;  // another connection, whose SYN was not captured
+        sender.restart();
+        receiver.restart();
+    }
     if (segment.ack) receiver.stream.acknowledged(segment.acknowledged, receiver);
     if (segment.length > 0 && !segment.syn) sender.stream.push(segment, packet, sender);
     if (segment.fin) {
         sender.stream.end_at(segment.sequence + segment.length);
         sender.ended = true;
     }
-    if (segment.rst || (sender.ended && receiver.ended)) settle(NoResponse::unanswered);
+    if (segment.rst || (sender.ended && receiver.ended)) close();
 }
 
-// A second SYN with another number opens a new connection between the same ports.
-void Connection::on_syn(Direction& sender, const Segment& segment) {
+void Connection::close() {
+    if (!closed_) settle(NoResponse::unanswered);
+    closed_ = true;
+}
+
+// A SYN with another number opens a new connection between the same ports, also if the capture has only one
+// of the two. The SYN of a server acknowledges that of its client.
+void Connection::on_syn(Direction& sender, Direction& receiver, const Segment& segment) {
     const std::uint32_t first = segment.sequence + 1;
-    if (sender.stream.begun() && sender.stream.next() == first) return;
-    if (!segment.ack) settle(NoResponse::unanswered);
-    sender.stream.flush(sender);
-    sender.stream.begin(first);
-    sender.begin();
-    sender.ended = false;
+    const bool known = sender.stream.begun();
+    if (known && sender.stream.next() == first && !closed_) return;
+    if (!segment.ack) {
+        settle(NoResponse::unanswered);
+        if (receiver.stream.begun()) receiver.restart();
+    } else if ((known || !receiver.stream.begun()) && receiver.stream.next() != segment.acknowledged) {
+        settle(NoResponse::unanswered);
+        receiver.begin(segment.acknowledged);
+    }
+    closed_ = false;
+    sender.begin(first);
     if (roles_known_ && roles_.certain) return;
     roles_.server_is_high = (&sender == &high_) == segment.ack;
     roles_known_ = true;
@@ -120,7 +157,7 @@ void Connection::on_request(const Adu& adu) {
 }
 
 void Connection::on_response(const Adu& adu) {
-    const auto request = waiting_.take(adu.transaction, adu.unit, wire::requested_function(adu.pdu[0]));
+    const auto request = waiting_.take(adu);
     if (!request) {
         ++counts_.unmatched;
         return;

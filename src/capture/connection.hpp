@@ -49,7 +49,11 @@ private:
         }
         void on_data(const PacketRef& packet, Bytes bytes) override;
         void on_gap() override;
-        void begin();
+        void on_cut(const PacketRef& packet, std::size_t count) override;
+        /// The first byte has that sequence number.
+        void begin(std::uint32_t sequence);
+        /// Another connection began; its first bytes are not known.
+        void restart();
         [[nodiscard]] std::uint64_t messages() const {
             return serial_ ? serial_->messages() : mbap_.messages();
         }
@@ -68,7 +72,8 @@ private:
     };
 
     [[nodiscard]] Direction& from(bool high) { return high ? high_ : low_; }
-    void on_syn(Direction& sender, const Segment& segment);
+    void on_syn(Direction& sender, Direction& receiver, const Segment& segment);
+    void close();
     void on_adu(bool from_high, const Adu& adu);
     void check_roles(bool from_high, Bytes pdu);
     void on_request(const Adu& adu);
@@ -83,6 +88,7 @@ private:
     ExchangeSink& sink_;
     Roles roles_;
     bool roles_known_;
+    bool closed_ = false;
     Direction low_;
     Direction high_;
     RequestQueue waiting_;

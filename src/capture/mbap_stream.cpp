@@ -133,6 +133,10 @@ void MbapStream::emit(const PacketRef& packet, Bytes adu, AduSink& sink) {
         buffer_.clear();
         return;
     }
+    pass(packet, adu, sink);
+}
+
+void MbapStream::pass(const PacketRef& packet, Bytes adu, AduSink& sink) {
     ++messages_;
     sink.on_adu({.transaction = static_cast<std::uint16_t>(adu[0] << 8U | adu[1]),
                  .unit = adu[6],
@@ -142,8 +146,28 @@ void MbapStream::emit(const PacketRef& packet, Bytes adu, AduSink& sink) {
 
 void MbapStream::on_gap() {
     if (aligned_) lose_alignment();
+    restart();
+}
+
+void MbapStream::restart() {
+    aligned_ = false;
     skip(buffer_.size());
     buffer_.clear();
+}
+
+// A header whose length agrees with that of a cut segment is a strong sign, so the PDU needs no other.
+void MbapStream::on_cut(const PacketRef& packet, std::size_t count, AduSink& sink) {
+    const Bytes all(buffer_.data(), buffer_.size());
+    const std::size_t last = aligned_ ? 0 : all.size();
+    for (std::size_t begin = 0; begin <= last; ++begin) {
+        const auto rest = all.subspan(begin);
+        if (rest.size() <= kHeader || !can_begin_header(rest) || adu_length(rest) != rest.size() + count)
+            continue;
+        skip(begin);
+        pass(packet, rest, sink);
+        return begin_aligned();
+    }
+    on_gap();
 }
 
 /// The search begins with the bytes of buffer_.

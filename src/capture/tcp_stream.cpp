@@ -2,6 +2,7 @@
 #include "takt/capture/tcp_stream.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <iterator>
 
 namespace takt::capture {
@@ -13,6 +14,10 @@ constexpr std::int32_t kFarAway = 1 << 20;
 
 std::int32_t distance(std::uint32_t from, std::uint32_t to) {
     return static_cast<std::int32_t>(to - from);
+}
+
+bool is_far(std::uint32_t from, std::uint32_t to) {
+    return std::abs(std::int64_t{distance(from, to)}) > kFarAway;
 }
 
 }  // namespace
@@ -31,6 +36,10 @@ void TcpStream::begin(std::uint32_t sequence) {
     begun_ = true;
     has_end_ = false;
     next_ = sequence;
+}
+
+bool TcpStream::is_beyond(std::uint32_t sequence) const {
+    return begun_ && (distance(next_, sequence) > 0 || is_far(next_, sequence));
 }
 
 bool TcpStream::captured_before(const Segment& segment) const {
@@ -52,7 +61,7 @@ void TcpStream::count_old(const Segment& segment) {
 void TcpStream::push(const Segment& segment, const PacketRef& packet, StreamSink& sink) {
     ++counts_.segments;
     if (!begun_) begin(segment.sequence);
-    if (distance(segment.sequence, next_) > kFarAway) restart(segment.sequence, sink);
+    if (is_far(next_, segment.sequence)) restart(segment.sequence, sink);
     if (distance(next_, segment.sequence + segment.length) <= 0) {
         count_old(segment);
     } else if (distance(next_, segment.sequence) > 0) {
@@ -87,9 +96,10 @@ void TcpStream::deliver(std::uint32_t sequence, std::uint32_t length, Bytes payl
     next_ = sequence + length;
     if (!fresh.empty()) sink.on_data(packet, fresh);
     if (payload.size() < length) {  // the packet was cut when it was captured
+        const auto missing = length - std::max<std::size_t>(payload.size(), old);
         ++counts_.gaps;
-        counts_.missing_bytes += length - std::max<std::size_t>(payload.size(), old);
-        sink.on_gap();
+        counts_.missing_bytes += missing;
+        sink.on_cut(packet, missing);
     }
 }
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <string>
 
 #include "capture_bytes.hpp"
@@ -61,12 +63,14 @@ public:
         from.sequence += static_cast<std::uint32_t>(payload.size()) + ((flags & 0x03) != 0 ? 1 : 0);
         if (captured) pass(packet);
     }
-    void pass(const Octets& packet) {
+    void pass(Octets packet) {
         ++number;
+        const auto length = static_cast<std::uint32_t>(packet.size());
+        packet.resize(std::min(packet.size(), cut));
         analysis.on_packet({.number = number,
                             .time_ns = static_cast<std::int64_t>(number) * 1'000'000,
                             .link = LinkType::raw,
-                            .original_length = static_cast<std::uint32_t>(packet.size()),
+                            .original_length = length,
                             .data = packet});
     }
     void open(Connection& c) {
@@ -88,6 +92,7 @@ public:
     Kept kept;
     Analysis analysis{{}, 1s, kept};
     std::uint64_t number = 0;
+    std::size_t cut = SIZE_MAX;  // bytes of a packet that are captured
 };
 
 constexpr const char* kRead = "03 0000 0002";
@@ -156,6 +161,58 @@ TEST(Analysis, EqualIdsInFlightAreAnsweredInTheirOrder) {
     wire.respond(c, adu(0, 1, kAnswer));
     EXPECT_EQ(wire.result(), "4-6 5-7 ");
     EXPECT_EQ(wire.analysis.tcp().repeated_ids, 1u);
+}
+
+TEST(Analysis, ALostResponseDoesNotShiftThoseOfAConstantId) {
+    for (const int lost : {0, 2}) {
+        Wire wire;
+        Wire::Connection c;
+        wire.open(c);
+        std::string wanted;
+        for (int i = 0; i < 5; ++i) {
+            wire.request(c, adu(0, 1, kRead));
+            if (i != lost) {
+                wire.respond(c, adu(0, 1, kAnswer));
+                wanted += std::to_string(wire.number - 1) + '-' + std::to_string(wire.number) + ' ';
+            }
+            wire.number += 200;  // ms
+        }
+        EXPECT_EQ(wire.result(), wanted + (lost == 0 ? "E4 " : "E408 ")) << lost;
+    }
+}
+
+TEST(Analysis, OfEqualIdsTheResponseFitsItsRequest) {
+    Wire wire;
+    Wire::Connection c;
+    wire.open(c);
+    wire.request(c, adu(7, 1, "03 0000 0001"));
+    wire.request(c, adu(7, 1, "03 0000 0002"));
+    wire.request(c, adu(7, 1, "06 0001 0005"));
+    wire.request(c, adu(7, 1, "06 0002 0005"));
+    wire.request(c, adu(7, 1, "01 0000 0009"));
+    wire.request(c, adu(7, 1, "01 0000 0008"));
+    wire.respond(c, adu(7, 1, "01 01 00"));
+    wire.respond(c, adu(7, 1, "06 0002 0005"));
+    wire.respond(c, adu(7, 1, kAnswer));
+    wire.respond(c, adu(7, 1, "83 02"));
+    EXPECT_EQ(wire.result(), "9-10 7-11 5-12 4-13!2 E6 E8 ");
+}
+
+TEST(Analysis, MessagesOfPacketsCutByTheCapture) {
+    for (const bool handshake : {true, false}) {
+        Wire wire;
+        Wire::Connection c;
+        if (handshake) wire.open(c);
+        for (int i = 0; i < 2; ++i) {
+            wire.request(c, adu(static_cast<std::uint16_t>(i), 1, "10 0000 0004 08 0001 0002 0003 0004"));
+            wire.cut = 40 + 8;  // headers, MBAP and function
+            wire.respond(c, adu(static_cast<std::uint16_t>(i), 1, "10 0000 0004"));
+            wire.cut = 40 + 13;
+        }
+        EXPECT_EQ(wire.result(), handshake ? "4-5 6-7 " : "1-2 3-4 ");
+        EXPECT_EQ(wire.analysis.tcp().resynchronisations, 0u);
+        EXPECT_EQ(wire.kept.requests.at(1).items, wire.kept.requests.at(0).items);
+    }
 }
 
 TEST(Analysis, CountsRetransmissionsInsideAnExchange) {
@@ -234,6 +291,42 @@ TEST(Analysis, TheSamePortsOpenAnotherConnection) {
     wire.request(second, adu(1, 1, kRead));
     wire.respond(second, adu(1, 1, kAnswer));
     EXPECT_EQ(wire.result(), "U4 8-9 ");
+}
+
+/// The capture may lack one SYN of the second connection, or both, and its numbers may be near the first
+/// ones.
+TEST(Analysis, AnotherConnectionOfTheSamePortsWithoutItsSyn) {
+    struct Case {
+        bool client_syn, server_syn, end;
+        std::uint32_t first;
+    };
+    for (const auto& each :
+         {Case{true, false, true, 1000}, Case{false, true, true, 1000}, Case{true, false, false, 900},
+          Case{false, true, false, 1010}, Case{false, false, true, 50'000'000}}) {
+        SCOPED_TRACE(testing::Message() << each.client_syn << each.server_syn << each.end << each.first);
+        Wire wire;
+        Wire::Connection first;
+        wire.open(first);
+        wire.request(first, adu(1, 1, kRead));
+        wire.respond(first, adu(1, 1, kAnswer));
+        if (each.end) {
+            wire.send(first.client, first.server, {}, kFin);
+            wire.send(first.server, first.client, {}, kFin);
+        }
+        Wire::Connection second;
+        second.client.sequence = each.first;
+        second.server.sequence = each.first + 4000;
+        wire.send(second.client, second.server, {}, kSyn, each.client_syn);
+        wire.send(second.server, second.client, {}, kSynAck, each.server_syn);
+        std::string wanted = "4-5 ";
+        for (int i = 0; i < 2; ++i) {
+            wire.request(second, adu(2, 1, kRead));
+            wire.respond(second, adu(2, 1, kAnswer));
+            wanted += std::to_string(wire.number - 1) + '-' + std::to_string(wire.number) + ' ';
+        }
+        EXPECT_EQ(wire.result(), wanted);
+        EXPECT_EQ(wire.analysis.tcp().streams.missing_bytes, 0u);
+    }
 }
 
 TEST(Analysis, ACaptureThatBeginsInTheMiddle) {

@@ -17,13 +17,14 @@ namespace {
 using namespace test;
 
 struct Kept final : StreamSink {
-    std::string text;  // "_" is a gap
+    std::string text;  // "_" is a gap, "#" a cut segment
     std::vector<std::uint64_t> packets;
     void on_data(const PacketRef& packet, Bytes bytes) override {
         text.append(bytes.begin(), bytes.end());
         packets.push_back(packet.number);
     }
     void on_gap() override { text += '_'; }
+    void on_cut(const PacketRef&, std::size_t count) override { text += '#' + std::to_string(count); }
 };
 
 class Sender {
@@ -136,11 +137,11 @@ TEST(TcpStream, WaitingSegmentsAreBounded) {
     EXPECT_EQ(sender.kept.text, "a_" + std::string(TcpStream::kMostPending, 'x') + "y");
 }
 
-TEST(TcpStream, ACutPacketLeavesAGap) {
+TEST(TcpStream, ACutPacketLacksItsLastBytes) {
     Sender sender;
     sender.send(0, "abcd", 0, 2);
     sender.send(4, "ef");
-    EXPECT_EQ(sender.kept.text, "ab_ef");
+    EXPECT_EQ(sender.kept.text, "ab#2ef");
     EXPECT_EQ(sender.stream.counts().missing_bytes, 2u);
 }
 
@@ -152,6 +153,9 @@ TEST(TcpStream, ContinuesAtUnrelatedNumbers) {
     sender.acknowledge(0x40000000);
     sender.send(0xE0000002, "ef");
     EXPECT_EQ(sender.kept.text, "ab_cdef") << "an acknowledgement far away is ignored";
+    sender.send(0x20000000, "gh");
+    EXPECT_EQ(sender.kept.text, "ab_cdef_gh");
+    EXPECT_EQ(sender.stream.counts().missing_bytes, 0u) << "how many is not known";
 }
 
 TEST(TcpStream, FlushPassesWhatWaits) {

@@ -13,7 +13,7 @@ namespace takt::capture {
 struct Adu {
     std::uint16_t transaction = 0;
     std::uint8_t unit = 0;
-    Bytes pdu;         ///< 1..253 bytes, valid during the call
+    Bytes pdu;         ///< 1..253 bytes, valid during the call; shorter than it was if its packet is cut
     PacketRef packet;  ///< the one that made its last byte available
 };
 
@@ -43,8 +43,13 @@ public:
     /// The next byte is the first one of the connection.
     void begin_aligned();
     void push(const PacketRef& packet, Bytes bytes, AduSink& sink);
+    /// The next byte is any of a message.
+    void restart();
     /// Bytes are missing before the next ones.
     void on_gap();
+    /// The packet had `count` more bytes, which were not captured. A message that ends with them, and whose
+    /// function was captured, is passed with the captured part of its PDU.
+    void on_cut(const PacketRef& packet, std::size_t count, AduSink& sink);
 
     [[nodiscard]] bool is_foreign() const { return foreign_; }
     [[nodiscard]] std::uint64_t messages() const { return messages_; }
@@ -60,6 +65,7 @@ private:
     [[nodiscard]] std::size_t search(const PacketRef& packet, Bytes chunk, std::size_t at, AduSink& sink);
     [[nodiscard]] bool is_acceptable(Bytes adu) const;
     void emit(const PacketRef& packet, Bytes adu, AduSink& sink);
+    void pass(const PacketRef& packet, Bytes adu, AduSink& sink);
     void lose_alignment();
     void skip(std::size_t count);
 

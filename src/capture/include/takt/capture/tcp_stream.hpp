@@ -31,6 +31,8 @@ public:
     virtual void on_data(const PacketRef& packet, Bytes bytes) = 0;
     /// Bytes are missing before the next ones.
     virtual void on_gap() = 0;
+    /// The segment of the last bytes had `count` more, which the capture lacks because its packets are cut.
+    virtual void on_cut(const PacketRef& packet, std::size_t count) = 0;
 
 protected:
     ~StreamSink() = default;
@@ -50,6 +52,11 @@ public:
     void begin(std::uint32_t sequence);
     [[nodiscard]] bool begun() const { return begun_; }
     [[nodiscard]] std::uint32_t next() const { return next_; }
+
+    /// The next byte is any: another connection begins. Nothing waits, see flush().
+    void forget() { begun_ = has_end_ = false; }
+    /// Whether bytes are missing before that number, so that a segment there continues nothing.
+    [[nodiscard]] bool is_beyond(std::uint32_t sequence) const;
 
     /// A segment of this direction with a payload.
     void push(const Segment& segment, const PacketRef& packet, StreamSink& sink);
