@@ -288,6 +288,7 @@ Outcome TransactionCore::outcome_of(const Slot& slot) {
             .status = slot.status,
             .exception = slot.response.exception(),
             .sent = slot.sent_once,
+            .wire_id = slot.wire_id,
             .other_unit = slot.other_unit,
             .noise = slot.noise,
             .request = slot.request,

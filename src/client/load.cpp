@@ -140,7 +140,10 @@ void Load::report_progress(Instant t) {
 
 void Load::finish(Instant t) {
     t = std::min(t, end_);
-    for (auto& connection : connections_) connection->end(t);
+    for (auto& connection : connections_) {
+        connection->end(t);
+        counts_.unexpected += connection->unexpected();
+    }
     counts_.elapsed = t - start_;
     if (options_.rate) {
         const auto due = std::min(options_.count.value_or(UINT64_MAX), options_.rate->before(t - start_));

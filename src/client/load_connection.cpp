@@ -31,6 +31,7 @@ Result<void> LoadConnection::open(const model::Line& line, const OpenLine& open_
 
 void LoadConnection::on_link(Instant t, bool up) {
     engine_.on_link(t, up);
+    load_.up_at_ = t;
     if (!up && load_.running_) ++load_.counts_.disconnections;
     proceed(t);
 }
@@ -75,6 +76,7 @@ void LoadConnection::conclude(const bus::Outcome& outcome) {
     if (outcome.sent) ++counts.sent;
     flight->sent_at = outcome.sent_at;
     flight->request_end = outcome.request_end;
+    flight->wire_id = outcome.wire_id;
     load_.report_.on_request(load_.observed(flight->number, flight->request_end));
     switch (outcome.status) {
         case bus::Status::ok:
@@ -121,15 +123,49 @@ void LoadConnection::no_response(const Flight& flight, capture::NoResponse why) 
     load_.report_.on_no_response(load_.observed(flight.number, flight.request_end), why);
 }
 
-// Over Framing::tcp the delay identifies the request. On a serial line a late response belongs to the oldest
-// request that has none.
+// Another request of this connection may have the same id after 65,536 ones, and not before.
+bool LoadConnection::may_answer(const Flight& flight, std::uint16_t wire_id) const {
+    constexpr std::uint64_t kMostBetween = 65'000;
+    return flight.wire_id == wire_id && load_.next_ - flight.number < kMostBetween;
+}
+
+void LoadConnection::on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) {
+    if (direction == wire::Direction::sent || timed_out_.empty()) return;
+    if (!numbered_) return received_.assign(pdu);
+    if (raw.size() < 2 || unit.value != load_.options_.target.unit || pdu.empty() ||
+        wire::requested_function(pdu[0]) != load_.options_.request.function())
+        return;
+    const auto wire_id = static_cast<std::uint16_t>(raw[0] << 8U | raw[1]);
+    const auto flight = take_first(timed_out_, [&](const Flight& each) { return may_answer(each, wire_id); });
+    if (!flight) return;
+    ++late_;
+    answered_late(*flight, t, pdu);
+}
+
+// On a serial line a late response belongs to the oldest request that has none. Another frame may have
+// followed it.
 void LoadConnection::take_late() {
     while (const auto late = engine_.take_late()) {
-        auto flight = take_first(
-            timed_out_, [&](const Flight& each) { return each.request_end == late->at - late->delay; });
-        if (!flight) flight = take_first(timed_out_, [](const Flight&) { return true; });
-        if (flight) answered(*flight, late->at, 0);
+        if (numbered_) continue;
+        const auto flight = take_first(timed_out_, [](const Flight&) { return true; });
+        if (flight) answered_late(*flight, late->at, received_.span());
     }
+}
+
+void LoadConnection::answered_late(const Flight& flight, Instant end, Bytes pdu) {
+    const auto& request = load_.options_.request;
+    const auto response = wire::decode_response(request.shape(), request.pdu(), pdu);
+    if (!response && numbered_) {
+        ++load_.counts_.wrong;
+        return no_response(flight, capture::NoResponse::unanswered);
+    }
+    if (response && !response->is_exception()) compare(pdu);
+    answered(flight, end, response ? response->exception() : std::uint8_t{0});
+}
+
+std::uint64_t LoadConnection::unexpected() const {
+    const auto& counters = engine_.counters();
+    return numbered_ ? counters.late_answers + counters.foreign_frames - late_ : 0;
 }
 
 void LoadConnection::compare(Bytes pdu) {

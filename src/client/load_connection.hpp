@@ -10,13 +10,18 @@
 #include "takt/bus/transaction_engine.hpp"
 #include "takt/client/load.hpp"
 #include "takt/line/driver.hpp"
+#include "takt/wire/traffic.hpp"
 
 namespace takt::client {
 
 /// A transaction engine that takes the next request of its load whenever it has room. The load outlives it.
-class LoadConnection final : public Engine {
+///
+/// Over Framing::tcp it recognises late responses itself, by their transaction id: the engine remembers only
+/// a few requests of one kind.
+class LoadConnection final : public Engine, private wire::TrafficObserver {
 public:
-    LoadConnection(Load& load, const bus::LineConfig& config) : load_(load), engine_(config) {}
+    LoadConnection(Load& load, const bus::LineConfig& config)
+        : load_(load), numbered_(config.framing == wire::Framing::tcp), engine_(config, this) {}
 
     [[nodiscard]] Result<void> open(const model::Line& line, const OpenLine& open_line);
     [[nodiscard]] bool up() const { return driver_ && driver_->up(); }
@@ -35,29 +40,40 @@ public:
     void on_bytes(Instant t, Bytes bytes) override;
     void on_tick(Instant t) override;
     [[nodiscard]] Bytes transmit(Instant t) override { return engine_.transmit(t); }
+    /// Over Framing::tcp: frames that answered no request, in time or late.
+    [[nodiscard]] std::uint64_t unexpected() const;
     [[nodiscard]] Instant next_wakeup() const override { return engine_.next_wakeup(); }
 
 private:
+    static constexpr std::size_t kMostTimedOut = 256;
     struct Flight {
         std::uint64_t number = 0;
         Instant intended;
         Instant sent_at{};
         Instant request_end{};
+        std::uint16_t wire_id = 0;
     };
 
+    void on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) override;
+    void on_fault(Instant, wire::FrameFault, Bytes) override {}
     void proceed(Instant t);
     void conclude(const bus::Outcome& outcome);
     void answered(const Flight& flight, Instant end, std::uint8_t exception);
+    void answered_late(const Flight& flight, Instant end, Bytes pdu);
     void no_response(const Flight& flight, capture::NoResponse why);
     void take_late();
+    [[nodiscard]] bool may_answer(const Flight& flight, std::uint16_t wire_id) const;
     void compare(Bytes pdu);
 
     Load& load_;
+    bool numbered_;  // Framing::tcp
     bus::TransactionEngine engine_;
     std::unique_ptr<line::Driver> driver_;
     std::optional<Error> link_error_;
     InplaceVector<Flight, bus::kMaxInFlight> flights_;
-    InplaceVector<Flight, bus::TransactionStorageOf<1>::kOutstanding> timed_out_;  // may be answered late
+    InplaceVector<Flight, kMostTimedOut> timed_out_;  // may be answered late
+    std::uint64_t late_ = 0;                          // Framing::tcp: recognised late responses
+    wire::Pdu received_;                              // serial line: the last frame
 };
 
 }  // namespace takt::client

@@ -199,9 +199,13 @@ Json load_json(const LoadRun& load, const std::optional<model::MeasuredRoundTrip
     object.set("coordinated_omission", options.rate ? "avoided" : "possible");
     object.set("elapsed_ms", milliseconds(counts.elapsed));
     object.set("sent_per_s", sent_per_second(counts));
-    const std::pair<const char*, std::uint64_t> numbers[] = {
-        {"sent", counts.sent},   {"unsent", counts.unsent}, {"timed_out", counts.timed_out},
-        {"wrong", counts.wrong}, {"lost", counts.lost},     {"disconnections", counts.disconnections}};
+    const std::pair<const char*, std::uint64_t> numbers[] = {{"sent", counts.sent},
+                                                             {"unsent", counts.unsent},
+                                                             {"timed_out", counts.timed_out},
+                                                             {"wrong", counts.wrong},
+                                                             {"unexpected", counts.unexpected},
+                                                             {"lost", counts.lost},
+                                                             {"disconnections", counts.disconnections}};
     for (const auto& [name, count] : numbers) object.set(name, count);
     object.set("different", options.same_content ? Json(counts.different) : Json());
     auto times = Json::object();

@@ -210,6 +210,7 @@ std::vector<std::pair<std::string, std::uint64_t>> load_notes(const LatencyRun& 
     return {{"app.latency.load.note.unsent", counts.unsent},
             {"app.latency.load.note.timed_out", counts.timed_out},
             {"app.latency.load.note.wrong", counts.wrong},
+            {"app.latency.load.note.unexpected", counts.unexpected},
             {"app.latency.load.note.lost", counts.lost},
             {"app.latency.load.note.different", counts.different},
             {"app.latency.load.note.disconnections", counts.disconnections}};

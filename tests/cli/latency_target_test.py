@@ -62,6 +62,20 @@ def test_responses_are_checked():
     assert (report["load"]["wrong"], report["load"]["different"], report["total"]["unanswered"]) == (2, 2, 2)
 
 
+def test_late_exceptions_and_answers_to_nothing():
+    def answer(adu, numbers=itertools.count()):
+        number = next(numbers)
+        if number == 3:
+            time.sleep(0.15)
+            return tcp_answer(adu, "83 06")
+        return tcp_answer(adu, "03 02 0001", transaction=0xFFFF if number == 6 else None)
+    with TcpSlave(answer) as slave:
+        report = measured(slave.port, "--timeout", "100ms", "--requests", 20, code=1)
+    total, load = report["total"], report["load"]
+    assert (total["exceptions"], total["late"]) == ({"6": 1}, 1)
+    assert (load["unexpected"], total["unanswered"]) == (1, 1)
+
+
 def test_late_and_unanswered_requests_and_lost_connections():
     def answer(adu, numbers=itertools.count()):
         number = next(numbers)

@@ -114,7 +114,8 @@ private:
             return ExitCode::timed_out;
         }
         const bool kept = !options_.limit || report::latency_verdict(report_).kept();
-        return kept && counts.wrong == 0 && counts.different == 0 ? ExitCode::ok : ExitCode::no;
+        const bool good = counts.wrong == 0 && counts.unexpected == 0 && counts.different == 0;
+        return kept && good ? ExitCode::ok : ExitCode::no;
     }
 
     const Texts& texts_;

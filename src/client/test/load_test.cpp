@@ -17,6 +17,8 @@ using namespace std::chrono_literals;
 struct Reply {
     Duration delay{};
     std::vector<std::uint8_t> pdu{0x03, 2, 0, 7};
+    std::uint8_t other_transaction = 0;  // XOR with the low byte of the id
+    std::uint8_t other_unit = 0;         // likewise with the unit
 };
 /// The reply to the request of that number, from 0; nothing: there is none.
 using Script = std::function<std::optional<Reply>(std::size_t number)>;
@@ -32,6 +34,8 @@ public:
             const auto reply = script_(number_++);
             if (!reply) continue;
             std::vector<std::uint8_t> frame(input_.begin(), input_.begin() + 7);
+            frame[1] ^= reply->other_transaction;
+            frame[6] ^= reply->other_unit;
             frame[5] = static_cast<std::uint8_t>(reply->pdu.size() + 1);
             frame.insert(frame.end(), reply->pdu.begin(), reply->pdu.end());
             waiting_.emplace_back(t + reply->delay, frame);
@@ -194,6 +198,52 @@ TEST_F(LoadTest, RecordsALateResponse) {
     EXPECT_EQ(total.unanswered, 1U);  // the last one: nothing waits for late responses at the end
     EXPECT_EQ(load->counts().timed_out, 2U);
     EXPECT_GE(total.times.max(), 150ms);
+}
+
+TEST_F(LoadTest, RecordsALateException) {
+    script = [](std::size_t n) { return n == 1 ? Reply{.delay = 150ms, .pdu = {0x83, 6}} : Reply{}; };
+    options.target.timeout = 100ms;
+    options.count = 40;
+    options.rate = Rate{100, 1s};
+    const auto& total = measure();
+    EXPECT_EQ(total.answered, 40U);
+    EXPECT_EQ(load->counts().timed_out, 1U);
+    EXPECT_EQ(total.exceptions, (std::map<std::uint8_t, std::uint64_t>{{6, 1}}));
+}
+
+// More late responses at a time than the engine remembers, the last request first.
+TEST_F(LoadTest, EachLateResponseHasItsOwnTime) {
+    script = [](std::size_t n) { return Reply{.delay = n < 8 ? 400ms - static_cast<int>(n) * 20ms : 0ms}; };
+    options.target.timeout = 100ms;
+    options.in_flight = 8;
+    options.time = 700ms;
+    const auto& total = measure();
+    EXPECT_EQ(load->counts().timed_out, 8U);
+    EXPECT_EQ(total.unanswered, 0U);
+    EXPECT_EQ(load->counts().unexpected, 0U);
+    std::vector<Duration> late;
+    for (const auto& exchange : report.slowest()) late.push_back(exchange.time());
+    ASSERT_GE(late.size(), 8U);
+    for (std::size_t i = 0; i < 8; ++i) {
+        const Duration delay = 400ms - static_cast<int>(i) * 20ms;
+        EXPECT_GE(late[i], delay);
+        EXPECT_LT(late[i], delay + 20ms) << "of its own request";
+    }
+}
+
+TEST_F(LoadTest, CountsFramesThatAnswerNoRequest) {
+    script = [](std::size_t n) {
+        return n == 0   ? Reply{.other_transaction = 0x55}
+               : n == 1 ? Reply{.other_unit = 1}
+               : n == 2 ? Reply{.pdu = {0x04, 2, 0, 7}}
+                        : Reply{};
+    };
+    options.target.timeout = 50ms;
+    options.count = 10;
+    const auto& total = measure();
+    EXPECT_EQ(total.answered, 7U);
+    EXPECT_EQ(total.unanswered, 3U);
+    EXPECT_EQ(load->counts().unexpected, 3U);
 }
 
 TEST_F(LoadTest, CountsExceptionsAndWrongAndDifferentResponses) {

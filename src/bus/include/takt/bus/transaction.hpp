@@ -100,6 +100,7 @@ struct Outcome {
     Status status = Status::ok;
     std::uint8_t exception = 0;  ///< the code as received, any byte
     bool sent = false;  ///< its bytes were given to the line; without a response a write may have executed
+    std::uint16_t wire_id = 0;  ///< Framing::tcp: its transaction id on the wire, if it was sent; else 0
     /// Serial line: a response of this unit to a request of this function was received instead.
     std::optional<UnitId> other_unit;
     /// Bytes of noise that were received between the request and its response.

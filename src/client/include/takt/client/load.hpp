@@ -52,6 +52,8 @@ struct LoadCounts {
     std::uint64_t unsent = 0;
     std::uint64_t timed_out = 0;  ///< no response within the time-out; some may have come late
     std::uint64_t wrong = 0;      ///< a bad checksum, or a response that does not answer the request
+    /// Framing::tcp: frames with a transaction id, unit or function that no request has, or second responses.
+    std::uint64_t unexpected = 0;
     std::uint64_t lost = 0;       ///< the connection ended before the response
     std::uint64_t different = 0;  ///< see LoadOptions::same_content
     std::uint64_t disconnections = 0;
@@ -133,7 +135,7 @@ private:
     std::vector<std::uint8_t> first_content_;
     Instant start_;
     Instant end_ = kNever;
-    Instant up_at_;  // a connection was up then
+    Instant up_at_;  // a connection was up then, or just before
     LoadProgress second_;
     std::function<void(const LoadProgress&)> progress_;
     line::Timer timer_;
