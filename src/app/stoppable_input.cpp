@@ -40,7 +40,7 @@ sigset_t take_signals() {
 
 Result<StoppableInput> StoppableInput::open(const std::string& path) {
     if (path == "-") return StoppableInput("stdin", {}, STDIN_FILENO);
-    TAKT_TRY(auto file, os::open_for_reading(path));
+    TAKT_TRY(auto file, os::open_stream(path));
     const int number = file.get();
     return StoppableInput(path, std::move(file), number);
 }

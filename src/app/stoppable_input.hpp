@@ -19,7 +19,7 @@ namespace takt::app {
 class StoppableInput {
 public:
     /// @param path  "-": standard input
-    /// @returns what os::open_for_reading() returns
+    /// @returns what os::open_stream() returns
     [[nodiscard]] static Result<StoppableInput> open(const std::string& path);
     /// For wait() alone, on a descriptor that another object owns. @param name  the subject of errors
     [[nodiscard]] static StoppableInput around(std::string name, int descriptor);

@@ -16,8 +16,9 @@ namespace {
 
 constexpr int kAlways = O_CLOEXEC | O_NOCTTY | O_NONBLOCK;
 
-Result<void> check_type(const struct stat& status, const std::string& path) {
+Result<void> check_type(const struct stat& status, const std::string& path, bool fifo) {
     if (S_ISDIR(status.st_mode)) return fail(Code::cannot_open, path, EISDIR);
+    if (fifo && S_ISFIFO(status.st_mode)) return {};
     if (!S_ISREG(status.st_mode)) return fail(Code::unsupported, path);
     return {};
 }
@@ -47,16 +48,16 @@ Descriptor open_path(const std::string& path, int flags) {
                           : Descriptor(::open(device.c_str(), (flags & ~O_NOFOLLOW) | kAlways));
 }
 
-Result<Descriptor> open_existing(const std::string& path, int flags) {
+Result<Descriptor> open_existing(const std::string& path, int flags, bool fifo = false) {
     if (path.find('\0') != std::string::npos) return fail(Code::cannot_open, path, ENOENT);
     struct stat status{};
     if (::stat(path.c_str(), &status) != 0) return fail(Code::cannot_open, path, errno);
-    TAKT_CHECK(check_type(status, path));
+    TAKT_CHECK(check_type(status, path, fifo));
     auto file = open_path(path, flags);
     if (!file) return fail(Code::cannot_open, path, errno);
     // Another program may have replaced the file since stat().
     if (::fstat(file.get(), &status) != 0) return fail(Code::cannot_open, path, errno);
-    TAKT_CHECK(check_type(status, path));
+    TAKT_CHECK(check_type(status, path, fifo));
     return file;
 }
 
@@ -76,6 +77,10 @@ bool is_errno(const Result<Descriptor>& opened, int number) {
 
 Result<Descriptor> open_for_reading(const std::string& path) {
     return open_existing(path, O_RDONLY);
+}
+
+Result<Descriptor> open_stream(const std::string& path) {
+    return open_existing(path, O_RDONLY, true);
 }
 
 Result<Descriptor> open_for_update(const std::string& path) {

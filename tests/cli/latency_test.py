@@ -1,6 +1,7 @@
 """takt latency on captures made byte by byte: figures, forms of the output, errors and exit codes."""
 import csv
 import io
+import os
 import signal
 import struct
 import subprocess
@@ -63,6 +64,14 @@ def test_standard_input_in_pieces(tmp_path):
     assert process.returncode == 0
     for figure in ("0.205", "0.146", "0.160", "0.149", "10.0.0.2:502"):
         assert figure in out, out
+
+
+def test_a_fifo_is_read_to_its_end(tmp_path):
+    os.mkfifo(tmp_path / "fifo")
+    with start("latency", tmp_path / "fifo") as process:
+        (tmp_path / "fifo").write_bytes(source_capture().pcap())
+        assert "0.205" in process.finish().out
+    assert "FIFO" in takt("latency", "/dev/null", code=2).err
 
 
 def test_a_signal_ends_standard_input_with_the_report():

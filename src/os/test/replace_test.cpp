@@ -250,6 +250,19 @@ TEST(OpenFile, RejectsWhatIsNotARegularFileWithoutWaiting) {
     EXPECT_EQ(open_for_reading(folder / "none").error().numbers[0], ENOENT);
 }
 
+TEST(OpenFile, AStreamMayBeAFifo) {
+    const Folder folder;
+    ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
+    const auto stream = open_stream(folder / "fifo");
+    ASSERT_TRUE(stream) << "does not wait for a writer";
+    const auto writer = open_anew(folder / "fifo");
+    ASSERT_TRUE(writer && write_all(writer->get(), "ab"));
+    char bytes[4];
+    EXPECT_EQ(::read(stream->get(), bytes, sizeof bytes), 2);
+    EXPECT_EQ(open_stream("/dev/null").error().code, Code::unsupported);
+    EXPECT_EQ(open_stream(folder / "").error().numbers[0], EISDIR);
+}
+
 TEST(ReadAll, ReadsUpToALimit) {
     const Folder folder;
     folder.write("a", std::string(100'000, 'x'));

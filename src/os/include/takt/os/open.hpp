@@ -15,9 +15,9 @@ namespace takt::os {
 /// Mode of a state or log file that the program creates: group may read, others may not.
 constexpr ::mode_t kStateFileMode = 0640;
 
-// The functions below open regular files only and never wait. A FIFO, a device or a socket is rejected before
-// it is opened, because opening one may block or change the lines of a serial port. Descriptors are
-// close-on-exec.
+// The functions below open regular files only, unless they say otherwise, and never wait. A FIFO, a device or
+// a socket is rejected before it is opened, because opening one may block or change the lines of a serial
+// port. Descriptors are close-on-exec.
 //
 // Errors, with the path as subject: cannot_open (the system's error number; EISDIR for a folder), unsupported
 // (not a regular file).
@@ -28,6 +28,10 @@ constexpr ::mode_t kStateFileMode = 0640;
 
 /// Opens an existing file for reading.
 [[nodiscard]] Result<Descriptor> open_for_reading(const std::string& path);
+
+/// Opens an existing file or FIFO for reading. A FIFO need not have a writer yet: poll() waits for one. With
+/// one that has written nothing, read() fails with EAGAIN.
+[[nodiscard]] Result<Descriptor> open_stream(const std::string& path);
 
 /// Opens an existing file for reading and writing.
 [[nodiscard]] Result<Descriptor> open_for_update(const std::string& path);
