@@ -25,10 +25,26 @@ Connection::Connection(const ConnectionKey& key, Roles roles, const TcpAnalyzerC
       sink_(sink),
       roles_(roles),
       roles_known_(roles.certain),
-      low_(*this, false, roles.certain, config.framing),
-      high_(*this, true, roles.certain, config.framing) {}
+      low_(*this, false, roles.certain),
+      high_(*this, true, roles.certain) {
+    if (config.framing && *config.framing != wire::Framing::tcp) use(*config.framing);
+}
+
+void Connection::use(wire::Framing framing) {
+    framing_ = framing;
+    low_.use(framing);
+    high_.use(framing);
+}
+
+// A gateway that passes RTU frames on puts each into a segment. 16 bits of checksum beside the form of the
+// PDU leave hardly a chance that this is something else.
+void Connection::find_framing(Bytes bytes) {
+    if (config_.framing || low_.messages() + high_.messages() > 0) return;
+    if (const auto found = serial_framing_of(bytes)) use(*found);
+}
 
 void Connection::Direction::on_data(const PacketRef& packet, Bytes bytes) {
+    if (!serial_ && !mbap_.is_foreign()) connection_.find_framing(bytes);
     if (serial_)
         serial_->push(packet, bytes, *this);
     else
@@ -141,7 +157,7 @@ void Connection::on_request(const Adu& adu) {
     while (const auto expired = waiting_.take_expired(adu.packet.time_ns, config_.forget))
         sink_.on_no_response(observed(*expired), NoResponse::unanswered);
     // Without transaction ids the next request gives up the one before it.
-    if (config_.framing != wire::Framing::tcp)
+    if (framing_ != wire::Framing::tcp)
         while (const auto before = waiting_.take_oldest())
             sink_.on_no_response(observed(*before), NoResponse::unanswered);
     const RequestQueue::Waiting request{.transaction = adu.transaction,
@@ -151,7 +167,7 @@ void Connection::on_request(const Adu& adu) {
                                         .packet = adu.packet,
                                         .retransmissions = retransmissions()};
     sink_.on_request(observed(request));
-    if (config_.framing != wire::Framing::tcp && adu.unit == kBroadcast.value)
+    if (framing_ != wire::Framing::tcp && adu.unit == kBroadcast.value)
         return sink_.on_no_response(observed(request), NoResponse::broadcast);
     if (waiting_.push(request)) ++counts_.repeated_ids;
 }
@@ -180,6 +196,7 @@ void Connection::finish(NoResponse why) {
         direction->add_counts(counts_);
     }
     const bool has_messages = low_.messages() + high_.messages() > 0;
+    if (has_messages && framing_ != wire::Framing::tcp) ++counts_.serial_framing;
     if (has_messages || roles_.certain)
         ++counts_.connections;
     else

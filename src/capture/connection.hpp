@@ -43,10 +43,10 @@ private:
     /// The bytes that one end sent.
     class Direction final : public StreamSink, public AduSink {
     public:
-        Direction(Connection& connection, bool from_high, bool certain, wire::Framing framing)
-            : connection_(connection), from_high_(from_high), mbap_(certain) {
-            if (framing != wire::Framing::tcp) serial_.emplace(framing);
-        }
+        Direction(Connection& connection, bool from_high, bool certain)
+            : connection_(connection), from_high_(from_high), mbap_(certain) {}
+        /// The messages are frames of this framing from the next byte on. @param framing  rtu or ascii
+        void use(wire::Framing framing) { serial_.emplace(framing); }
         void on_data(const PacketRef& packet, Bytes bytes) override;
         void on_gap() override;
         void on_cut(const PacketRef& packet, std::size_t count) override;
@@ -75,6 +75,8 @@ private:
     void on_syn(Direction& sender, Direction& receiver, const Segment& segment);
     void close();
     void on_adu(bool from_high, const Adu& adu);
+    void find_framing(Bytes bytes);
+    void use(wire::Framing framing);
     void check_roles(bool from_high, Bytes pdu);
     void on_request(const Adu& adu);
     void on_response(const Adu& adu);
@@ -83,6 +85,7 @@ private:
     [[nodiscard]] ObservedRequest observed(const RequestQueue::Waiting& waiting) const;
 
     ConnectionKey key_;
+    wire::Framing framing_ = wire::Framing::tcp;
     const TcpAnalyzerConfig& config_;
     TcpCounts& counts_;
     ExchangeSink& sink_;

@@ -1,5 +1,6 @@
 #include "takt/capture/pdu_shape.hpp"
 
+#include "takt/capture/serial_frame.hpp"
 #include "takt/wire/request_view.hpp"
 
 namespace takt::capture {
@@ -35,6 +36,15 @@ bool could_be_response(Bytes pdu) {
         case wire::ResponseForm::unknown: break;
     }
     return false;
+}
+
+std::optional<wire::Framing> serial_framing_of(Bytes bytes) {
+    if (bytes.empty()) return std::nullopt;
+    const auto framing = bytes[0] == ':' ? wire::Framing::ascii : wire::Framing::rtu;
+    const auto frame = framing == wire::Framing::ascii ? decode_ascii(bytes) : decode_rtu(bytes);
+    if (frame.size() < 2) return std::nullopt;
+    const auto pdu = frame.span().subspan(1);
+    return could_be_request(pdu) || could_be_response(pdu) ? std::optional(framing) : std::nullopt;
 }
 
 }  // namespace takt::capture

@@ -153,6 +153,7 @@ Json capture_json(const LatencyRun& run) {
         {"untimed_packets", packets.untimed},
         {"backwards", packets.backwards},
         {"connections", tcp.connections},
+        {"serial_framing_connections", tcp.serial_framing},
         {"foreign_connections", tcp.foreign},
         {"retransmissions", tcp.streams.retransmissions},
         {"duplicates", tcp.streams.duplicates},

@@ -219,27 +219,30 @@ std::vector<std::pair<std::string, std::uint64_t>> load_notes(const LatencyRun& 
 /// One line for each count that is not zero.
 std::string notes_text(const Texts& texts, const LatencyRun& run) {
     const auto& [packets, tcp, serial] = std::tie(run.packets, run.tcp, run.serial);
-    const std::pair<const char*, std::uint64_t> notes[] = {{"open", run.report.total().open},
-                                                           {"broadcasts", run.report.total().broadcasts},
-                                                           {"unmatched", tcp.unmatched + serial.unmatched},
-                                                           {"repeated_ids", tcp.repeated_ids},
-                                                           {"retransmissions", tcp.streams.retransmissions},
-                                                           {"duplicates", tcp.streams.duplicates},
-                                                           {"out_of_order", tcp.streams.out_of_order},
-                                                           {"gaps", tcp.streams.gaps},
-                                                           {"missing_bytes", tcp.streams.missing_bytes},
-                                                           {"resynchronisations", tcp.resynchronisations},
-                                                           {"skipped_bytes", tcp.skipped_bytes},
-                                                           {"damaged", serial.damaged},
-                                                           {"line_errors", serial.line_errors},
-                                                           {"foreign", tcp.foreign},
-                                                           {"evicted", tcp.evicted},
-                                                           {"fragments", packets.lost_fragments},
-                                                           {"cut", packets.cut},
-                                                           {"malformed", packets.malformed},
-                                                           {"dropped", packets.dropped},
-                                                           {"untimed", packets.untimed},
-                                                           {"backwards", packets.backwards}};
+    const std::pair<const char*, std::uint64_t> notes[] = {
+        {"open", run.report.total().open},
+        {"broadcasts", run.report.total().broadcasts},
+        {"unmatched", tcp.unmatched + serial.unmatched},
+        {"repeated_ids", tcp.repeated_ids},
+        {"retransmissions", tcp.streams.retransmissions},
+        {"duplicates", tcp.streams.duplicates},
+        {"out_of_order", tcp.streams.out_of_order},
+        {"gaps", tcp.streams.gaps},
+        {"missing_bytes", tcp.streams.missing_bytes},
+        {"resynchronisations", tcp.resynchronisations},
+        {"skipped_bytes", tcp.skipped_bytes},
+        {"damaged", serial.damaged},
+        {"line_errors", serial.line_errors},
+        {"serial_framing", tcp.serial_framing},
+        {"foreign", tcp.foreign},
+        {"evicted", tcp.evicted},
+        {"fragments", packets.lost_fragments},
+        {"other", run.report.total().requests == 0 ? packets.other : 0},
+        {"cut", packets.cut},
+        {"malformed", packets.malformed},
+        {"dropped", packets.dropped},
+        {"untimed", packets.untimed},
+        {"backwards", packets.backwards}};
     std::string text;
     const auto add = [&](const std::string& line) {
         text += (text.empty() ? texts("app.latency.notes") + '\n' : "") + "  " + line + '\n';

@@ -270,6 +270,19 @@ def test_serial_frames_in_tcp(tmp_path, framing, frame_of):
     assert report["capture"]["skipped_bytes"] == 3
 
 
+@pytest.mark.parametrize("frame_of", [rtu, ascii_frame])
+@pytest.mark.parametrize("port", [502, 4001])
+def test_the_framing_of_a_connection_is_found(tmp_path, frame_of, port):
+    capture = Capture()
+    connection = Connection(capture, server=("10.0.0.2", port))
+    for number in range(10):
+        connection.request(number * 1000, frame_of("03 0000 0002"))
+        connection.respond(number * 1000 + 70, frame_of("03 04 0001 0002"))
+    report = measured(tmp_path, capture.pcap())
+    assert (report["total"]["answered"], report["total"]["max_ms"]) == (10, 0.07)
+    assert report["capture"]["serial_framing_connections"] == 1
+
+
 def test_fragments_are_put_together(tmp_path):
     wanted = measured(tmp_path, source_capture().pcap())["total"]
     capture = source_capture()

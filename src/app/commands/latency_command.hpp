@@ -36,9 +36,10 @@ struct LatencyLoad {
 struct LatencyOptions {
     std::string source;     ///< URL of a target, or the file of a capture; "-": standard input
     std::string interface;  ///< to listen on, instead of a source; empty: none
-    wire::Framing framing = wire::Framing::tcp;  ///< of the messages in captured TCP connections
-    std::vector<std::uint16_t> ports;            ///< of servers in a capture; empty: 502
-    std::optional<capture::Grouping> grouping;   ///< of a capture; nothing: all parts
+    /// Of the messages in captured TCP connections; nothing: found.
+    std::optional<wire::Framing> framing;
+    std::vector<std::uint16_t> ports;           ///< of servers in a capture; empty: 502
+    std::optional<capture::Grouping> grouping;  ///< of a capture; nothing: all parts
     Duration timeout = std::chrono::seconds(1);
     std::optional<Duration> limit;
     bool json = false;

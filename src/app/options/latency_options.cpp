@@ -125,7 +125,7 @@ void check_source(const LatencyOptions& options) {
     if (is_target(options.source) || is_port(options.source)) {
         check_target("SOURCE", options.source);
         for (const auto& [name, given] : {std::pair{"--port", !options.ports.empty()},
-                                          std::pair{"--framing", options.framing != wire::Framing::tcp},
+                                          std::pair{"--framing", options.framing.has_value()},
                                           std::pair{"--by", options.grouping.has_value()}})
             if (given) reject({"app.option.for_capture", {{"option", name}, {"target", options.source}}});
         return;
@@ -155,11 +155,14 @@ void add_latency(CommandLine& line, const CommonOptions& common) {
     add_load(latency, options.load);
     latency.check([&options] { check_source(options); });
     add_ports(latency, options.ports);
-    static const std::map<std::string, wire::Framing> kFramings{
-        {"tcp", wire::Framing::tcp}, {"rtu", wire::Framing::rtu}, {"ascii", wire::Framing::ascii}};
+    static const std::map<std::string, std::optional<wire::Framing>> kFramings{
+        {"auto", std::nullopt},
+        {"tcp", wire::Framing::tcp},
+        {"rtu", wire::Framing::rtu},
+        {"ascii", wire::Framing::ascii}};
     add_word(latency, "--framing", options.framing, kFramings, "help.latency.framing")
         .value_name("FRAMING")
-        .default_text("tcp");
+        .default_text("auto");
     add_wait(
         latency, "--timeout", [&options](Duration time) { options.timeout = time; }, "help.latency.timeout")
         .default_text("1s");

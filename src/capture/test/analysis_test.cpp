@@ -353,6 +353,26 @@ TEST(Analysis, FindsTheServerOnAnyPort) {
         }
 }
 
+TEST(Analysis, FindsRtuAndAsciiFramesOnAnyPort) {
+    const auto text = [](std::string_view frame) { return Octets(frame.begin(), frame.end()); };
+    const std::pair<Octets, Octets> frames[] = {{hex("01 03 0000 0002 C40B"), hex("01 03 04 00010002 2A32")},
+                                                {text(":010300000002FA\r\n"), text(":01030400010002F5\r\n")}};
+    for (const auto& [request, response] : frames)
+        for (const std::uint16_t port : {std::uint16_t{502}, std::uint16_t{4001}, std::uint16_t{50200}})
+            for (const bool handshake : {true, false}) {
+                SCOPED_TRACE(testing::Message() << port << handshake);
+                Wire wire;
+                Wire::Connection c{{1, 30000, 1}, {2, port, 1}};
+                if (handshake) wire.open(c);
+                for (int i = 0; i < 2; ++i) {
+                    wire.request(c, request);
+                    wire.respond(c, response);
+                }
+                EXPECT_EQ(wire.result(), handshake ? "4-5 6-7 " : "1-2 3-4 ");
+                EXPECT_EQ(wire.analysis.tcp().serial_framing, 1u);
+            }
+}
+
 TEST(Analysis, OtherProtocolsAreCounted) {
     Wire wire;
     Wire::Connection c{{1, 40000, 1}, {2, 80, 1}};

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "takt/capture/exchange.hpp"
@@ -16,8 +17,9 @@ namespace takt::capture {
 struct TcpAnalyzerConfig {
     /// Ports of servers. A connection to another port counts if its bytes are Modbus TCP.
     std::vector<std::uint16_t> ports{502};
-    /// Of the messages: MBAP, or RTU or ASCII frames in the byte stream.
-    wire::Framing framing = wire::Framing::tcp;
+    /// Of the messages: MBAP, or RTU or ASCII frames in the byte stream. Nothing: MBAP, unless a connection
+    /// without a message has a segment that is one RTU or ASCII frame with a good checksum.
+    std::optional<wire::Framing> framing;
     /// Requests without a response are given up after this time.
     Duration forget = std::chrono::seconds(60);
 };
@@ -26,6 +28,7 @@ struct TcpAnalyzerConfig {
 struct TcpCounts {
     StreamCounts streams;
     std::uint64_t connections = 0;         ///< with Modbus messages
+    std::uint64_t serial_framing = 0;      ///< of them those whose messages are RTU or ASCII frames
     std::uint64_t foreign = 0;             ///< connections of other protocols
     std::uint64_t resynchronisations = 0;  ///< times that the begin of a message had to be searched
     std::uint64_t skipped_bytes = 0;       ///< that belong to no complete message
