@@ -5,6 +5,7 @@
 
 #include "ip_packet.hpp"
 #include "takt/capture/upper_pdu.hpp"
+#include "takt/wire/function.hpp"
 
 namespace takt::capture {
 namespace {
@@ -112,12 +113,22 @@ FrameCapture::Connection& FrameCapture::connection_of(const CapturedFrame& frame
     return connection;
 }
 
+std::uint16_t FrameCapture::identifier_of(Connection& connection, const CapturedFrame& frame) {
+    auto& known = connection.identifiers;
+    const auto function = wire::requested_function(frame.pdu[0]);
+    if (frame.request) {
+        if (known.size() >= kMostIdentifiers) known.clear();
+        known[{frame.unit, function}] = known[{frame.unit, 0}] = ++connection.last_identifier;
+        return connection.last_identifier;
+    }
+    for (const std::uint8_t each : {function, std::uint8_t{0}})
+        if (const auto found = known.find({frame.unit, each}); found != known.end()) return found->second;
+    return ++connection.last_identifier;
+}
+
 std::string FrameCapture::payload_of(Connection& connection, const CapturedFrame& frame) {
     if (frame.framing == wire::Framing::tcp && !frame.raw.empty()) return std::string(text_of(frame.raw));
-    if (frame.request) connection.identifiers[frame.unit] = ++connection.last_identifier;
-    const auto known = connection.identifiers.find(frame.unit);
-    const std::uint16_t identifier =
-        known == connection.identifiers.end() ? ++connection.last_identifier : known->second;
+    const auto identifier = identifier_of(connection, frame);
     std::string payload;
     put_be16(payload, identifier);
     put_be16(payload, 0);

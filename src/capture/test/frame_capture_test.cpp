@@ -99,6 +99,19 @@ TEST_F(FrameCaptureTest, SerialFramesAreModbusTcpWithConsistentSequenceNumbers) 
     EXPECT_EQ(received.payload[1], 1);  // the identifier of the request
 }
 
+TEST_F(FrameCaptureTest, ALateResponseHasTheIdentifierOfItsRequest) {
+    const std::vector<std::uint8_t> inputs{0x04, 0x00, 0x00, 0x00, 0x01};
+    const std::vector<std::uint8_t> exception{0x84, 0x06};
+    const std::vector<std::uint8_t> other{0x02, 0x01, 0x00};
+    const std::pair<bool, const std::vector<std::uint8_t>&> frames[] = {
+        {true, inputs}, {true, kRequest}, {false, exception}, {false, kResponse}, {false, other}};
+    for (const auto& [request, pdu] : frames)
+        add({.framing = wire::Framing::rtu, .request = request, .unit = 16, .pdu = pdu});
+    std::vector<int> identifiers;
+    for (const auto& packet : packets_of(file)) identifiers.push_back(segment_of(packet).payload[1]);
+    EXPECT_EQ(identifiers, (std::vector<int>{1, 2, 1, 2, 2}));
+}
+
 TEST_F(FrameCaptureTest, ChecksumsAreRight) {
     add({.request = true, .unit = 1, .pdu = kRequest});
     add({.request = true, .unit = 1, .pdu = kRequest, .client = "[2001:db8::7]:50100"});

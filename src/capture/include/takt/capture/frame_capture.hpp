@@ -39,7 +39,9 @@ struct CapturedFrame {
 /// addresses where they are known. The sequence numbers are those of a connection that lost nothing. A frame
 /// of a serial line has the header of Modbus TCP in place of its address and checksum: the dissector for RTU
 /// cannot tell the request from the response of a single write, and there is none for ASCII. Its own bytes
-/// are in the comment of the packet. Its transaction identifier is that of the last request to the unit.
+/// are in the comment of the packet. Its transaction identifier is that of the last request to the unit with
+/// its function, so that a late response has the one of its request, else that of the last request to the
+/// unit.
 ///
 /// Bytes that were dropped are a packet of link type upper_pdu, which Wireshark shows as data.
 ///
@@ -47,6 +49,7 @@ struct CapturedFrame {
 class FrameCapture {
 public:
     static constexpr std::size_t kMostConnections = 4096;
+    static constexpr std::size_t kMostIdentifiers = 1024;  ///< of a connection; then they are forgotten
 
     /// Begins a file. The connections continue, so that files can be merged.
     void begin_file(std::string& out);
@@ -69,12 +72,14 @@ private:
         std::uint32_t sequence_of_client = 1;
         std::uint32_t sequence_of_server = 1;
         std::uint16_t last_identifier = 0;
-        std::map<std::uint8_t, std::uint16_t> identifiers;  // of the last request to each unit
+        // Of the last request to each unit with each function, and as function 0 with any one.
+        std::map<std::pair<std::uint8_t, std::uint8_t>, std::uint16_t> identifiers;
     };
     using ConnectionKey = std::pair<std::size_t, std::string>;  // line and client
 
     std::uint32_t interface_of(std::size_t line, LinkType link, std::string_view name, std::string& out);
     Connection& connection_of(const CapturedFrame& frame);
+    [[nodiscard]] static std::uint16_t identifier_of(Connection& connection, const CapturedFrame& frame);
     [[nodiscard]] std::string payload_of(Connection& connection, const CapturedFrame& frame);
     [[nodiscard]] std::string segment_of(const CapturedFrame& frame);
     [[nodiscard]] std::string comment_of(const CapturedFrame& frame);
