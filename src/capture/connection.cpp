@@ -204,7 +204,10 @@ void Connection::finish(NoResponse why) {
 }
 
 std::uint64_t Connection::retransmissions() const {
-    return low_.stream.counts().retransmissions + high_.stream.counts().retransmissions;
+    std::uint64_t sum = 0;
+    for (const auto* direction : {&low_, &high_})
+        sum += direction->stream.counts().retransmissions + direction->stream.counts().overlaps;
+    return sum;
 }
 
 ObservedRequest Connection::observed(const RequestQueue::Waiting& waiting) const {

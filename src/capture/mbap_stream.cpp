@@ -40,6 +40,11 @@ Judgement judge(Bytes bytes) {
     return can_begin_header(bytes.subspan(length)) ? Judgement::message : Judgement::impossible;
 }
 
+/// Whether the bytes are one message, by its length field only: its function may be that of a vendor.
+bool is_one_message(Bytes bytes) {
+    return bytes.size() > kHeader && can_begin_header(bytes) && bytes.size() == adu_length(bytes);
+}
+
 }  // namespace
 
 void MbapStream::begin_aligned() {
@@ -91,7 +96,7 @@ std::size_t MbapStream::complete(const PacketRef& packet, Bytes chunk, std::size
 }
 
 std::size_t MbapStream::search(const PacketRef& packet, Bytes chunk, std::size_t at, AduSink& sink) {
-    if (at == 0 && judge(chunk) == Judgement::message) {
+    if (at == 0 && (judge(chunk) == Judgement::message || (certain_ && is_one_message(chunk)))) {
         skip(buffer_.size());
         begin_aligned();
         return at;

@@ -233,6 +233,20 @@ TEST(Analysis, CountsRetransmissionsInsideAnExchange) {
     EXPECT_EQ(wire.analysis.tcp().streams.retransmissions, 2u);
 }
 
+TEST(Analysis, ASegmentWithOldAndNewBytesIsARetransmission) {
+    Wire wire;
+    Wire::Connection c;
+    wire.open(c);
+    auto again = c.client;
+    wire.request(c, adu(1, 1, kRead));
+    wire.send(again, c.server, joined({adu(1, 1, kRead), adu(2, 1, kRead)}));
+    c.client = again;
+    wire.respond(c, adu(1, 1, kAnswer));
+    wire.respond(c, adu(2, 1, kAnswer));
+    EXPECT_EQ(wire.result(), "4-6 5-7 ");
+    EXPECT_EQ(wire.kept.retransmissions, 1u);
+}
+
 TEST(Analysis, ARequestThatWasNotCaptured) {
     Wire wire;
     Wire::Connection c;

@@ -56,6 +56,15 @@ TEST(MbapStream, FindsTheFirstMessageOfACaptureInTheMiddle) {
     EXPECT_EQ(reader.stream.resynchronisations(), 0u);
 }
 
+TEST(MbapStream, AMessageOfAVendorBeginsACertainStreamInTheMiddle) {
+    for (const bool certain : {true, false}) {
+        Reader reader(certain);
+        reader.push(adu(7, 1, "5A 00 02"));
+        reader.push(adu(8, 1, "5A 00 02"));
+        EXPECT_EQ(reader.kept.messages, certain ? (Messages{{7, 1}, {8, 2}}) : Messages{});
+    }
+}
+
 TEST(MbapStream, ResynchronisesAfterAGap) {
     Reader reader;
     reader.stream.begin_aligned();

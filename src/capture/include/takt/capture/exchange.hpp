@@ -33,7 +33,8 @@ struct ObservedRequest {
 struct ObservedResponse {
     PacketRef packet;            ///< the one with its last byte, as modbus.response_time of Wireshark
     std::uint8_t exception = 0;  ///< the code; 0: a normal response
-    /// Segments of the connection that were sent again between request and response, in either direction.
+    /// Segments of the connection that were sent again, whole or in part, between request and response, in
+    /// either direction.
     std::uint64_t retransmissions = 0;
 };
 

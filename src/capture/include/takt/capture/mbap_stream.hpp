@@ -29,8 +29,9 @@ protected:
 ///
 /// At the begin of a capture, after a gap and after a header that is none, the stream is not aligned. It then
 /// searches a message whose header and PDU agree, which is followed by the end of the data or by another
-/// header. It prefers one at the begin of a segment. A message found there whose last byte had come in an
-/// earlier packet is dropped, because its time is not known.
+/// header. It prefers one at the begin of a segment. If the stream is certain, that may have any PDU if it is
+/// the whole segment. A message found inside of segments whose last byte had come in an earlier packet is
+/// dropped, because its time is not known.
 ///
 /// Never allocates. One owner, one thread.
 class MbapStream {
