@@ -26,6 +26,7 @@ bool is_compressed(std::uint32_t magic) {
 
 std::string_view name(CaptureFault fault) {
     switch (fault) {
+        case CaptureFault::empty: return "empty";
         case CaptureFault::not_a_capture: return "not_a_capture";
         case CaptureFault::compressed: return "compressed";
         case CaptureFault::version: return "version";
@@ -68,7 +69,9 @@ bool CaptureReader::filled(std::size_t count) {
 void CaptureReader::end() {
     if (error_) return;
     const std::size_t there = end_ - begin_;
-    if (!parser_) {
+    if (!parser_ && there == 0) {
+        stop(CaptureFault::empty, 0);
+    } else if (!parser_) {
         stop(CaptureFault::not_a_capture, first_bytes(std::span(buffer_).subspan(begin_, there)));
     } else if (there > 0) {
         const auto step = parser_->read(std::span(buffer_).subspan(begin_, there));

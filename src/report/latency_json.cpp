@@ -224,15 +224,17 @@ std::string csv_times(const capture::MeasuredTimes& times) {
     return cells + fmt::format(",{}", milliseconds(times.max()));
 }
 
-std::string csv_row(const std::string& key, const Series& s) {
+/// @param limit  there is one: the row has how many exceeded it
+std::string csv_row(const std::string& key, const Series& s, bool limit) {
     const std::string period = s.intervals == 0 ? "" : fmt::format("{}", milliseconds(s.mean_interval()));
     const std::string jitter = s.jitter.count() == 0 ? ",,"
                                                      : fmt::format("{},{},{}", milliseconds(s.jitter.mean()),
                                                                    milliseconds(s.jitter.percentile(99)),
                                                                    milliseconds(s.jitter.max()));
     return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", key, s.requests, s.answered,
-                       exceptions_text(s), s.unanswered, s.open, s.broadcasts, s.late, s.exceeded,
-                       s.retransmissions, csv_times(s.times), period, jitter);
+                       exceptions_text(s), s.unanswered, s.open, s.broadcasts, s.late,
+                       limit ? std::to_string(s.exceeded) : "", s.retransmissions, csv_times(s.times), period,
+                       jitter);
 }
 
 }  // namespace
@@ -275,14 +277,15 @@ std::string latency_csv(const capture::LatencyReport& report) {
     for (const auto& percentile : kPercentiles) text += fmt::format(",{}_ms", percentile.name);
     text += ",max_ms,period_ms,jitter_mean_ms,jitter_p99_ms,jitter_max_ms\n";
     const auto& grouping = report.config().grouping;
+    const bool limit = report.config().limit.has_value();
     for (const auto& [key, series] : report.series()) {
         text += csv_row(fmt::format("{},{},{},{}", client_text(key, grouping), server_text(key, grouping),
                                     grouping.unit ? std::to_string(key.unit) : "",
                                     grouping.function ? std::to_string(key.function) : ""),
-                        *series);
+                        *series, limit);
     }
-    if (report.others().requests > 0) text += csv_row("others,,,", report.others());
-    return text + csv_row("total,,,", report.total());
+    if (report.others().requests > 0) text += csv_row("others,,,", report.others(), limit);
+    return text + csv_row("total,,,", report.total(), limit);
 }
 
 std::string latency_histogram(const capture::LatencyReport& report) {

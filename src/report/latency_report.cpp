@@ -41,7 +41,9 @@ std::string ms(Duration time) {
 }
 
 std::string short_ms(Duration time) {
-    return fmt::format("{:.6g} ms", milliseconds(time));
+    constexpr double kMostDigits = 1e6;
+    const double value = milliseconds(time);
+    return value < kMostDigits ? fmt::format("{:.6g} ms", value) : fmt::format("{:.0f} ms", value);
 }
 
 /// Prints rows of series.
@@ -164,10 +166,16 @@ std::string load_heading_text(const Texts& texts, const LatencyRun& run) {
 
 std::string heading_text(const Texts& texts, const LatencyRun& run) {
     if (run.load) return load_heading_text(texts, run);
-    const auto& [packets, total] = std::pair{run.packets, std::cref(run.report.total())};
+    const auto& packets = run.packets;
+    const auto requests = grouped_number(run.report.total().requests, texts.language());
+    const auto count = grouped_number(packets.packets, texts.language());
+    if (packets.packets == packets.untimed)
+        return texts("app.latency.heading_untimed",
+                     {{"file", run.file}, {"packets", count}, {"requests", requests}}) +
+               '\n';
     return texts("app.latency.heading", {{"file", run.file},
-                                         {"packets", grouped_number(packets.packets, texts.language())},
-                                         {"requests", grouped_number(total.get().requests, texts.language())},
+                                         {"packets", count},
+                                         {"requests", requests},
                                          {"from", short_time_text(packets.first_ns, INT64_MIN)},
                                          {"to", short_time_text(packets.last_ns, packets.first_ns)}}) +
            '\n';

@@ -172,11 +172,12 @@ def test_forms_of_the_output(tmp_path):
     path.write_bytes(source_capture().pcap())
     rows = list(csv.DictReader(io.StringIO(takt("latency", path, "--csv", "--svg", svg).out)))
     assert [row["client"] for row in rows] == ["10.0.0.1", "total"]
-    assert rows[1]["mean_ms"] == "0.16" and rows[1]["answered"] == "5"
+    assert rows[1]["mean_ms"] == "0.16" and rows[1]["answered"] == "5" and rows[1]["exceeded"] == ""
     picture = xml.parse(svg).getroot()
     bars = [int(r.get("data-count")) for r in picture.iter("{http://www.w3.org/2000/svg}rect") if r.get("data-count")]
     assert sum(bars) == 5
     assert xml.fromstring(takt("latency", path, "--svg", "-").out.encode()).tag.endswith("svg")
+    assert "--svg -" in takt("latency", path, "--json", "--svg", "-", code=2).err
     lines = takt("latency", path, "--histogram", 200).out.splitlines()
     assert lines[0] == "# Histogram" and lines[1 + 146] == "000146 000001" and lines[1 + 147] == "000147 000000"
     assert lines[201:] == ["# Total: 000000004", "# Min Latencies: 00146", "# Avg Latencies: 00160", "# Max Latencies: 00205",
@@ -207,7 +208,7 @@ def test_a_damaged_capture_is_reported_up_to_its_fault(tmp_path):
 
 
 @pytest.mark.parametrize("data, words", [
-    (b"hello world", ("68656C6C", "pcapng")), (b"", ("pcapng",)), (b"\x1f\x8b\x08\0", ("zcat",)),
+    (b"hello world", ("68656C6C", "pcapng")), (b"", ("empty", "pcapng")), (b"\x1f\x8b\x08\0", ("zcat",)),
     (Capture().pcap()[:4] + b"\x09\0" + Capture().pcap()[6:], ("version 9", "allowed: 2"))])
 def test_what_is_no_capture(tmp_path, data, words):
     path = tmp_path / "a.pcap"
@@ -228,7 +229,8 @@ def test_files_that_cannot_be_read(tmp_path):
 def test_a_capture_without_modbus(tmp_path):
     path = tmp_path / "a.pcap"
     path.write_bytes(Capture().pcap())
-    assert "--port" in takt("latency", path, code=1).err
+    result = takt("latency", path, code=1)
+    assert "--port" in result.err and "1970" not in result.out
 
 
 def test_a_server_on_another_port(tmp_path):

@@ -118,6 +118,14 @@ bool is_port(const std::string& path) {
     return ::stat(path.c_str(), &status) == 0 && S_ISCHR(status.st_mode) && major(status.st_rdev) != 1;
 }
 
+/// A picture on standard output is the only output there.
+void check_picture(const LatencyOptions& options) {
+    if (options.svg != "-") return;
+    for (const auto& [name, given] : {std::pair{"--json", options.json}, std::pair{"--csv", options.csv},
+                                      std::pair{"--histogram", options.histogram > 0}})
+        if (given) reject({"app.option.excludes", {{"option", name}, {"other", "--svg -"}}});
+}
+
 /// The options of the one kind of source are rejected with the other kind.
 void check_source(const LatencyOptions& options) {
     if (options.source.empty() && options.interface.empty()) reject({"app.option.nothing_to_measure", {}});
@@ -153,7 +161,10 @@ void add_latency(CommandLine& line, const CommonOptions& common) {
         .value_name("IF")
         .excludes(source);
     add_load(latency, options.load);
-    latency.check([&options] { check_source(options); });
+    latency.check([&options] {
+        check_source(options);
+        check_picture(options);
+    });
     add_ports(latency, options.ports);
     static const std::map<std::string, std::optional<wire::Framing>> kFramings{
         {"auto", std::nullopt},

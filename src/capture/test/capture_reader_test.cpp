@@ -141,7 +141,7 @@ std::vector<Refused> refused() {
     const Octets cut(good.begin(), good.end() - 1);
     return {
         {"text", hex("68 65 6c 6c 6f"), CaptureFault::not_a_capture, 0, 0x68656C6C, 0},
-        {"nothing", {}, CaptureFault::not_a_capture, 0, 0, 0},
+        {"nothing", {}, CaptureFault::empty, 0, 0, 0},
         {"gzip", hex("1f 8b 08 00"), CaptureFault::compressed, 0, 0x1F8B0800, 0},
         {"zstd", hex("28 b5 2f fd"), CaptureFault::compressed, 0, 0x28B52FFD, 0},
         {"version", version, CaptureFault::version, 0, 3, 2},

@@ -237,8 +237,8 @@ TEST(LatencyReport, ALoadWithoutARateStatesThatResponsesDelayRequests) {
 
 TEST(LatencyReport, FaultsNamePlaceValueAndAllowed) {
     using enum capture::CaptureFault;
-    for (const auto fault : {not_a_capture, compressed, version, byte_order, record_length, record_too_short,
-                             length_differs, interface, resolution, incomplete})
+    for (const auto fault : {empty, not_a_capture, compressed, version, byte_order, record_length,
+                             record_too_short, length_differs, interface, resolution, incomplete})
         for (const auto language : kLanguages) {
             const auto text =
                 capture_error_text(Texts(language), "a.pcap",

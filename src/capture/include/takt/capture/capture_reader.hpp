@@ -15,6 +15,7 @@ namespace takt::capture {
 
 /// Why a capture cannot be read, or not to its end.
 enum class CaptureFault : std::uint8_t {
+    empty,             ///< the file has no bytes
     not_a_capture,     ///< value: the first four bytes as a number, the first byte highest
     compressed,        ///< gzip, zstd, lz4 or xz; value likewise
     version,           ///< value: the major version; allowed: the only one
