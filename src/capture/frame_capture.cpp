@@ -10,7 +10,6 @@
 namespace takt::capture {
 namespace {
 
-constexpr std::uint16_t kModbusPort = 502;
 constexpr std::uint16_t kFirstClientPort = 49152;
 
 void put_be16(std::string& out, std::uint32_t number) {
@@ -55,7 +54,7 @@ std::pair<Endpoint, Endpoint> ends_of(const CapturedFrame& frame) {
     const auto port = client ? port_of(frame.client) : std::nullopt;
     const auto numbered_port = static_cast<std::uint16_t>(kFirstClientPort + number % 16384);
     Endpoint from{client.value_or(numbered(0x0A000001)), port.value_or(numbered_port)};
-    Endpoint to{server.value_or(numbered(0x0A010001U + number % 65000)), kModbusPort};
+    Endpoint to{server.value_or(numbered(0x0A010001U + number % 65000)), FrameCapture::kServerPort};
     if (from.address.is_ipv4() == to.address.is_ipv4()) return {from, to};
     // An address that was made up is put into the other version: ::10.0.0.1.
     auto& made_up = client ? to.address : from.address;
@@ -83,7 +82,7 @@ std::string raw_text(const CapturedFrame& frame) {
 }
 
 void add_part(std::string& text, std::string_view part) {
-    if (!text.empty() && !part.empty()) text += " | ";
+    if (!text.empty() && !part.empty()) text += FrameCapture::kCommentSeparator;
     text += part;
 }
 

@@ -1,6 +1,9 @@
 // pcapng: sections of blocks (draft-ietf-opsawg-pcapng). A section header sets the byte order and begins the
 // numbering of interfaces anew. Blocks of unknown types are skipped.
 #include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "record_parser.hpp"
@@ -18,6 +21,7 @@ constexpr std::size_t kLeastInterface = 20;
 constexpr std::size_t kPacketHead = 28;            // of an enhanced packet block, with the block's head
 constexpr std::size_t kStatisticsHead = 20;        // likewise of an interface statistics block
 constexpr std::size_t kSimpleHead = 12;            // likewise of a simple packet block
+constexpr std::size_t kMostName = 256;             // bytes of an interface's name that are kept
 constexpr std::size_t kMostDescription = 1 << 16;  // bytes of a section header or an interface description
 // A packet and its options.
 constexpr std::size_t kMostBlock = format::kMostPacket + kMostDescription;
@@ -55,8 +59,36 @@ struct Interface {
     std::uint32_t most_captured = 0;  // snaplen; 0: no limit
     Resolution resolution;
     std::int64_t offset_ns = 0;
+    std::string name;
     std::uint32_t number = 0;   // over all sections
     std::uint64_t dropped = 0;  // by the last statistics
+};
+
+/// The options of a block, one after the other.
+class Options {
+public:
+    Options(Bytes bytes, Numbers numbers) : rest_(bytes), numbers_(numbers) {}
+
+    /// @returns false: there is no further one
+    bool next() {
+        if (rest_.size() < 4) return false;
+        code = numbers_.u16(rest_.data());
+        const std::size_t length = numbers_.u16(rest_.data() + 2);
+        if (code == format::kEndOfOptions || rest_.size() < 4 + length) return false;
+        value = rest_.subspan(4, length);
+        rest_ = rest_.subspan(std::min(rest_.size(), 4 + (length + 3) / 4 * 4));
+        return true;
+    }
+    [[nodiscard]] std::string_view text() const {
+        return {reinterpret_cast<const char*>(value.data()), value.size()};
+    }
+
+    std::uint16_t code = 0;
+    Bytes value;
+
+private:
+    Bytes rest_;
+    Numbers numbers_;
 };
 
 class PcapngParser final : public RecordParser {
@@ -119,21 +151,18 @@ private:
                             .most_captured = numbers_.u32(block.data() + 12)};
         if (interfaces_.size() >= kMostInterfaces)
             return fault(CaptureFault::interface, interfaces_.size(), kMostInterfaces);
-        auto options = block.subspan(16, block.size() - 20);
-        while (options.size() >= 4) {
-            const auto code = numbers_.u16(options.data());
-            const std::size_t length = numbers_.u16(options.data() + 2);
-            if (code == format::kEndOfOptions || options.size() < 4 + length) break;
-            const auto value = options.subspan(4, length);
-            if (code == format::kTimeResolution && length == 1 && !set_resolution(interface, value[0]))
+        for (Options options(block.subspan(16, block.size() - 20), numbers_); options.next();) {
+            const auto value = options.value;
+            if (options.code == format::kInterfaceName) interface.name = options.text().substr(0, kMostName);
+            if (options.code == format::kTimeResolution && value.size() == 1 &&
+                !set_resolution(interface, value[0]))
                 return fault(CaptureFault::resolution, value[0] & 0x7FU,
                              value[0] & format::kPowerOfTwo ? kMostBinary : kMostDecimal);
-            if (code == format::kTimeOffset && length == 8)
+            if (options.code == format::kTimeOffset && value.size() == 8)
                 interface.offset_ns = offset_ns(static_cast<std::int64_t>(numbers_.u64(value.data())));
-            options = options.subspan(std::min(options.size(), 4 + (length + 3) / 4 * 4));
         }
         interface.number = next_number_++;
-        interfaces_.push_back(interface);
+        interfaces_.push_back(std::move(interface));
         return {.length = block.size()};
     }
 
@@ -142,17 +171,12 @@ private:
         const auto number = numbers_.u32(block.data() + kBlockHead);
         if (number >= interfaces_.size()) return step;
         auto& interface = interfaces_[number];
-        auto options = block.subspan(kStatisticsHead, block.size() - kStatisticsHead - 4);
-        while (options.size() >= 4) {
-            const auto code = numbers_.u16(options.data());
-            const std::size_t length = numbers_.u16(options.data() + 2);
-            if (code == format::kEndOfOptions || options.size() < 4 + length) break;
-            if (code == format::kDropped && length == 8) {
-                const auto dropped = numbers_.u64(options.data() + 4);
-                step.dropped = dropped - std::min(dropped, interface.dropped);
-                interface.dropped = dropped;
-            }
-            options = options.subspan(std::min(options.size(), 4 + (length + 3) / 4 * 4));
+        Options options(block.subspan(kStatisticsHead, block.size() - kStatisticsHead - 4), numbers_);
+        while (options.next()) {
+            if (options.code != format::kDropped || options.value.size() != 8) continue;
+            const auto dropped = numbers_.u64(options.value.data());
+            step.dropped = dropped - std::min(dropped, interface.dropped);
+            interface.dropped = dropped;
         }
         return step;
     }
@@ -190,7 +214,16 @@ private:
         step.packet.time_ns = std::min(time, INT64_MAX / 2) + interface.offset_ns;
         step.packet.original_length = std::max(numbers_.u32(at + 24), static_cast<std::uint32_t>(captured));
         step.packet.data = block.subspan(kPacketHead, captured);
+        const auto end_of_data = kPacketHead + (captured + 3) / 4 * 4;
+        if (end_of_data < block.size() - 4)
+            step.packet.comment = comment_in(block.subspan(end_of_data, block.size() - 4 - end_of_data));
         return step;
+    }
+
+    [[nodiscard]] std::string_view comment_in(Bytes bytes) const {
+        for (Options options(bytes, numbers_); options.next();)
+            if (options.code == format::kComment) return options.text();
+        return {};
     }
 
     /// It belongs to the first interface. Its captured length follows from the original one and the snaplen.
@@ -211,6 +244,7 @@ private:
         RecordStep step{.length = block.size(), .has_packet = true};
         step.packet.link = interface.link;
         step.packet.interface = interface.number;
+        step.packet.interface_name = interface.name;
         return step;
     }
 

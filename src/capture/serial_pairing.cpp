@@ -29,22 +29,23 @@ std::int64_t SerialPairing::longest_wait(std::uint8_t unit) const {
     return std::min(timeout_, std::max(kWaitFactor * std::min(longest, timeout_), kLeastWait));
 }
 
-bool SerialPairing::answers(const Waiting& waiting, std::int64_t time_ns, std::uint8_t unit,
-                            Bytes pdu) const {
-    if (waiting.unit != unit) return false;
+bool SerialPairing::answers(const Waiting& waiting, std::int64_t time_ns, std::uint8_t unit, Bytes pdu,
+                            Sender sender) const {
+    if (waiting.unit != unit || sender == Sender::master) return false;
     const auto& bytes = waiting.bytes;
     if (!wire::decode_response(bytes.shape(), bytes.pdu(), pdu)) return false;
     if (!std::ranges::equal(bytes.pdu(), pdu)) return true;
     const bool can_repeat = bytes.shape().repeated || !bytes.shape().decoded;
-    return can_repeat && time_ns - waiting.time_ns <= longest_wait(unit);
+    return can_repeat && (sender == Sender::slave || time_ns - waiting.time_ns <= longest_wait(unit));
 }
 
 // The oldest request whose response is still due; else the newest one that the frame answers.
-std::size_t SerialPairing::answered_by(std::int64_t time_ns, std::uint8_t unit, Bytes pdu) const {
+std::size_t SerialPairing::answered_by(std::int64_t time_ns, std::uint8_t unit, Bytes pdu,
+                                       Sender sender) const {
     std::size_t found = order_.size();
     for (std::size_t i = 0; i < order_.size(); ++i) {
         const auto& waiting = slots_[order_[i]];
-        if (!answers(waiting, time_ns, unit, pdu)) continue;
+        if (!answers(waiting, time_ns, unit, pdu, sender)) continue;
         found = i;
         if (time_ns - waiting.time_ns <= 2 * longest_[unit]) return i;
     }
@@ -88,16 +89,19 @@ SerialPairing::Slot SerialPairing::free_slot(const Outcome& outcome) const {
     return slot;
 }
 
-SerialPairing::Outcome SerialPairing::on_frame(std::int64_t time_ns, std::uint8_t unit, Bytes pdu) {
+SerialPairing::Outcome SerialPairing::on_frame(std::int64_t time_ns, std::uint8_t unit, Bytes pdu,
+                                               Sender sender) {
     Outcome outcome;
-    if (const auto index = answered_by(time_ns, unit, pdu); index < order_.size()) {
+    if (const auto index = answered_by(time_ns, unit, pdu, sender); index < order_.size()) {
         outcome.role = Role::response;
         outcome.slot = order_[index];
         learn(slots_[outcome.slot], time_ns, pdu);
         erase(order_, index);
         return outcome;
     }
-    if (wire::is_exception(pdu[0]) || (!could_be_request(pdu) && could_be_response(pdu))) {
+    const bool response_only =
+        wire::is_exception(pdu[0]) || (!could_be_request(pdu) && could_be_response(pdu));
+    if (sender == Sender::slave || (sender == Sender::unknown && response_only)) {
         outcome.role = Role::stray;
         return outcome;
     }

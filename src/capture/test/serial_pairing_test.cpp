@@ -16,8 +16,8 @@ using namespace std::chrono_literals;
 /// What the frames became: Q request, B broadcast, S stray, A<n> response to request n, U<n> given up.
 class Line {
 public:
-    void frame(std::uint8_t unit, std::string_view pdu, Duration at) {
-        const auto outcome = pairing_.on_frame(at.count(), unit, hex(pdu));
+    void frame(std::uint8_t unit, std::string_view pdu, Duration at, Sender sender = Sender::unknown) {
+        const auto outcome = pairing_.on_frame(at.count(), unit, hex(pdu), sender);
         note(outcome.given_up);
         switch (outcome.role) {
             case SerialPairing::Role::request:
@@ -44,6 +44,16 @@ private:
     int requests_ = 0;
     std::array<int, SerialPairing::kSlots> numbers_{};
 };
+
+TEST(SerialPairing, AKnownSenderDecides) {
+    Line line;
+    line.frame(1, "06 0001 0002", 0ms, Sender::master);
+    line.frame(1, "06 0001 0002", 5ms, Sender::master);  // repeated
+    line.frame(1, "06 0001 0002", 900ms, Sender::slave);
+    line.frame(1, "06 0001 0002", 910ms, Sender::slave);
+    line.frame(1, "03 0000 0001", 920ms, Sender::slave);
+    EXPECT_EQ(line.text, "Q U1 Q= A2 S S ");
+}
 
 TEST(SerialPairing, KeepsRequestsOfTwoMastersWhileTheirResponsesAreDue) {
     Line line;

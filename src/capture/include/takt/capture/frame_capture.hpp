@@ -50,6 +50,9 @@ class FrameCapture {
 public:
     static constexpr std::size_t kMostConnections = 4096;
     static constexpr std::size_t kMostIdentifiers = 1024;  ///< of a connection; then they are forgotten
+    static constexpr std::uint16_t kServerPort = 502;
+    /// Between the parts of a comment. The bytes of a serial frame are the last part.
+    static constexpr std::string_view kCommentSeparator = " | ";
 
     /// Begins a file. The connections continue, so that files can be merged.
     void begin_file(std::string& out);

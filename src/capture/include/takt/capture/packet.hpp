@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "takt/base/engine.hpp"
 
@@ -32,6 +33,8 @@ struct Packet {
     bool timed = true;         ///< false: the record has no time (simple packet block)
     LinkType link{};
     std::uint32_t interface = 0;        ///< number of the interface in the file, over all sections
+    std::string_view interface_name{};  ///< pcapng; empty: it has none
+    std::string_view comment{};         ///< pcapng; the first one of the packet
     std::uint32_t original_length = 0;  ///< on the wire; at least data.size()
     Bytes data;                         ///< the captured bytes, from the link-layer header on
 };

@@ -7,6 +7,7 @@
 
 #include "takt/base/inplace_vector.hpp"
 #include "takt/base/time.hpp"
+#include "takt/capture/serial_packet.hpp"
 #include "takt/wire/prepared_request.hpp"
 
 namespace takt::capture {
@@ -53,7 +54,9 @@ public:
 
     /// @param time_ns  when its last byte arrived
     /// @param pdu      1..253 bytes
-    [[nodiscard]] Outcome on_frame(std::int64_t time_ns, std::uint8_t unit, Bytes pdu);
+    /// @param sender   where it is known, shape and time do not decide
+    [[nodiscard]] Outcome on_frame(std::int64_t time_ns, std::uint8_t unit, Bytes pdu,
+                                   Sender sender = Sender::unknown);
 
     /// Gives up the requests that have waited for the time-out.
     [[nodiscard]] Slots expire(std::int64_t time_ns);
@@ -75,9 +78,10 @@ private:
     };
     static constexpr std::int64_t kUnknown = -1;
 
-    [[nodiscard]] bool answers(const Waiting& waiting, std::int64_t time_ns, std::uint8_t unit,
-                               Bytes pdu) const;
-    [[nodiscard]] std::size_t answered_by(std::int64_t time_ns, std::uint8_t unit, Bytes pdu) const;
+    [[nodiscard]] bool answers(const Waiting& waiting, std::int64_t time_ns, std::uint8_t unit, Bytes pdu,
+                               Sender sender) const;
+    [[nodiscard]] std::size_t answered_by(std::int64_t time_ns, std::uint8_t unit, Bytes pdu,
+                                          Sender sender) const;
     [[nodiscard]] std::int64_t longest_wait(std::uint8_t unit) const;
     void learn(const Waiting& waiting, std::int64_t time_ns, Bytes pdu);
     void give_up(std::size_t index, Outcome& outcome);

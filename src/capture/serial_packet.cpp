@@ -1,0 +1,84 @@
+#include "takt/capture/serial_packet.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include "takt/capture/frame_capture.hpp"
+#include "takt/capture/segment.hpp"
+#include "takt/capture/serial_analyzer.hpp"
+#include "takt/capture/serial_frame.hpp"
+#include "takt/capture/upper_pdu.hpp"
+
+namespace takt::capture {
+namespace {
+
+constexpr std::size_t kHeader = 7;  // of Modbus TCP, with the unit
+constexpr std::size_t kUnit = 6;
+
+int digit(char character) {
+    if (character >= '0' && character <= '9') return character - '0';
+    return character >= 'A' && character <= 'F' ? character - 'A' + 10 : -1;
+}
+
+/// "10 03 00"; empty: it is no such text.
+wire::FrameBytes bytes_of_hex(std::string_view text) {
+    wire::FrameBytes bytes;
+    for (std::size_t at = 0; at < text.size(); at += 3) {
+        const bool separated = at == 0 || text[at - 1] == ' ';
+        const int high = digit(text[at]);
+        const int low = at + 1 < text.size() ? digit(text[at + 1]) : -1;
+        if (!separated || high < 0 || low < 0 || bytes.full()) return {};
+        bytes.push_back(static_cast<std::uint8_t>(high * 16 + low));
+    }
+    return bytes;
+}
+
+/// The frame in the comment of a packet.
+wire::FrameBytes frame_of_comment(std::string_view comment) {
+    const auto bar = comment.rfind(FrameCapture::kCommentSeparator);
+    if (bar != std::string_view::npos) comment.remove_prefix(bar + FrameCapture::kCommentSeparator.size());
+    if (!comment.starts_with(':')) return bytes_of_hex(comment);
+    wire::FrameBytes bytes;
+    if (comment.size() + 2 > bytes.capacity()) return {};
+    bytes.append({reinterpret_cast<const std::uint8_t*>(comment.data()), comment.size()});
+    bytes.push_back('\r');
+    bytes.push_back('\n');
+    return bytes;
+}
+
+}  // namespace
+
+SerialPacket::SerialPacket(const Packet& packet) {
+    if (packet.link == LinkType::upper_pdu) {
+        read_upper_pdu(packet);
+    } else if (packet.link == LinkType::raw) {
+        read_segment(packet);
+    } else if (SerialAnalyzer::is_serial(packet.link)) {
+        bytes_ = SerialAnalyzer::frame_of(packet);
+        kind_ = bytes_.empty() ? Kind::none : Kind::frame;
+    }
+}
+
+void SerialPacket::read_upper_pdu(const Packet& packet) {
+    const auto upper = decode_upper_pdu(packet.data);
+    if (!upper || upper->payload.empty()) return;
+    if (upper->dissector == kRtuDissector) kind_ = Kind::frame;
+    if (upper->dissector == kDataDissector) kind_ = Kind::damaged;
+    if (kind_ != Kind::none) bytes_ = upper->payload;
+}
+
+void SerialPacket::read_segment(const Packet& packet) {
+    if (packet.comment.empty()) return;
+    Segment segment;
+    Fragment fragment;
+    if (decode_segment(packet, segment, fragment) != Content::segment) return;
+    if (segment.payload.size() <= kHeader) return;
+    decoded_ = frame_of_comment(packet.comment);
+    const auto frame = decode_serial(decoded_.span());
+    if (frame.empty() || !std::ranges::equal(frame, segment.payload.subspan(kUnit))) return decoded_.clear();
+    kind_ = Kind::frame;
+    if (segment.destination.port == FrameCapture::kServerPort) sender_ = Sender::master;
+    if (segment.source.port == FrameCapture::kServerPort) sender_ = Sender::slave;
+}
+
+}  // namespace takt::capture
