@@ -136,7 +136,23 @@ void FrameFinder::report_frame(std::size_t start, std::size_t length) {
     drop(start + length);
 }
 
+// The length of a frame at the begin whose function is not of the specification; 0: none.
+std::size_t FrameFinder::unknown_frame_in(std::size_t count) const {
+    const bool wanted = config_.framing == wire::Framing::rtu && !config_.known_only;
+    if (!wanted || count < kLeastRtu || bytes_[0] > kLastUnit) return 0;
+    if (wire::is_known(wire::Function{wire::requested_function(bytes_[1])})) return 0;
+    for (auto length = kLeastRtu; length <= std::min(count, wire::kMaxRtuFrame); ++length)
+        if (wire::crc16(bytes().first(length)) == 0) return length;
+    return 0;
+}
+
+// A response may follow its request in less than the pause: frames of unknown functions have no other end.
 void FrameFinder::report_damaged(std::size_t count) {
+    while (const auto length = unknown_frame_in(count)) {
+        report_frame(0, length);
+        count -= length;
+    }
+    if (count == 0) return;
     sink_.on_damaged({.begin = begin_of(0), .end = times_[count - 1], .bytes = bytes().first(count)});
     drop(count);
 }

@@ -121,6 +121,29 @@ TEST(FrameFinder, AFrameOfAnUnknownFunctionEndsAtThePause) {
     }
 }
 
+TEST(FrameFinder, ARequestAndResponseOfAnUnknownFunctionAreTwoFrames) {
+    const auto request = frame("41 01 02 03 04");
+    const auto response = frame("41 AA BB");
+    const auto refused = frame("C1 01");
+    for (const auto& next :
+         {std::vector<std::uint8_t>{}, kRequest, std::vector<std::uint8_t>{1, 0x42, 3, 4, 5}}) {
+        Kept kept;
+        FrameFinder finder({}, kept);
+        finder.push(at(0ms), request);
+        finder.push(at(5ms), response);
+        finder.push(at(10ms), joined({request, refused}));
+        finder.push(at(15ms), next);
+        finder.end();
+        const std::string after = next.empty() ? "" : next == kRequest ? "1:0300000002" : "!5";
+        EXPECT_EQ(strip(kept.text), "1:41010203041:41AABB1:41010203041:C101" + after);
+    }
+    Kept kept;
+    FrameFinder finder({.known_only = true}, kept);
+    finder.push(at(0ms), joined({request, response}));
+    finder.end();
+    EXPECT_EQ(strip(kept.text), "!14");
+}
+
 TEST(FrameFinder, FindsAsciiFrames) {
     const auto request = frame("03 00 00 00 02", 1, wire::Framing::ascii);
     auto damaged = request;
