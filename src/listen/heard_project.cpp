@@ -33,8 +33,11 @@ struct DeviceItems {
     std::array<Items, 4> areas;
     std::map<Duration, std::uint64_t> requests_by_period;
     std::uint16_t longest_read = 0;
+    bool has_mask_write = false;
+    bool has_read_write = false;
 
     void add(const Poll& poll);
+    void add_combined(const Poll& poll);
     [[nodiscard]] Duration usual_period() const;
 };
 
@@ -48,6 +51,7 @@ void DeviceItems::add(const Poll& poll) {
         if (!row.counts_bits()) longest_read = std::max(longest_read, poll.key.quantity);
         if (period > Duration::zero()) requests_by_period[period] += poll.requests;
     }
+    if (poll.normal > 0) add_combined(poll);
     for (std::uint32_t i = 0; i < poll.key.quantity && poll.key.start + i <= 0xFFFF; ++i) {
         auto& item =
             areas[static_cast<std::size_t>(row.area)][static_cast<std::uint16_t>(poll.key.start + i)];
@@ -58,6 +62,26 @@ void DeviceItems::add(const Poll& poll) {
         } else if (period > Duration::zero()) {
             item.period = std::min(*item.period, period);
         }
+    }
+}
+
+// A project names no function of its own for what 0x16 and 0x17 write.
+void DeviceItems::add_combined(const Poll& poll) {
+    auto& registers = areas[static_cast<std::size_t>(wire::Area::holding_register)];
+    const auto add_written = [&](std::uint32_t start, std::uint32_t count, wire::Function function) {
+        for (std::uint32_t number = start; number < start + count && number <= 0xFFFF; ++number) {
+            auto& write = registers[static_cast<std::uint16_t>(number)].write;
+            if (!write) write = function;
+        }
+    };
+    const auto function = wire::Function{poll.key.function};
+    if (function == wire::Function::mask_write_register) {
+        has_mask_write = true;
+        add_written(poll.key.start, 1, wire::Function::write_single_register);
+    }
+    if (function == wire::Function::read_write_multiple_registers) {
+        has_read_write = true;
+        add_written(poll.written_start, poll.written_quantity, wire::Function::write_multiple_registers);
     }
 }
 
@@ -109,6 +133,8 @@ model::Device device_of(std::uint8_t unit, const HeardDevice& heard, int stretch
         device.response_timeout =
             std::min<Duration>(std::chrono::ceil<std::chrono::milliseconds>(3 * longest), kLongestTimeout);
     device.poll_period = items.usual_period();
+    device.fc22 = items.has_mask_write;
+    device.fc23 = items.has_read_write;
     if (items.longest_read > device.registers_per_request) {
         device.registers_per_request = std::min(items.longest_read, kMostRegisters);
         device.registers_per_request_set = true;

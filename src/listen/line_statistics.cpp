@@ -3,11 +3,20 @@
 #include <algorithm>
 
 #include "takt/wire/prepared_request.hpp"
+#include "takt/wire/request_view.hpp"
 
 namespace takt::listen {
 namespace {
 
 constexpr std::uint64_t kFollowedFrom = 3;  // requests: commands that come once need no track
+
+void note_written(Poll& poll, Bytes request) {
+    const wire::RequestView view(request);
+    if (view.function() != wire::Function::read_write_multiple_registers || !view.well_formed()) return;
+    const auto written = view.accesses()[1];
+    poll.written_start = written.start;
+    poll.written_quantity = written.count;
+}
 
 }  // namespace
 
@@ -74,6 +83,7 @@ void LineStatistics::on_request(const SeenRequest& request, std::span<const Seen
     ++devices_[request.unit].requests;
     auto* const poll = poll_of(request.unit, request.pdu.span());
     if (poll == nullptr) return;
+    note_written(*poll, request.pdu.span());
     ++poll->requests;
     if (request.repeats)
         ++poll->repeats;

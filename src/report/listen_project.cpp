@@ -43,6 +43,8 @@ std::string device_yaml(const Texts& texts, const model::Device& device, std::si
         text += fmt::format("        response_timeout: {}\n", period_text(device.response_timeout));
     if (device.registers_per_request_set)
         text += fmt::format("        registers_per_request: {}\n", device.registers_per_request);
+    if (device.fc22) text += "        fc22: true\n";
+    if (device.fc23) text += "        fc23: true\n";
     text += readable_yaml(device);
     if (device.variables.empty()) return text + "        variables: []\n";
     text += "        variables:\n";

@@ -202,6 +202,29 @@ TEST(LineListener, MakesAProject) {
     EXPECT_EQ(project.line.devices[1].poll_period, 500ms);
 }
 
+TEST(LineListener, TheProjectHasWhatCombinedFunctionsWrite) {
+    Line line;
+    for (int i = 0; i < 3; ++i) {
+        line.exchange(i * 1s, 1, "17 0003 0002 000E 0002 04 0001 0002", "17 04 0001 0002");
+        line.exchange(i * 1s + 500ms, 1, "16 0014 00F2 0025", "16 0014 00F2 0025");
+        line.exchange(i * 1s + 600ms, 2, "17 0003 0001 000E 0001 02 0001", "97 01");
+    }
+    const auto project = heard_project(line.listener.statistics(), {.port = "/dev/ttyUSB0"});
+    const auto& device = project.line.devices[0];
+    EXPECT_TRUE(device.fc22 && device.fc23);
+    std::string text;
+    for (const auto& variable : device.variables)
+        text += variable.name + (variable.read ? "r" : "") +
+                (variable.write ? std::to_string(static_cast<int>(*variable.write)) + " " : " ");
+    EXPECT_EQ(text,
+              "unit1_holding_3r unit1_holding_4r unit1_holding_14"
+              "16 unit1_holding_15"
+              "16 unit1_holding_20"
+              "6 ");
+    EXPECT_FALSE(project.line.devices[1].fc23) << "it was refused";
+    EXPECT_TRUE(project.line.devices[1].variables.empty());
+}
+
 TEST(HeardProject, RoundsPeriods) {
     EXPECT_EQ(nice_period(99600us), 100ms);
     EXPECT_EQ(nice_period(1012ms), 1s);

@@ -29,6 +29,8 @@ struct Poll {
     std::uint64_t normal = 0;  ///< responses that are no exceptions
     std::uint64_t exceptions = 0;
     std::uint64_t unanswered = 0;
+    std::uint16_t written_start = 0;  ///< 0x17: the registers that the last request wrote
+    std::uint16_t written_quantity = 0;
     std::uint64_t repeats = 0;         ///< of requests: sent again because no response came
     Instant last;                      ///< the last request that was no repetition
     std::optional<std::size_t> track;  ///< its number in the MasterFinder
