@@ -24,10 +24,11 @@ Instant LineListener::next_wakeup() const {
     return next;
 }
 
-void LineListener::on_captured(Instant t, Bytes frame) {
+void LineListener::on_captured(Instant t, Bytes frame, capture::Sender sender) {
     const auto decoded = capture::decode_serial(frame);
-    if (decoded.size() < 2) return on_damaged({.begin = t, .end = t, .bytes = frame});
-    on_frame({.begin = t, .end = t, .unit = decoded[0], .pdu = decoded.span().subspan(1), .raw = frame});
+    if (decoded.size() < 2) return on_captured_damage(t, frame);
+    on_frame({.begin = t, .end = t, .unit = decoded[0], .pdu = decoded.span().subspan(1), .raw = frame},
+             sender);
 }
 
 void LineListener::end() {
@@ -40,10 +41,11 @@ void LineListener::on_damaged(const DamagedBytes& damaged) {
     observer_.on_damaged(damaged);
 }
 
-void LineListener::on_frame(const LineFrame& frame) {
+void LineListener::on_frame(const LineFrame& frame, capture::Sender sender) {
     statistics_.on_frame(frame);
     give_up(pairing_.expire(frame.begin.time_since_epoch().count()), Outcome::unanswered);
-    const auto outcome = pairing_.on_frame(frame.end.time_since_epoch().count(), frame.unit, frame.pdu);
+    const auto outcome =
+        pairing_.on_frame(frame.end.time_since_epoch().count(), frame.unit, frame.pdu, sender);
     give_up(outcome.given_up, Outcome::unanswered);
     switch (outcome.role) {
         case SerialPairing::Role::stray:
@@ -61,20 +63,30 @@ void LineListener::on_frame(const LineFrame& frame) {
     }
 }
 
+// A master with a longer time-out repeats its request after this one has passed.
+constexpr int kRepeatedWithin = 2;  // time-outs
+
 // A request that comes again after others is the next poll, no repetition.
+bool LineListener::repeats_last(const LineFrame& frame, const SerialPairing::Outcome& outcome) const {
+    if (last_unit_ != frame.unit || !std::ranges::equal(last_pdu_.span(), frame.pdu)) return false;
+    return outcome.repeats || (last_failed_ && frame.begin - last_end_ <= kRepeatedWithin * config_.timeout);
+}
+
 void LineListener::begin_request(const LineFrame& frame, const SerialPairing::Outcome& outcome) {
     InplaceVector<const SeenRequest*, SerialPairing::kSlots> due;
     for (const auto& request : waiting_)
         if (request) due.push_back(&*request);
-    const bool same_as_last = last_unit_ == frame.unit && std::ranges::equal(last_pdu_.span(), frame.pdu);
     auto& request = waiting_[outcome.slot].emplace(SeenRequest{.begin = frame.begin,
                                                                .end = frame.end,
                                                                .unit = frame.unit,
                                                                .overlaps = outcome.overlaps,
-                                                               .repeats = outcome.repeats && same_as_last});
+                                                               .repeats = repeats_last(frame, outcome)});
     request.pdu.assign(frame.pdu);
     last_unit_ = frame.unit;
     last_pdu_ = request.pdu;
+    last_slot_ = outcome.slot;
+    last_end_ = frame.end;
+    last_failed_ = false;
     statistics_.on_request(request, due.span());
     if (outcome.role == SerialPairing::Role::broadcast) finish(outcome.slot, Outcome::broadcast);
 }
@@ -82,6 +94,7 @@ void LineListener::begin_request(const LineFrame& frame, const SerialPairing::Ou
 void LineListener::finish(SerialPairing::Slot slot, Outcome outcome, Bytes response, Duration response_time) {
     const Exchange exchange{
         .request = *waiting_[slot], .outcome = outcome, .response = response, .response_time = response_time};
+    if (slot == last_slot_) last_failed_ = outcome == Outcome::unanswered;
     statistics_.on_exchange(exchange);
     observer_.on_exchange(exchange);
     waiting_[slot].reset();

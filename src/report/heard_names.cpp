@@ -72,13 +72,16 @@ std::optional<value::Value> value_of(const model::Variable& variable, const Item
 
 }  // namespace
 
-HeardNames::HeardNames(const model::Project& project, const std::string& port) {
+HeardNames::HeardNames(const model::Project& project, const std::string& port, const std::string& name) {
+    int best = 0;
     for (const auto& line : project.lines) {
-        if (line.transport != model::Transport::serial) continue;
-        if (line_ == nullptr) line_ = &line;
-        if (line.port != port) continue;
+        if (line.framing == wire::Framing::tcp) continue;
+        const bool named = !name.empty() && line.name == name;
+        const bool serial = line.transport == model::Transport::serial;
+        const int fit = named ? 4 : line.port == port ? 3 : serial ? 2 : 1;
+        if (fit <= best) continue;
+        best = fit;
         line_ = &line;
-        break;
     }
 }
 

@@ -146,6 +146,67 @@ def test_frames_of_a_capture(tmp_path):
     assert takt("check", tmp_path / "heard.yaml").code == 0
 
 
+CAPTURED = """takt: 1
+lines:
+  - {name: dead, transport: tcp, host: 127.0.0.1, tcp_port: 1, devices: [{name: Dead, address: 1, variables: [{name: x, type: int, register: 0, read: 0x03}]}]}
+  - name: rs485
+    transport: simulated
+    framing: FRAMING
+    devices:
+      - name: Boiler
+        address: 5
+        poll_period: 50ms
+        turnaround: 4ms
+        variables: [{name: Level, type: uint16, register: 1, read: 0x03, write: 0x06}]
+"""
+
+
+@pytest.mark.parametrize("framing", ["rtu", "ascii"])
+def test_a_capture_of_takt_run(tmp_path, project, framing):
+    capture, plant, heard = tmp_path / "run.pcapng", project(CAPTURED.replace("FRAMING", framing)), tmp_path / "heard.yaml"
+    with start("run", plant, "--stdin", "--json", "--capture", capture) as run:
+        run.wait_event(lambda e: e.get("name") == "Level", "a value")
+        run.send("write Level 7")
+        run.wait_event(lambda e: e.get("outcome") == "done", "the outcome of the write")
+        time.sleep(0.3)
+        run.send("quit")
+        run.finish()
+    result = takt("listen", capture, "--json", "--project", plant, "--write", heard)
+    lines = [json.loads(line) for line in result.lines]
+    answered = [e for e in lines if e["event"] == "exchange" and e["outcome"] == "answered"]
+    assert {(e["device"], e["unit"], e["function"]) for e in answered} == {("Boiler", 5, 3), ("Boiler", 5, 6)}
+    assert all(4 < e["response_ms"] < 30 and "Level" in e["values"] for e in answered)
+    assert lines[-1]["framing"] == framing and lines[-1]["answered"] == len(answered) > 5
+    assert (lines[-1]["damaged"], lines[-1]["strays"]) == (0, 0)
+    assert takt("check", heard).code == 0
+    assert "poll_period: 50ms" in heard.read_text()
+
+
+def test_a_capture_of_takt_capture(tmp_path):
+    capture = tmp_path / "line.pcapng"
+    with Bus(["master", "listener"]) as bus, start("capture", f"rtu://{bus.ports['listener']}?baud=115200", "-o", capture) as listener:
+        until(lambda: any("listening on" in text for text in listener.err), "listening")
+        with LibmodbusMaster(bus.ports["master"], 0.1, [(1, 0, 4)], [(2, 20)]) as master:
+            until(lambda: master.cycles >= 10, "cycles")
+        time.sleep(0.2)
+        bus.send(b"\x01\x03\x55\xAA")
+        until(lambda: b"dropped: " in capture.read_bytes(), "the damaged bytes")
+        listener.interrupt()
+    summary = json.loads(takt("listen", capture, "--json").lines[-1])
+    assert summary["answered"] == summary["requests"] == len(bus.answers)
+    assert summary["damaged"] == 1
+    assert sorted((d["unit"], d["answered"]) for d in summary["devices"]) == [(1, 10), (2, 10)]
+
+
+@pytest.mark.parametrize("link, code, words", [(101, 1, "no packet has a frame of a serial line"), (252, 6, "frames with a good checksum: none"), (None, 2, "no capture")])
+def test_a_capture_without_serial_frames(tmp_path, link, code, words):
+    path = tmp_path / "other.pcap"
+    data = bytes.fromhex("000c0004") + b"data" + bytes(4) + b"\x01\x03"
+    path.write_bytes(pcap(link, [data]) if link else b"This is text, not packets.")
+    result = takt("listen", path, code=code)
+    assert words in result.err and str(path) in result.err, result
+
+
 def test_exit_codes(tmp_path, project):
     with Bus(["listener"]) as bus:
         port = bus.ports["listener"]

@@ -1,4 +1,4 @@
-// takt listen: a port that is only read, or the serial frames of a capture.
+// takt listen: a port that is only read.
 #include "commands/listen_command.hpp"
 
 #include <algorithm>
@@ -9,18 +9,15 @@
 #include <string>
 #include <utility>
 
+#include "commands/listen_capture.hpp"
 #include "commands/listen_output.hpp"
 #include "output.hpp"
-#include "stoppable_input.hpp"
-#include "takt/capture/capture_reader.hpp"
-#include "takt/capture/serial_analyzer.hpp"
 #include "takt/console/clock_text.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/line/serial_port.hpp"
 #include "takt/line/target.hpp"
 #include "takt/listen/line_listener.hpp"
 #include "takt/listen/setting_search.hpp"
-#include "takt/report/history_time.hpp"
 #include "takt/report/latency_report.hpp"
 #include "work_loop.hpp"
 
@@ -211,80 +208,12 @@ private:
     std::optional<Error> lost_;
 };
 
-/// The serial frames of the first interface of a capture that has some.
-class ListenCapture final : private capture::PacketSink {
-public:
-    ListenCapture(const Texts& texts, const ListenOptions& options)
-        : texts_(texts),
-          options_(options),
-          name_(std::filesystem::path(options.port).filename().string()),
-          output_(texts, options, name_,
-                  [](Instant t) { return report::local_time_text(t.time_since_epoch().count()); }),
-          listener_({.timeout = options.timeout}, output_),
-          reader_(*this) {}
-
-    ExitCode run() {
-        if (!output_.prepare()) return ExitCode::usage;
-        if (const auto read = read_all(); !read) return ended_by(texts_, read.error());
-        if (reader_.error()) print_error(report::capture_error_text(texts_, options_.port, *reader_.error()));
-        if (reader_.error() && reader_.packets() == 0) return ExitCode::usage;
-        listener_.end();
-        if (left_out_ > 0)
-            print_status(texts_("app.listen.other_interfaces",
-                                {{"file", name_}, {"count", std::to_string(left_out_)}}) +
-                         '\n');
-        model::Line connection{.port = "/dev/ttyUSB0"};
-        if (is_ascii_) connection.framing = wire::Framing::ascii;
-        if (is_ascii_) connection.format.data_bits = 7;
-        const auto code = output_.finish(listener_.statistics(), connection, false, 0);
-        const bool whole = !reader_.error() && !StoppableInput::stopped();
-        return code == ExitCode::ok && !whole ? ExitCode::partly : code;
-    }
-
-private:
-    Result<void> read_all() {
-        TAKT_TRY(auto input, StoppableInput::open(options_.port));
-        for (;;) {
-            TAKT_TRY(const auto count, input.read(reader_.space()));
-            if (count == 0) break;
-            if (!reader_.filled(count)) return {};
-        }
-        if (!StoppableInput::stopped()) reader_.end();
-        return {};
-    }
-
-    void on_packet(const capture::Packet& packet) override {
-        const bool usable = packet.timed && capture::SerialAnalyzer::is_serial(packet.link) &&
-                            packet.interface == interface_.value_or(packet.interface);
-        const auto frame = usable ? capture::SerialAnalyzer::frame_of(packet) : Bytes{};
-        if (frame.empty()) {
-            ++left_out_;
-            return;
-        }
-        interface_ = packet.interface;
-        is_ascii_ = is_ascii_ || frame[0] == ':';
-        last_ = std::max(last_, Instant(Duration(packet.time_ns)));
-        listener_.on_captured(last_, frame);
-    }
-
-    Texts texts_;
-    const ListenOptions& options_;
-    std::string name_;
-    ListenOutput output_;
-    listen::LineListener listener_;
-    capture::CaptureReader reader_;
-    std::optional<std::uint32_t> interface_;
-    std::uint64_t left_out_ = 0;
-    bool is_ascii_ = false;
-    Instant last_ = Instant::min();
-};
-
 }  // namespace
 
 ExitCode listen(const CommonOptions& common, const ListenOptions& options) {
     const Texts texts(common.language);
     std::error_code ignored;
-    if (std::filesystem::is_regular_file(options.port, ignored)) return ListenCapture(texts, options).run();
+    if (std::filesystem::is_regular_file(options.port, ignored)) return listen_to_capture(texts, options);
     return ListenPort(texts, options).run();
 }
 

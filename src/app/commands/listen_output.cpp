@@ -43,6 +43,10 @@ bool ListenOutput::prepare() {
     return names_.has_line();
 }
 
+void ListenOutput::use_line(const std::string& name) {
+    if (project_) names_ = report::HeardNames(project_->project, port_, name);
+}
+
 void ListenOutput::emit(const std::function<file::Json()>& json, const std::function<std::string()>& text) {
     if (options_.quiet) return;
     progress_.clear();

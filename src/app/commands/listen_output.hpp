@@ -25,6 +25,9 @@ public:
     /// written. @returns false: the reason was printed
     [[nodiscard]] bool prepare();
 
+    /// The names of the line of a capture, if the project has a line of that name.
+    void use_line(const std::string& name);
+
     void on_exchange(const listen::Exchange& exchange) override;
     void on_stray(const listen::LineFrame& frame) override;
     void on_damaged(const listen::DamagedBytes& damaged) override;

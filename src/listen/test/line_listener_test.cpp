@@ -106,6 +106,19 @@ TEST(LineListener, ADeviceThatWasAskedInVainIsSilent) {
     EXPECT_EQ(line.listener.statistics().devices().at(1).times.max(), 5ms);
 }
 
+TEST(LineListener, ARequestAfterItsTimeOutIsARepetition) {
+    Line line;
+    for (int cycle = 0; cycle < 5; ++cycle) {
+        const Duration begin = cycle * 10s;
+        for (const auto attempt : {0ms, 1100ms, 2200ms}) line.send(begin + attempt, 3, "03 0000 0001");
+        line.listener.on_tick(begin + 4s + Instant());
+    }
+    const auto& poll = line.listener.statistics().devices().at(3).polls[0];
+    EXPECT_EQ(poll.repeats, 10U);
+    EXPECT_EQ(poll.unanswered, 15U);
+    EXPECT_EQ(poll.period().median, 10s) << "repetitions are no polls";
+}
+
 TEST(LineListener, TakesWholeFramesOfACapture) {
     Kept kept;
     LineListener listener({}, kept);

@@ -54,6 +54,8 @@ protected:
 TEST_F(Names, AreThoseOfTheLineWithThePort) {
     EXPECT_EQ(HeardNames(loaded_.project, "/dev/ttyS1").device(1)->name, "Boiler");
     EXPECT_EQ(HeardNames(loaded_.project, "/dev/ttyS9").device(1)->name, "Other");
+    EXPECT_EQ(HeardNames(loaded_.project, "/dev/ttyS0", "line").device(1)->name, "Boiler") << "its name";
+    EXPECT_EQ(HeardNames(loaded_.project, "a.pcapng", "net").device(1)->name, "Other") << "Modbus TCP";
     EXPECT_EQ(HeardNames(loaded_.project, "/dev/ttyS1").device(2), nullptr);
     EXPECT_FALSE(HeardNames().has_line());
     EXPECT_FALSE(HeardNames(model::Project{}, "x").has_line());

@@ -29,15 +29,20 @@ public:
     /// When on_tick() can have a result.
     [[nodiscard]] Instant next_wakeup() const;
     /// One whole frame, with its checksum, from a capture: its characters have no times of their own.
-    void on_captured(Instant t, Bytes frame);
+    void on_captured(Instant t, Bytes frame, capture::Sender sender = capture::Sender::unknown);
+    /// Bytes of a capture that are no frame.
+    void on_captured_damage(Instant t, Bytes bytes) { on_damaged({.begin = t, .end = t, .bytes = bytes}); }
     /// The end: bytes that are no frame are damaged, requests that wait are open.
     void end();
 
     [[nodiscard]] const LineStatistics& statistics() const { return statistics_; }
 
 private:
-    void on_frame(const LineFrame& frame) override;
+    void on_frame(const LineFrame& frame) override { on_frame(frame, capture::Sender::unknown); }
+    void on_frame(const LineFrame& frame, capture::Sender sender);
     void on_damaged(const DamagedBytes& damaged) override;
+    [[nodiscard]] bool repeats_last(const LineFrame& frame,
+                                    const capture::SerialPairing::Outcome& outcome) const;
     void begin_request(const LineFrame& frame, const capture::SerialPairing::Outcome& outcome);
     void finish(capture::SerialPairing::Slot slot, Outcome outcome, Bytes response = {},
                 Duration response_time = {});
@@ -48,8 +53,12 @@ private:
     FrameFinder finder_;
     capture::SerialPairing pairing_;
     std::array<std::optional<SeenRequest>, capture::SerialPairing::kSlots> waiting_;  // by slot
-    wire::Pdu last_pdu_;  // of the last request on the line
+    // The last request on the line.
+    wire::Pdu last_pdu_;
     std::uint8_t last_unit_ = 0;
+    capture::SerialPairing::Slot last_slot_ = 0;
+    Instant last_end_;
+    bool last_failed_ = false;  // its time-out has passed
     LineStatistics statistics_;
 };
 

@@ -21,8 +21,9 @@ class HeardNames {
 public:
     /// No names.
     HeardNames() = default;
-    /// The names of the serial line with that port, else of the first serial line, else none.
-    HeardNames(const model::Project& project, const std::string& port);
+    /// The names of the line of that name, else of that port, else of the first serial line, else of the
+    /// first other one, else none. Lines that carry frames of Modbus TCP do not count.
+    HeardNames(const model::Project& project, const std::string& port, const std::string& name = {});
 
     /// There is a line to take names from.
     [[nodiscard]] bool has_line() const { return line_ != nullptr; }
