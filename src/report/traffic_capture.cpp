@@ -6,7 +6,8 @@
 namespace takt::report {
 namespace {
 
-constexpr std::size_t kMostSources = 4096;  // of forgotten generations too
+constexpr Duration kTimeout = std::chrono::seconds(1);  // a response after it belongs to no request
+constexpr std::size_t kMostSources = 4096;              // of forgotten generations too
 
 /// The address of the server of a TCP line, where it is an address and not that of all interfaces.
 std::string server_address(const model::Line& line) {
@@ -33,7 +34,7 @@ Instant TrafficCapture::end_of(const host::TrafficRecord& record) {
     return timed ? record.t + wire::transmission_time(source->format, record.raw.size()) : record.t;
 }
 
-const TrafficCapture::Source* TrafficCapture::source_of(const host::TrafficRecord& record) {
+TrafficCapture::Source* TrafficCapture::source_of(const host::TrafficRecord& record) {
     const Key key{record.generation, record.source.kind, record.source.index};
     if (const auto known = sources_.find(key); known != sources_.end()) return &known->second;
     const auto line = line_of_(record);
@@ -44,22 +45,39 @@ const TrafficCapture::Source* TrafficCapture::source_of(const host::TrafficRecor
     Source source{.number = number, .name = name, .framing = line->framing, .address = server_address(*line)};
     if (has_character_times(*line)) source.format = line->format;
     for (const auto& device : line->devices) source.devices[device.address.value] = device.name;
+    const bool of_server = record.source.kind != host::TrafficSource::Kind::line && !overheard_;
+    if (of_server && line->framing != wire::Framing::tcp)
+        source.pairing = std::make_shared<capture::SerialPairing>(kTimeout);
     return &sources_.emplace(key, std::move(source)).first->second;
 }
 
+// A slave on a line of several receives the responses of the others too.
+bool TrafficCapture::is_request(Source& source, const host::TrafficRecord& record) {
+    const bool sent = record.direction == wire::Direction::sent;
+    const bool of_line = record.source.kind == host::TrafficSource::Kind::line;
+    if (!source.pairing || record.fault || record.pdu.empty()) return of_line == sent;
+    const auto unit = record.unit.value;
+    if (sent) source.own.set(unit);
+    const auto known = source.own[unit] ? capture::Sender::master : capture::Sender::unknown;
+    const auto sender = sent ? capture::Sender::slave : known;
+    const auto role =
+        source.pairing->on_frame(record.t.time_since_epoch().count(), unit, record.pdu, sender).role;
+    using Role = capture::SerialPairing::Role;
+    return !sent && (role == Role::request || role == Role::broadcast);
+}
+
 void TrafficCapture::add(const host::TrafficRecord& record, std::int64_t wall_ns, std::string& out) {
-    const auto* const source = source_of(record);
+    auto* const source = source_of(record);
     if (!source) return frames_.add_loss(1);
     const bool sent = record.direction == wire::Direction::sent;
     const auto seen = sent ? capture::PacketDirection::sent : capture::PacketDirection::received;
     const auto direction = overheard_ ? capture::PacketDirection::unknown : seen;
-    const bool of_line = record.source.kind == host::TrafficSource::Kind::line;
     const auto device = source->devices.find(record.unit.value);
     capture::CapturedFrame frame{.wall_ns = wall_ns,
                                  .line = source->number,
                                  .line_name = source->name,
                                  .framing = source->framing,
-                                 .request = of_line == sent,
+                                 .request = is_request(*source, record),
                                  .direction = direction,
                                  .unit = record.unit.value,
                                  .pdu = record.pdu,

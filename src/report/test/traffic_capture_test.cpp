@@ -2,7 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <string>
+#include <vector>
+
+#include "takt/capture/capture_reader.hpp"
+#include "takt/capture/segment.hpp"
 
 namespace takt::report {
 namespace {
@@ -65,6 +72,57 @@ TEST(TrafficCapture, ASentFrameHasTheTimeOfItsLastCharacter) {
     line.transport = model::Transport::tcp;
     record = request_of(2);
     EXPECT_EQ(capture.end_of(record), record.t) << "RTU over TCP";
+}
+
+/// The PDUs that the capture has as requests, and as responses.
+struct Sides final : capture::PacketSink {
+    std::string requests;
+    std::string responses;
+
+    void on_packet(const capture::Packet& packet) override {
+        capture::Segment segment;
+        capture::Fragment fragment;
+        ASSERT_EQ(capture::decode_segment(packet, segment, fragment), capture::Content::segment);
+        auto& text = segment.destination.port == 502 ? requests : responses;
+        for (const auto byte : segment.payload.subspan(6)) text += fmt::format("{:02x}", byte);
+        text += ' ';
+    }
+};
+
+TEST(TrafficCapture, TheResponseOfAnotherSlaveIsNoRequest) {
+    TrafficCapture capture([](const auto&) { return line_named("/dev/ttyUSB0", wire::Framing::rtu); });
+    std::string file;
+    capture.frames().begin_file(file);
+    auto record = request_of(1);
+    record.source.kind = host::TrafficSource::Kind::endpoint;
+    const auto add = [&](std::uint8_t unit, wire::Direction direction, std::vector<std::uint8_t> pdu) {
+        record.unit = UnitId{unit};
+        record.direction = direction;
+        record.pdu = std::move(pdu);
+        record.t += std::chrono::milliseconds(5);
+        capture.add(record, 5, file);
+    };
+    using wire::Direction;
+    for (int i = 0; i < 2; ++i) {  // the second time the unit is known as its own
+        add(16, Direction::received, {0x06, 0, 1, 0, 2});
+        add(16, Direction::sent, {0x06, 0, 1, 0, 2});
+    }
+    add(16, Direction::received, {0x06, 0, 1, 0, 2});
+    add(16, Direction::received, {0x06, 0, 1, 0, 2});
+    add(2, Direction::received, {0x03, 0, 0, 0, 2});
+    add(2, Direction::received, {0x03, 4, 0, 1, 0, 2});
+    add(3, Direction::received, {0x06, 0, 1, 0, 2});
+    add(3, Direction::received, {0x06, 0, 1, 0, 2});
+    add(4, Direction::received, {0x83, 2});
+    add(0, Direction::received, {0x06, 0, 1, 0, 2});
+    Sides sides;
+    capture::CaptureReader reader(sides);
+    const auto space = reader.space();
+    std::copy(file.begin(), file.end(), space.begin());
+    ASSERT_TRUE(reader.filled(file.size()));
+    EXPECT_EQ(sides.requests,
+              "100600010002 100600010002 100600010002 100600010002 020300000002 030600010002 000600010002 ");
+    EXPECT_EQ(sides.responses, "100600010002 100600010002 02030400010002 030600010002 048302 ");
 }
 
 TEST(TrafficCapture, DroppedBytesHaveTheirReason) {

@@ -1,15 +1,18 @@
 // The frames of a host as a packet capture.
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
 
 #include "takt/capture/frame_capture.hpp"
+#include "takt/capture/serial_pairing.hpp"
 #include "takt/host/traffic.hpp"
 #include "takt/model/line.hpp"
 #include "takt/wire/line_timing.hpp"
@@ -46,10 +49,14 @@ private:
         wire::CharacterFormat format{.baud = 0};        // of a line with character times; baud 0: none
         std::string address;                            // of the server; empty: unknown
         std::map<std::uint8_t, std::string> devices{};  // by address
+        // A server's serial line, where other slaves answer too; else none.
+        std::shared_ptr<capture::SerialPairing> pairing;
+        std::bitset<256> own;  // units that this program answered for
     };
     using Key = std::tuple<std::uint32_t, host::TrafficSource::Kind, std::size_t>;  // with the generation
 
-    const Source* source_of(const host::TrafficRecord& record);
+    Source* source_of(const host::TrafficRecord& record);
+    [[nodiscard]] static bool is_request(Source& source, const host::TrafficRecord& record);
 
     LineOf line_of_;
     bool overheard_;
