@@ -69,10 +69,11 @@ void add_rows(TextTable& table, const Texts& texts, const SelftestRun& run) {
     for (const auto subject : kAll) {
         const auto& measured = run[static_cast<std::size_t>(subject)];
         if (!measured) continue;
+        const bool any = measured->count() > 0;
+        const auto text = [&](Duration time) { return any ? time_text(time) : std::string("–"); };
         table.add({"  " + texts("selftest." + std::string(name(subject))), std::to_string(measured->count()),
-                   time_text(measured->min()), time_text(measured->percentile(50)),
-                   time_text(measured->percentile(99)), time_text(measured->percentile(99.9)),
-                   time_text(measured->max())});
+                   text(measured->min()), text(measured->percentile(50)), text(measured->percentile(99)),
+                   text(measured->percentile(99.9)), text(measured->max())});
     }
 }
 
@@ -159,7 +160,8 @@ std::string selftest_text(const Texts& texts, const SelftestReport& report) {
                 texts("selftest.histogram", {{"subject", texts("selftest." + std::string(name(subject)))}}) +
                 '\n' + histogram_text(*measured);
     }
-    if (!is_whole(report.idle) || !is_whole(report.loaded)) return text;
+    if (!is_whole(report.idle) || !is_whole(report.loaded))
+        return text + '\n' + texts("selftest.no_host") + '\n';
     text += '\n' + texts("selftest.host") + '\n';
     TextTable lines({whole, left});
     lines.add({"  " + host_line(budget_of(report.loaded)), "# " + texts("selftest.host.loaded")});

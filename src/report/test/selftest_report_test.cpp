@@ -44,11 +44,22 @@ TEST(SelftestReport, ShowsBothRunsAHistogramAndTheHostLine) {
 TEST(SelftestReport, WithoutAllMeasurementsThereIsNoHostLine) {
     auto report = complete();
     report.loaded[2].reset();
-    EXPECT_FALSE(has(selftest_text(Texts(text::Language::english), report), "host:"));
+    const auto text = selftest_text(Texts(text::Language::english), report);
+    EXPECT_FALSE(has(text, "host: {")) << text;
+    EXPECT_TRUE(has(text, "No `host:` line: a measurement is missing")) << text;
     const auto json = selftest_json(report);
     EXPECT_NE(json.find("idle")->find("host"), nullptr);
     EXPECT_EQ(json.find("loaded")->find("host"), nullptr);
     EXPECT_TRUE(json.find("loaded")->find("pty")->is_null());
+}
+
+TEST(SelftestReport, AMeasurementWithoutSamplesHasNoTimes) {
+    auto report = complete();
+    report.loaded[1].emplace();
+    const auto text = selftest_text(Texts(text::Language::english), report);
+    EXPECT_TRUE(has(text, "No `host:` line")) << text;
+    EXPECT_FALSE(has(text, "0 µs   0 µs")) << text;
+    EXPECT_TRUE(has(text, "–")) << text;
 }
 
 TEST(SelftestReport, JsonHasTheSameFigures) {
