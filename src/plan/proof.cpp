@@ -10,6 +10,26 @@ namespace {
 
 constexpr std::size_t kShareOfMeasures = 8;  // of the progress, where planning and proving take 1 each
 
+Duration age_with_failures(const LineGuarantee& proved, const Request& request) {
+    Duration greatest{};
+    for (const auto v : request.variables) {
+        const auto& ages = proved.ages_with_failures;
+        const auto age = request.device < ages.size() ? ages[request.device].at(v) : std::nullopt;
+        greatest = std::max(greatest, age.value_or(RefreshBound::kUnbounded));
+    }
+    return greatest;
+}
+
+void put_refresh_bounds(LinePlan& line, const LineGuarantee& proved) {
+    for (std::size_t r = 0; r < line.requests.size(); ++r) {
+        auto& request = line.requests[r];
+        const auto& response = proved.requests[r].response;
+        if (request.read && request.period && *request.period > Duration::zero() && response)
+            request.refresh_bound =
+                RefreshBound{*request.period + *response, age_with_failures(proved, request)};
+    }
+}
+
 }  // namespace
 
 bool Proof::has_errors() const {
@@ -17,8 +37,11 @@ bool Proof::has_errors() const {
 }
 
 void put_ages(Plan& plan, const std::vector<LineGuarantee>& lines) {
-    for (std::size_t i = 0; i < lines.size(); ++i)
-        if (lines[i].feasible) plan.lines[i].ages = lines[i].ages_with_failures;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        if (!lines[i].feasible) continue;
+        plan.lines[i].ages = lines[i].ages_with_failures;
+        put_refresh_bounds(plan.lines[i], lines[i]);
+    }
 }
 
 Proof prove(const model::Project& project, bool late_is_error, bool with_measures, const Progress& progress,

@@ -38,7 +38,10 @@ void LinePoller::Run::make_ages() {
 
 void LinePoller::Run::expire_ages(Instant t) {
     while (const auto stale = ages_->take_stale(t)) {
-        for (const auto reader : stale->readers) ++requests_[reader].traffic.late_refreshes;
+        for (const auto reader : stale->readers) {
+            ++requests_[reader].traffic.late_refreshes;
+            periods_.forget_refresh(reader);
+        }
         statuses_.values_stale(t, stale->variables, stale->readers);
     }
 }

@@ -29,11 +29,15 @@ void LinePoller::Run::measure_delay(std::size_t index, const bus::Outcome& outco
     const bool broadcast = config.framing != wire::Framing::tcp && outcome.unit == kBroadcast;
     if (!outcome.sent || broadcast || outcome.status == bus::Status::link_lost) return;
     device.delay_learner.on_attempt();
-    if (config.in_flight > 1) return;
     const Duration delay = bus::response_delay(config, outcome);
+    const bool responded = answered && !outcome.response.empty();
+    if (config.in_flight > 1) {  // no property of the device alone: it is not learnt
+        if (responded) exchange_times_.on_response(config, outcome, delay);
+        return;
+    }
     if (outcome.status == bus::Status::ambiguous) return device.times.on_response(delay, false);
     if (outcome.status == bus::Status::timeout) return device.times.on_missing();
-    if (!answered || outcome.response.empty()) return;
+    if (!responded) return;
     exchange_times_.on_response(config, outcome, delay);
     const Duration silence = line_.is_serial() ? engine_.silence() : Duration::zero();
     const Duration tolerated =

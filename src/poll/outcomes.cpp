@@ -39,6 +39,7 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     note_busy(outcome);
     const OutcomeClass outcome_class = classify(outcome);
     const Instant t = outcome.ended_at;
+    if (!outcome_class.answered || outcome_class.reason == Reason::ambiguous) periods_.failed(t);
     switch (device.health.ended(outcome.sent_at, t, outcome_class, device.in_flight > 0)) {
         case DeviceVerdict::ignored: return outcome_class;
         case DeviceVerdict::returned:
@@ -89,8 +90,9 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     const OutcomeClass outcome_class = note_outcome(outcome, request.device, &request);
     const Instant t = outcome.ended_at;
     if (outcome.sent) request.traffic.attempt_time.record(t - outcome.sent_at);
-    if (outcome_class.reason == Reason::ok && whole && !reads_.by_trigger(index))
-        periods_.answered(outcome.sent_at, index);
+    if (outcome_class.reason == Reason::ok && whole && !reads_.by_trigger(index) &&
+        periods_.answered(outcome.sent_at, t, index))
+        ++request.traffic.late_refreshes;
     // The return of the device has released all its reads at once. This one has just been read, or is read
     // again for another cause: a part, or a response in doubt.
     if (probe && (outcome_class.reason == Reason::ok || outcome_class.reason == Reason::ambiguous))

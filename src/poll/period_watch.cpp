@@ -11,6 +11,7 @@ void PeriodWatch::set_requests() {
     variables_.reserve(tables_.variables.size());
     for (std::size_t v = variables_.size(); v < tables_.variables.size(); ++v)
         variables_.emplace_back(tables_.variables[v].model->period);
+    refreshes_.set_requests(requests_.size());
     due_ = IndexedHeap<Instant>(requests_.size());
 }
 
@@ -36,19 +37,22 @@ bool PeriodWatch::started(Instant t, std::size_t request) {
     return changed;
 }
 
-void PeriodWatch::answered(Instant start, std::size_t request) {
+bool PeriodWatch::answered(Instant start, Instant end, std::size_t request) {
     requests_[request].answered(start);
     for_first_parts(request, [start](PeriodMeter& meter) { meter.answered(start); });
+    return refreshes_.answered(start, end, request, tables_.requests[request].plan->refresh_bound);
 }
 
 void PeriodWatch::interrupt(std::size_t request) {
     requests_[request].interrupt();
+    refreshes_.forget(request);
     due_.remove(static_cast<std::uint32_t>(request));
     for (const auto v : tables_.requests[request].variables) variables_[v].interrupt();
 }
 
 void PeriodWatch::pause(std::size_t request) {
     requests_[request].pause();
+    refreshes_.forget(request);
     for (const auto v : tables_.requests[request].variables) variables_[v].pause();
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "indexed_heap.hpp"
+#include "refresh_watch.hpp"
 #include "tables.hpp"
 #include "takt/bus/release.hpp"
 
@@ -29,7 +30,12 @@ public:
     /// @returns whether its overrun() changed
     bool started(Instant t, std::size_t request);
     /// It got a normal response. @param start  of its transaction
-    void answered(Instant start, std::size_t request);
+    /// @returns whether its values were refreshed later than their bound
+    bool answered(Instant start, Instant end, std::size_t request);
+    /// An attempt on the line failed.
+    void failed(Instant t) { refreshes_.failed(t); }
+    /// The values of the request became too old, which was counted: the end of that does not count again.
+    void forget_refresh(std::size_t request) { refreshes_.forget(request); }
     /// Polling of the request is interrupted on purpose: the time until its next start is no overrun.
     void interrupt(std::size_t request);
     /// Its device is switched off: the time until its next answer is no period.
@@ -58,6 +64,7 @@ private:
     LineTables tables_;
     std::vector<PeriodMeter> requests_;
     std::vector<PeriodMeter> variables_;
+    RefreshWatch refreshes_;
     IndexedHeap<Instant> due_{0};  // by request: when its interval is an overrun
 };
 

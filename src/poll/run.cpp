@@ -48,9 +48,8 @@ WriteKind kind_of(const plan::Request& request) {
     return request.read_modify_write ? WriteKind::modify : WriteKind::whole;
 }
 
-// With several requests in flight a response waits for others, which C does not include.
-Duration longest_cost(const model::Line& line, const plan::RequestCosts& costs) {
-    if (plan::requests_in_flight(line) > 1 || costs.empty()) return Duration::max();
+Duration longest_cost(const plan::RequestCosts& costs) {
+    if (costs.empty()) return Duration::max();
     return std::chrono::microseconds(
         std::ranges::max(costs, {}, &plan::TransactionCost::transaction).transaction);
 }
@@ -161,7 +160,7 @@ void LinePoller::Run::add_read(std::size_t index, const std::optional<plan::Requ
     if (polled) job.deadline = polled->deadline.value_or(period);
     job.rank = 2 * index;
     run.read = std::move(job);
-    run.read_cost = longest_cost(line_, polled ? polled->costs : triggered->costs);
+    run.read_cost = longest_cost(polled ? polled->costs : triggered->costs);
     std::optional<RateLimitedEvent> trigger;
     if (triggered) {
         trigger.emplace(triggered->admission);
@@ -173,7 +172,7 @@ void LinePoller::Run::add_read(std::size_t index, const std::optional<plan::Requ
 
 void LinePoller::Run::add_write(std::size_t index, const plan::RequestJob& planned) {
     auto& run = requests_[index];
-    run.write_cost = longest_cost(line_, planned.costs);
+    run.write_cost = longest_cost(planned.costs);
     const auto& request = *run.plan;
     WriteGroup job{.plan = &request, .function = *request.write, .kind = kind_of(request)};
     if (planned.read_back) job.read_back = std::make_unique<ReadBack>(prepared(*planned.read_back));

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "bench.hpp"
+#include "takt/plan/proof.hpp"
 
 namespace takt::poll {
 namespace {
@@ -72,10 +73,14 @@ TEST(KeepsGuarantees, NoAnswerIsLaterThanItsBound) {
         const auto proved = plan::guarantee(described, plan::make_plan(described)).at(0);
         if (!proved.feasible) continue;
         ++feasible;
-        Bench bench(described);
+        auto planned = plan::make_plan(described);
+        plan::put_ages(planned, {proved});
+        Bench bench(described, planned);
         for (auto& [unit, player] : bench.players) player.turnaround = kTurnaround;
         bench.run_until(2s);
         EXPECT_LE(latest(bench, proved), Duration::zero()) << "round " << round;
+        for (std::size_t r = 0; r < planned.lines[0].requests.size(); ++r)
+            EXPECT_EQ(bench.master.line(0).request(r).late_refreshes, 0U) << "round " << round;
     }
     EXPECT_GT(feasible, 20);
 }

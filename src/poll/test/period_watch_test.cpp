@@ -42,8 +42,8 @@ struct Watched {
 TEST(PeriodWatch, AValueInPartsHasThePeriodOfItsFirstPart) {
     Watched line;
     for (auto t = 0ms; t <= 1s; t += 100ms) {
-        line.watch.answered(at(t), 0);
-        line.watch.answered(at(t + 30ms), 1);
+        line.watch.answered(at(t), at(t), 0);
+        line.watch.answered(at(t + 30ms), at(t + 30ms), 1);
     }
     EXPECT_EQ(line.watch.request(0).recent(), 100ms);
     EXPECT_EQ(line.watch.request(1).recent(), 100ms);
@@ -78,9 +78,9 @@ TEST(PeriodWatch, AnInterruptionIsNoOverrun) {
 TEST(PeriodWatch, APauseIsNoPeriod) {
     for (const bool paused : {false, true}) {
         Watched line;
-        line.watch.answered(at(0s), 0);
+        line.watch.answered(at(0s), at(0s), 0);
         if (paused) line.watch.pause(0);
-        line.watch.answered(at(10s), 0);
+        line.watch.answered(at(10s), at(10s), 0);
         EXPECT_EQ(line.watch.request(0).real().count(), paused ? 0U : 1U);
         EXPECT_EQ(line.watch.variable(0).real().count(), paused ? 0U : 1U);
     }
@@ -89,8 +89,8 @@ TEST(PeriodWatch, APauseIsNoPeriod) {
 TEST(PeriodWatch, NewRequestsBeginAnewAndVariablesGoOn) {
     Watched line;
     line.watch.started(at(0s), 0);
-    line.watch.answered(at(0s), 0);
-    line.watch.answered(at(100ms), 0);
+    line.watch.answered(at(0s), at(0s), 0);
+    line.watch.answered(at(100ms), at(100ms), 0);
     const auto before = line.watch.requests();
     line.watch.set_requests();
     EXPECT_EQ(line.watch.request(0).real().count(), 0U);

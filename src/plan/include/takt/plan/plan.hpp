@@ -48,6 +48,14 @@ struct Reason {
     std::vector<std::pair<std::string, std::string>> arguments;  ///< name, text
 };
 
+/// The longest time from the begin of a polled read to the end of the next one.
+struct RefreshBound {
+    Duration age{};            ///< period + R
+    Duration with_failures{};  ///< the greatest age of its values with failures; kUnbounded: it has no bound
+    static constexpr Duration kUnbounded = std::chrono::minutes(1);
+    friend bool operator==(const RefreshBound&, const RefreshBound&) = default;
+};
+
 /// One request (an entry of docs/specification.md, section 4): a read, a write, or both of the same items.
 struct Request {
     std::size_t device = 0;  ///< index into the line's devices
@@ -81,6 +89,8 @@ struct Request {
     /// Bits of one register are written by reading the register and writing it back with `write` (0x06 or
     /// 0x10).
     bool read_modify_write = false;
+    /// Of a read with a period, on a line that holds its deadlines (put_ages()).
+    std::optional<RefreshBound> refresh_bound;
     /// Of the read; for a write-only request of the write. With estimated_turnaround().
     Duration bus_time{};
     std::size_t request_bytes = 0;   ///< characters of the request frame

@@ -20,7 +20,8 @@ struct Proof {
     [[nodiscard]] bool has_errors() const;
 };
 
-/// Stores the proved ages in the plan (LinePlan::ages), of the lines that hold their deadlines.
+/// Stores the proved ages in the plan (LinePlan::ages, Request::refresh_bound), of the lines that hold their
+/// deadlines.
 void put_ages(Plan& plan, const std::vector<LineGuarantee>& lines);
 
 /// Plans the project and proves its guarantees. The plan has the proved ages.

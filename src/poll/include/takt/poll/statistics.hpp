@@ -40,11 +40,12 @@ struct RequestStatistics {
     Duration recent_period{};   ///< mean of about the last eight
     bool overrun = false;       ///< reads start later than the period says, beyond a tolerance of 5 %
     std::uint64_t skipped = 0;  ///< releases that passed while an earlier one was still waiting
-    /// Answered transactions that took longer than their C of the proof. A line with several requests in
-    /// flight counts none: there a response waits for others.
+    /// Answered transactions that took longer than their C of the proof, which is that with as many requests
+    /// in flight as the line has.
     std::uint64_t over_cost = 0;
-    /// How often values of a read became older than their bound (the proved age, else `max_age`) before it
-    /// was repeated.
+    /// How often a read ended later than its period plus R after the begin of the read before, without a
+    /// failure on the line, and how often its values became older than their proved age with failures, else
+    /// their `max_age`, before it was repeated.
     std::uint64_t late_refreshes = 0;
 };
 
