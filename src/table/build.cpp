@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <unordered_map>
 
@@ -16,6 +17,8 @@
 
 namespace takt::table {
 namespace {
+
+constexpr std::uint16_t kMostInFlight = 16;
 
 /// The text section: each text once, as its length in 16 bits and its bytes.
 class Texts {
@@ -36,6 +39,21 @@ private:
     Image bytes_;
     std::unordered_map<std::string, std::uint32_t> known_;
 };
+
+// The plan does not multiply a turnaround that was learnt, so it counts as measured with as many in flight.
+void add_measured(DeviceRecord& record, const model::Device& device) {
+    const auto learnt = device.measured_turnaround();
+    if (!device.measured_round_trip && !learnt) return;
+    const auto measured = device.measured_round_trip.value_or(
+        model::MeasuredRoundTrip{.longest = learnt.value_or(Duration::zero()),
+                                 .usual = {},
+                                 .exchanges = device.times.measured.exchanges,
+                                 .in_flight = kMostInFlight});
+    record.measured_longest = measured.longest.count();
+    record.measured_exchanges = static_cast<std::int64_t>(
+        std::min<std::uint64_t>(measured.exchanges, std::numeric_limits<std::int64_t>::max()));
+    record.measured_in_flight = measured.in_flight;
+}
 
 template <class T>
 std::uint32_t local_or_none(const std::optional<T>& local) {
@@ -200,6 +218,7 @@ void Builder::add_device(const model::Device& device, std::size_t line, const pl
     record.wait = plan::answer_wait(project_, project_.lines[plan.line], device).count();
     if (device.turnaround) record.turnaround = device.turnaround->count();
     record.round_trip = device.round_trip.count();
+    add_measured(record, device);
     const auto& backoff = plan::backoff_of(project_, device);
     record.backoff_first = backoff.first.count();
     record.backoff_limit = backoff.limit.count();
@@ -235,6 +254,7 @@ Result<void> Builder::add_line(std::size_t index) {
     record.frame_gap = bus.frame_gap.count();
     record.request_gap = bus.request_gap.count();
     record.margin = bus.margin.count();
+    record.host_overhead = project_.host.overhead.count();
     record.broadcast_turnaround = bus.broadcast_turnaround.count();
     record.frame_silence = bus.frame_silence.count();
     record.first_device = static_cast<std::uint32_t>(devices_.size());

@@ -86,6 +86,12 @@ model::Device device_of(const View& view, const DeviceRecord& record, std::uint3
     device.response_timeout_set = (record.flags & DeviceRecord::kDerivedWait) == 0;
     if (record.turnaround >= 0) device.turnaround = Duration(record.turnaround);
     device.round_trip = Duration(record.round_trip);
+    if (record.measured_longest > 0)
+        device.measured_round_trip =
+            model::MeasuredRoundTrip{.longest = Duration(record.measured_longest),
+                                     .usual = device.round_trip,
+                                     .exchanges = static_cast<std::uint64_t>(record.measured_exchanges),
+                                     .in_flight = record.measured_in_flight};
     device.attempts = record.attempts;
     device.in_flight = record.in_flight;
     device.backoff = model::Backoff{Duration(record.backoff_first), Duration(record.backoff_limit)};
@@ -166,7 +172,10 @@ model::Project project_of(const View& view) {
     model::Project project;
     for (std::uint32_t l = 0; l < view.line_count(); ++l)
         project.lines.push_back(line_of(view, view.line(l), l));
-    if (view.line_count() > 0) project.timeout_margin = Duration(view.line(0).margin);
+    if (view.line_count() > 0) {
+        project.timeout_margin = Duration(view.line(0).margin);
+        project.host.overhead = Duration(view.line(0).host_overhead);
+    }
     for (std::uint32_t i = 0; i < view.item_count(); ++i) {
         const auto item = view.item(i);
         if (item.device == kNone) {

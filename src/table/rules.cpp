@@ -116,8 +116,8 @@ bool Rules::holds(const LineRecord& line, std::uint32_t index) const {
     if (line.data_bits < 7 || line.data_bits > 8 || line.stop_bits < 1 || line.stop_bits > 2) return false;
     if (line.baud != 0 && (line.baud < 50 || line.baud > 10'000'000)) return false;
     if (line.in_flight < 1 || line.in_flight > 16 || line.command_burst < 1) return false;
-    for (const auto time : {line.frame_gap, line.request_gap, line.margin, line.broadcast_turnaround,
-                            line.frame_silence, line.cycle, line.command_interval})
+    for (const auto time : {line.frame_gap, line.request_gap, line.margin, line.host_overhead,
+                            line.broadcast_turnaround, line.frame_silence, line.cycle, line.command_interval})
         if (!is_time(time)) return false;
     // The parts of the lines are contiguous: each device and entry belongs to exactly one line.
     const auto before = index == 0 ? LineRecord{} : view_.line(index - 1);
@@ -142,6 +142,9 @@ bool Rules::holds(const DeviceRecord& device, std::uint32_t index) const {
     for (const auto time : {device.period, device.response_timeout, device.wait, device.round_trip,
                             device.backoff_first, device.backoff_limit})
         if (!is_time(time)) return false;
+    if (!is_time(device.measured_longest) || device.measured_exchanges < 0 || device.measured_in_flight < 1 ||
+        device.measured_in_flight > 16)
+        return false;
     if (device.turnaround != -1 && !is_time(device.turnaround)) return false;
     if (device.entry_count > 0 &&
         (device.first_entry < line.first_entry ||

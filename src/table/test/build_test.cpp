@@ -169,6 +169,41 @@ TEST(Build, HasTheTimesOfThePlan) {
     EXPECT_EQ(Duration(view->entry(0).deadline), 60ms);
 }
 
+// A running table counts transactions that are longer than the C of the project.
+TEST(Build, KeepsTheLongestTimeOfATransaction) {
+    auto written = device("A", 1);
+    written.turnaround = 3ms;
+    auto round_trip = device("B", 2);
+    round_trip.measured_round_trip =
+        model::MeasuredRoundTrip{.longest = 4ms, .usual = 1ms, .exchanges = 5000, .in_flight = 2};
+    auto learnt = device("C", 3);
+    learnt.learn_turnaround = true;
+    learnt.times.measured = {.exchanges = 300, .longest = 7ms};
+    auto unknown = device("D", 4);
+    auto described = project({written, round_trip, learnt, unknown});
+    for (auto& device : described.lines[0].devices)
+        device.variables = {
+            variable(device.name + "v", DataType::int16, 0, Function::read_holding_registers)};
+    described.host.overhead = 5ms;
+    for (const auto in_flight : {std::uint16_t{1}, std::uint16_t{4}}) {
+        described.lines[0].transport = model::Transport::tcp;
+        described.lines[0].framing = wire::Framing::tcp;
+        described.lines[0].devices[1].in_flight = in_flight;
+        const auto planned = plan::make_plan(described);
+        const auto image = build(described, planned, options(described));
+        ASSERT_TRUE(image);
+        const auto view = View::open(*image);
+        ASSERT_TRUE(view);
+        const auto restored = project_of(*view);
+        EXPECT_EQ(restored.host.overhead, 5ms);
+        const auto before = plan::guarantee(described, planned).at(0);
+        const auto after = plan::guarantee(restored, plan_of(*view)).at(0);
+        ASSERT_EQ(before.requests.size(), after.requests.size());
+        for (std::size_t r = 0; r < before.requests.size(); ++r)
+            EXPECT_EQ(before.requests[r].transaction, after.requests[r].transaction) << r;
+    }
+}
+
 RC_GTEST_PROP(Build, PlanAndProjectComeBack, ()) {
     const auto described = any_project();
     const auto planned = plan::make_plan(described);

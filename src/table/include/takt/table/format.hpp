@@ -10,7 +10,7 @@ namespace takt::table {
 /// First bytes of an image in Takt's own format, and of an owen-kc1 export.
 inline constexpr char kMagic[9] = "TAKTTABL";
 inline constexpr char kOwenMagic[9] = "TAKT-KC1";
-inline constexpr std::uint16_t kVersion = 2;  ///< of Takt's own format
+inline constexpr std::uint16_t kVersion = 3;  ///< of Takt's own format
 inline constexpr std::uint16_t kOwenVersion = 1;
 /// Longest image that is read.
 inline constexpr std::size_t kMaxImage = std::size_t{256} << 20;
@@ -53,6 +53,7 @@ struct LineRecord {
     std::int64_t frame_gap = 0;
     std::int64_t request_gap = 0;
     std::int64_t margin = 0;
+    std::int64_t host_overhead = 0;  ///< part of the longest time of each transaction
     std::int64_t broadcast_turnaround = 0;
     std::int64_t frame_silence = 0;
     std::uint32_t first_device = 0, device_count = 0;
@@ -85,6 +86,9 @@ struct DeviceRecord {
     std::int64_t wait = 0;         ///< longest time to the first byte of a response: bus::Transaction::wait
     std::int64_t turnaround = -1;  ///< -1: not known
     std::int64_t round_trip = 0;
+    std::int64_t measured_longest = 0;  ///< longest response time measured; 0: not measured
+    std::int64_t measured_exchanges = 0;
+    std::uint16_t measured_in_flight = 1;  ///< 1..16
     std::int64_t backoff_first = 0;
     std::int64_t backoff_limit = 0;
     std::uint32_t status = kNone;       ///< item
@@ -177,7 +181,8 @@ constexpr void code(Coder& c, LineRecord& r) {
     c(r.transport), c(r.framing), c(r.order), c(r.rs485), c(r.parity), c(r.data_bits), c(r.stop_bits),
         c(r.echo);
     c(r.baud), c(r.tcp_port), c(r.in_flight), c(r.command_burst), c(r.command_interval);
-    c(r.frame_gap), c(r.request_gap), c(r.margin), c(r.broadcast_turnaround), c(r.frame_silence);
+    c(r.frame_gap), c(r.request_gap), c(r.margin), c(r.host_overhead), c(r.broadcast_turnaround),
+        c(r.frame_silence);
     c(r.first_device), c(r.device_count), c(r.first_entry), c(r.entry_count), c(r.name), c(r.port);
     c(r.request_count), c(r.ungrouped_requests), c(r.cycle), c(r.utilization);
 }
@@ -185,6 +190,7 @@ template <class Coder>
 constexpr void code(Coder& c, DeviceRecord& r) {
     c(r.line), c(r.unit), c(r.flags), c(r.gaps), c(r.attempts), c(r.in_flight);
     c(r.period), c(r.response_timeout), c(r.wait), c(r.turnaround), c(r.round_trip);
+    c(r.measured_longest), c(r.measured_exchanges), c(r.measured_in_flight);
     c(r.backoff_first), c(r.backoff_limit);
     c(r.status), c(r.poll_enable), c(r.first_entry), c(r.entry_count), c(r.name);
 }
