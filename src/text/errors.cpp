@@ -75,16 +75,24 @@ bool about_network(const Error& error) {
     return error.subject.view().find('/') == std::string_view::npos;
 }
 
+// Servers have a port.
+bool about_interface(const Error& error) {
+    return about_network(error) && error.subject.view().find_first_of(":.") == std::string_view::npos;
+}
+
 std::string_view advice_on_opening(const Error& error) {
     const auto number = error.numbers[0];
     if (number < 0) return "advice.host_name";
     switch (number) {
-        case ENOENT:
         case ENODEV:
+            if (about_interface(error)) return "advice.no_interface";
+            [[fallthrough]];
+        case ENOENT:
         case ENXIO: return about_device(error) ? "advice.no_device" : "advice.no_file";
         case EACCES:
         case EPERM:
             if (about_device(error)) return "advice.dialout";
+            if (about_interface(error)) return {};  // its command names the right
             return about_network(error) ? "advice.low_port" : "advice.file_rights";
         case ELOOP: return "advice.symbolic_link";
         case EBUSY: return "advice.busy";

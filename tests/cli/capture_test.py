@@ -269,9 +269,15 @@ def test_an_interface_is_measured_until_ctrl_c(listening, blank_device):
     assert report["file"] == "lo" and report["capture"]["dropped_packets"] == 0
 
 
-def test_an_unknown_interface_is_an_error():
-    result = takt("latency", "--interface", "takt-none", code=3)
-    assert "takt-none" in result.err
+def test_an_unknown_interface_is_an_error(tmp_path):
+    for command in (["latency"], ["capture", "-o", tmp_path / "a.pcapng"]):
+        result = takt(*command, "--interface", "takt-none", code=3)
+        assert "takt-none" in result.err and "ip link" in result.err, result
+
+
+def test_only_a_serial_line_is_overheard(tmp_path):
+    result = takt("capture", "tcp://127.0.0.1", "-o", tmp_path / "a.pcapng", code=2)
+    assert "tcp://127.0.0.1" in result.err and "--interface" in result.err and "rtu:///dev" in result.err, result
 
 
 def test_without_the_right_it_says_so(tmp_path):
@@ -283,4 +289,4 @@ def test_without_the_right_it_says_so(tmp_path):
         parent.chmod(0o755) if str(parent).startswith("/tmp/pytest") else None
     done = subprocess.run(["setpriv", "--reuid", "65534", "--clear-groups", "--inh-caps=-all", str(copy), "latency", "--interface", "lo"],
                           capture_output=True, text=True, timeout=60, check=False)
-    assert done.returncode == 3 and "CAP_NET_RAW" in done.stderr, done
+    assert done.returncode == 3 and "CAP_NET_RAW" in done.stderr and "1024" not in done.stderr, done

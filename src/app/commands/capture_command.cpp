@@ -83,7 +83,6 @@ public:
     Result<void> run() {
         TAKT_CHECK(work_loop_.begin({}, {}));
         TAKT_TRY(const auto target, line::parse_target(options_.target));
-        if (target.transport != model::Transport::serial) return fail(Code::unsupported, options_.target);
         auto line = target.as_line();
         line.rs485 = model::Rs485::none;  // the driver stays off
         host::TrafficTap tap;

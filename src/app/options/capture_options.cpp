@@ -2,15 +2,27 @@
 #include "commands/capture_command.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
+#include "takt/line/target.hpp"
 
 namespace takt::app {
+
+namespace {
+
+constexpr const char* kForms = "rtu:///dev/ttyUSB0?baud=9600; ascii:///dev/ttyUSB0; --interface IF";
+
+void check_line(const std::string& url) {
+    check_target("TARGET", url);
+    if (line::parse_target(url)->transport != model::Transport::serial) reject_word("TARGET", url, kForms);
+}
+
+}  // namespace
 
 void add_capture_command(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<CaptureOptions>();
     auto capture =
         line.root().command("capture", "help.capture", [&] { return app::capture(common, options); });
     auto target = capture.value("TARGET", options.target, "help.capture.target");
-    target.check([](const std::string& url) { check_target("TARGET", url); });
+    target.check(check_line);
     capture.value("--interface", options.interface, "help.latency.interface")
         .value_name("IF")
         .excludes(target);

@@ -70,6 +70,8 @@ TEST(Errors, AdviseByWhatTheyAreAbout) {
         {{Code::cannot_open, "./boiler.yaml", {EACCES}}, "advice.file_rights"},
         {{Code::cannot_open, "/dev/ttyUSB0", {ENOENT}}, "advice.no_device"},
         {{Code::cannot_open, "boiler.yaml", {ENOENT}}, "advice.no_file"},
+        {{Code::cannot_open, "eth7", {ENODEV}}, "advice.no_interface"},
+        {{Code::cannot_open, "/dev/ttyUSB0", {ENODEV}}, "advice.no_device"},
         {{Code::cannot_open, "h:502", {ECONNREFUSED}}, "advice.refused"},
         {{Code::cannot_open, "h:502", {EAI_AGAIN}}, "advice.host_name"},
         {{Code::modbus_exception, "", {2}}, "advice.exception.2"},
@@ -86,7 +88,8 @@ TEST(Errors, AdviseByWhatTheyAreAbout) {
     }
     EXPECT_NE(advice(Language::english, {Code::busy, "/dev/ttyS0", {}}).find("fuser -v /dev/ttyS0"),
               std::string::npos);
-    for (const Error& error : {Error{Code::malformed, "", {}}, Error{Code::modbus_exception, "", {4}}})
+    for (const Error& error : {Error{Code::malformed, "", {}}, Error{Code::modbus_exception, "", {4}},
+                               Error{Code::cannot_open, "lo", {EPERM}}})
         EXPECT_EQ(advice(Language::english, error), "");
 }
 
