@@ -5,6 +5,7 @@
 
 #include "output.hpp"
 #include "takt/file/json.hpp"
+#include "takt/model/scalar.hpp"
 
 namespace takt::app {
 namespace {
@@ -22,13 +23,24 @@ std::string step_text(const Texts& texts, const RealtimeMode& mode, const os::Re
            texts(code + ".advice");
 }
 
-std::string json_text(const std::vector<os::RealtimeResult>& results) {
+std::string spin_text(const Texts& texts, const RealtimeMode& mode) {
+    const auto what = texts("app.realtime.spin", {{"time", model::to_text(mode.spin)}});
+    return texts("app.realtime.done", {{"step", what}});
+}
+
+std::string json_text(const RealtimeMode& mode, const std::vector<os::RealtimeResult>& results) {
     auto steps = file::Json::array();
     for (const auto& result : results) {
         auto step = file::Json::object();
         step.set("step", std::string(os::name(result.step)));
         step.set("done", result.error == 0);
         if (result.error != 0) step.set("error", system_text(result.error));
+        steps.push_back(std::move(step));
+    }
+    if (mode.spin > Duration::zero()) {
+        auto step = file::Json::object();
+        step.set("step", "spin");
+        step.set("done", true);
         steps.push_back(std::move(step));
     }
     auto event = file::Json::object();
@@ -49,10 +61,12 @@ std::vector<os::RealtimeResult> begin_realtime(const RealtimeMode& mode, line::L
 
 void print_realtime(const Texts& texts, const RealtimeMode& mode,
                     const std::vector<os::RealtimeResult>& results, bool json) {
-    if (results.empty()) return;
+    const bool spins = mode.spin > Duration::zero();
+    if (results.empty() && !spins) return;
     print_status(texts("app.realtime.mode") + '\n');
     for (const auto& result : results) print_status("  " + step_text(texts, mode, result) + '\n');
-    if (json) print(json_text(results) + '\n');
+    if (spins) print_status("  " + spin_text(texts, mode) + '\n');
+    if (json) print(json_text(mode, results) + '\n');
 }
 
 }  // namespace takt::app
