@@ -105,6 +105,8 @@ struct Command {
     Words words;
     bool runs = false;  ///< and then runs it: refused if the project has errors
     Words required;
+    Words before = {};        ///< between the command and the project
+    bool json_lines = false;  ///< --json: one object per line
 };
 
 const std::vector<Command>& commands() {
@@ -112,6 +114,7 @@ const std::vector<Command>& commands() {
                                                 {{"plan"}},
                                                 {{"convert"}, false, {"--from", "yaml"}},
                                                 {{"table", "build"}, false, {"-o", "out.table"}},
+                                                {{"listen"}, false, {}, {"line.pcap", "--project"}, true},
                                                 {{"run"}, true, {"--for", "10ms"}},
                                                 {{"serve"}, true, {"--for", "10ms"}}};
     return kCommands;
@@ -157,6 +160,9 @@ const std::multimap<std::string, std::string>& values() {
                                                                  {"--web-token", "none.token"},
                                                                  {"--state", "out.state"},
                                                                  {"--range", "holding:0..9"},
+                                                                 {"--project", "none.yaml"},
+                                                                 {"--write", "out.yaml"},
+                                                                 {"--timeout", "100ms"},
                                                                  {"--for", "20ms"},
                                                                  {"--read-only", "holding:0..9"},
                                                                  {"--retain", "coils:0..9"},
@@ -302,6 +308,17 @@ std::vector<std::string> broken_at(const std::string& text, const Key& key) {
     return broken;
 }
 
+/// Keys that no example has.
+const std::string& rare_keys() {
+    static const std::string kProject =
+        "takt: 1\nlines:\n  - name: L\n    transport: tcp\n    host: 127.0.0.1\n    tcp_port: 1\n    "
+        "devices:\n"
+        "      - name: D\n        address: 1\n        in_flight: 4\n"
+        "        round_trip: {longest: 3100us, usual: 412us, exchanges: 600000, in_flight: 4}\n"
+        "        variables:\n          - {name: v, type: int16, register: 0, read: 0x03}\n";
+    return kProject;
+}
+
 /// Projects that are broken in one way each, in a fixed order.
 const std::vector<std::string>& broken_projects() {
     static const std::vector<std::string> kBroken = [] {
@@ -310,12 +327,15 @@ const std::vector<std::string>& broken_projects() {
             if (entry.path().extension() == ".yaml") examples.push_back(entry.path());
         std::ranges::sort(examples);
         std::vector<std::string> all;
-        for (const auto& path : examples) {
-            std::ifstream file(path);
-            const std::string text{std::istreambuf_iterator<char>(file), {}};
+        const auto add = [&](const std::string& text) {
             for (const auto& key : keys_of(text))
                 std::ranges::move(broken_at(text, key), std::back_inserter(all));
+        };
+        for (const auto& path : examples) {
+            std::ifstream file(path);
+            add({std::istreambuf_iterator<char>(file), {}});
         }
+        add(rare_keys());
         return all;
     }();
     return kBroken;
@@ -333,6 +353,7 @@ const std::vector<std::string>& few_broken_projects() {
         std::string(kProject).insert(kProject.find("        variables:"), "        foo: 1\n"),
         std::string(kProject).replace(kProject.find("register: 0"), 11, "register: 70000"),
         kProject + "foo: 1\n",
+        std::string(rare_keys()).replace(rare_keys().find("usual: 412us"), 12, "usual: 9s"),
         kProject + "servers:\n  - name: S\n    listen: nowhere\n    units: [{unit: 999}]\n",
         "takt: 1\nlines: [\n"};
     return kFew;
@@ -345,6 +366,7 @@ class BrokenProjects : public testing::Test {
 protected:
     void SetUp() override {
         std::filesystem::current_path(folder_.path());
+        write_capture();
         set_assert_hook([](const char* expression, const char* file, int line) {
             std::fprintf(stderr, "%s (%s:%d)\n", expression, file, line);
         });
@@ -367,6 +389,7 @@ protected:
     void check(const Command& command, const Words& options) {
         if (command.runs && !has_errors_) return;
         Words words = command.words;
+        words.insert(words.end(), command.before.begin(), command.before.end());
         words.emplace_back("project.yaml");
         const auto given = [&](const char* name) {
             return std::ranges::find(options, name) != options.end();
@@ -392,7 +415,23 @@ protected:
         EXPECT_FALSE(command.runs && !outcome.out.empty()) << "nothing runs\n" << report();
         EXPECT_FALSE(outcome.code != 0 && (outcome.out + outcome.err).empty()) << report();
         const bool json = given("--json") && outcome.code <= 1;
-        EXPECT_TRUE(!json || file::Json::parse(outcome.out, kMostOutput)) << report();
+        EXPECT_TRUE(!json || is_json(outcome.out, command.json_lines)) << report();
+    }
+
+    static bool is_json(const std::string& text, bool lines) {
+        if (!lines) return file::Json::parse(text, kMostOutput).has_value();
+        std::istringstream all(text);
+        for (std::string line; std::getline(all, line);)
+            if (!file::Json::parse(line, kMostOutput)) return false;
+        return true;
+    }
+
+    /// A capture of one frame, which is Modbus RTU.
+    void write_capture() {
+        folder_.write("line.pcap",
+                      std::string("\xD4\xC3\xB2\xA1\x02\0\x04\0\0\0\0\0\0\0\0\0\xFF\xFF\0\0\x93\0\0\0", 24) +
+                          std::string("\x01\0\0\0\0\0\0\0\x08\0\0\0\x08\0\0\0", 16) +
+                          std::string("\x01\x03\0\0\0\x01\x84\x0A", 8));
     }
 
     test::Folder folder_;
