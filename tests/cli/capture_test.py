@@ -275,6 +275,20 @@ def test_an_unknown_interface_is_an_error(tmp_path):
         assert "takt-none" in result.err and "ip link" in result.err, result
 
 
+def test_a_port_that_is_lost_is_reported(tmp_path):
+    capture, bus = tmp_path / "line.pcapng", Bus()
+    with bus:
+        listener = start("capture", f"rtu://{bus.port}?baud=115200", "-o", capture)
+        until(lambda: any("listening on" in text for text in listener.err), "listening")
+        bus.pass_on(frame(1, "03 00 00 00 01", "rtu"))
+        until(lambda: b"01 03 00 00" in capture.read_bytes(), "the frame in the file")
+    with listener:
+        until(lambda: any("the connection is lost" in text for text in listener.err), "the loss")
+        result = listener.interrupt(code=3)
+    assert f"{capture}: 1 packets" in result.err, result
+    expect_clean(capture)
+
+
 def test_only_a_serial_line_is_overheard(tmp_path):
     result = takt("capture", "tcp://127.0.0.1", "-o", tmp_path / "a.pcapng", code=2)
     assert "tcp://127.0.0.1" in result.err and "--interface" in result.err and "rtu:///dev" in result.err, result

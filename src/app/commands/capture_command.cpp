@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <functional>
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "output.hpp"
 #include "progress.hpp"
@@ -30,10 +33,14 @@ constexpr Duration kPause = std::chrono::milliseconds(20);
 /// Takes the frames of both directions of a line and sends nothing.
 class Overhearing final : public Engine {
 public:
-    Overhearing(const model::Line& line, wire::TrafficObserver& observer)
-        : observer_(observer), framer_(config_of(line)), pairing_(kTimeout) {}
+    /// @param on_link  called when the port is opened and when it is lost
+    Overhearing(const model::Line& line, wire::TrafficObserver& observer, std::function<void(bool)> on_link)
+        : observer_(observer), framer_(config_of(line)), pairing_(kTimeout), on_link_(std::move(on_link)) {}
 
-    void on_link(Instant, bool) override { framer_.reset(); }
+    void on_link(Instant, bool up) override {
+        framer_.reset();
+        on_link_(up);
+    }
     void on_bytes(Instant t, Bytes bytes) override {
         while (!bytes.empty()) {
             const auto step = framer_.push(t, bytes);
@@ -73,6 +80,7 @@ private:
     wire::TrafficObserver& observer_;
     wire::StandaloneFramer framer_;
     capture::SerialPairing pairing_;
+    std::function<void(bool)> on_link_;
     std::uint64_t frames_ = 0;
 };
 
@@ -87,7 +95,7 @@ public:
         line.rs485 = model::Rs485::none;  // the driver stays off
         host::TrafficTap tap;
         const auto observer = tap.factory()(line);
-        Overhearing overhearing(line, *observer);
+        Overhearing overhearing(line, *observer, [&](bool up) { note_link(line.port, up); });
         auto source = console::tap_source(tap);
         source.overheard = true;
         TAKT_TRY(const auto log,
@@ -96,16 +104,25 @@ public:
         print_status(texts_("app.latency.listening", {{"interface", driver->name()}}) + '\n');
         work_loop_.work(options_.run_for);
         frames_ = overhearing.frames();
+        if (lost_) return fail(Code::connection_lost, line.port);
         return {};
     }
 
     [[nodiscard]] std::uint64_t frames() const { return frames_; }
 
 private:
+    // The driver opens a lost port again, as for every line.
+    void note_link(const std::string& port, bool up) {
+        if (up && lost_) print_status(texts_("app.latency.listening", {{"interface", port}}) + '\n');
+        if (!up && !lost_) print_status(texts_("app.capture.lost", {{"port", port}}) + '\n');
+        lost_ = !up;
+    }
+
     Texts texts_;
     const CaptureOptions& options_;
     WorkLoop work_loop_;
     std::uint64_t frames_ = 0;
+    bool lost_ = false;
 };
 
 /// The kernel keeps packets while the disk is slow, so one thread reads and writes.
@@ -176,20 +193,24 @@ private:
     std::int64_t last_ns_ = 0;
 };
 
+void print_done(const Texts& texts, const CaptureOptions& options, std::uint64_t frames) {
+    print_status(texts("app.capture.done", {{"file", options.file.path},
+                                            {"count", report::grouped_number(frames, texts.language())}}) +
+                 '\n');
+}
+
 template <class Source>
 ExitCode record(const Texts& texts, const CaptureOptions& options) {
     Source source(texts, options);
     if (const auto recorded = source.run(); !recorded) {
         const auto& error = recorded.error();
+        if (source.frames() > 0) print_done(texts, options, source.frames());
         const auto code = ended_by(texts, error);
         if (error.code == Code::cannot_open && error.numbers[0] == EPERM && !options.interface.empty())
             print_status("    " + texts("app.latency.rights") + '\n');
         return code;
     }
-    print_status(
-        texts("app.capture.done", {{"file", options.file.path},
-                                   {"count", report::grouped_number(source.frames(), texts.language())}}) +
-        '\n');
+    print_done(texts, options, source.frames());
     return ExitCode::ok;
 }
 
