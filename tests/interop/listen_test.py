@@ -198,7 +198,7 @@ def test_a_capture_of_takt_capture(tmp_path):
     assert sorted((d["unit"], d["answered"]) for d in summary["devices"]) == [(1, 10), (2, 10)]
 
 
-@pytest.mark.parametrize("link, code, words", [(101, 1, "no packet has a frame of a serial line"), (252, 6, "frames with a good checksum: none"), (None, 2, "no capture")])
+@pytest.mark.parametrize("link, code, words", [(101, 1, "no packet has a frame of a serial line"), (252, 6, "frames with a good checksum: none"), (None, 2, "not a capture")])
 def test_a_capture_without_serial_frames(tmp_path, link, code, words):
     path = tmp_path / "other.pcap"
     data = bytes.fromhex("000c0004") + b"data" + bytes(4) + b"\x01\x03"
