@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Kills `takt run` with an MQTT output at random instants, and judges what is on the disk and what arrives.
 
-usage: output_kills.py [--kills N] [--seed S] [--jobs J] [--takt PROGRAM] [--kind KIND] [--kept FOLDER]
+usage: output_kills.py [--kills N] [--plant-kills N] [--seed S] [--jobs J] [--takt PROGRAM] [--kind KIND]
+                       [--kept FOLDER]
 
 A plant has 50 kills. Plant number i has the seed S + i; the same seed repeats its plan, not the moments at which the
 operating system runs the program. Exit status 1: a rule was violated; the folder of the plant is kept.
@@ -39,7 +40,7 @@ def arguments():
     parser.add_argument("--takt", default=os.environ.get("TAKT", str(HERE.parent.parent / "build/release/bin/takt")))
     parser.add_argument("--kind", choices=KINDS)
     parser.add_argument("--plant-kills", type=int, default=KILLS, help="kills of a plant")
-    parser.add_argument("--kept", help="folder for plants with a violation")
+    parser.add_argument("--kept", help="folder for plants with a violation; it is created if it does not exist")
     return parser.parse_args()
 
 
@@ -77,6 +78,8 @@ def work(options, library, folder, plants, results, enough):
 
 def main():
     options = arguments()
+    if options.kept:
+        pathlib.Path(options.kept).mkdir(parents=True, exist_ok=True)
     folder = pathlib.Path(tempfile.mkdtemp(prefix="takt-kills-", dir=options.kept))
     library = build_kill_points(folder)
     plants, results = multiprocessing.Queue(), multiprocessing.Queue()
