@@ -81,7 +81,7 @@ TEST(PeriodicRelease, OneMoreBetweenTheInstantsMovesNothing) {
     EXPECT_EQ(release.next(), at(430ms));
 }
 
-TEST(PeriodMeter, TellsAnOverrunOnceAndItsEnd) {
+TEST(PeriodMeter, ReportsAnOverrunOnceAndItsEnd) {
     PeriodMeter meter(100ms);
     Instant now = at(0ms);
     int changes = 0;

@@ -74,7 +74,7 @@ TEST(TransactionEngine, KeepsTheGapsOfTheLine) {
     }
 }
 
-TEST(TransactionEngine, OneDeadlineWhateverArrives) {
+TEST(TransactionEngine, OneDeadlineForAllBytesThatArrive) {
     Rig rig;
     rig.now = at(10ms);
     rig.submit(rig.now, transaction(1, 1, "03 00 00 00 02", 100ms));

@@ -38,7 +38,7 @@ TEST(ReadRequests, DivideAtTheLimitAndNeverInsideAValue) {
     EXPECT_EQ(parts_of(strings), (Parts{{0, 120}, {120, 60}}));
 }
 
-TEST(ReadRequests, ABitIsAValueWhateverTheType) {
+TEST(ReadRequests, ABitIsAValueWithAnyType) {
     auto spec = registers(16, 2001, DataType::float64);
     spec.area = Area::discrete_input;
     EXPECT_EQ(spec.type(), DataType::boolean);

@@ -51,7 +51,7 @@ TEST(ParseControl, RefusesWhatIsIncompleteOrTooMuch) {
     }
 }
 
-TEST(LineSplitter, CutsAnyChunksAndTellsAnOverlongLineOnce) {
+TEST(LineSplitter, CutsAnyChunksAndReportsAnOverlongLineOnce) {
     LineSplitter splitter;
     std::vector<std::string> lines;
     int errors = 0;

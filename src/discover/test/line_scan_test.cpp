@@ -104,7 +104,7 @@ Replies one(Duration after, std::uint8_t unit, const ByteVector& pdu) {
     return {{after, frame(wire::Framing::rtu, unit, 0, pdu)}};
 }
 
-TEST(LineScan, FindsWhoAnswersAndNobodyElse) {
+TEST(LineScan, FindsUnitsThatAnswerAndNoOther) {
     Line line(rtu(1, 247), [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t) -> Replies {
         if (unit != 1 && unit != 17 && unit != 247) return {};
         return one(15ms, unit, plain(pdu));
@@ -144,7 +144,7 @@ TEST(LineScan, AnExceptionProvesADeviceToo) {
     EXPECT_EQ(scan.found()[0].exception, 2);
 }
 
-TEST(LineScan, TellsWhatADeviceSaysItIs) {
+TEST(LineScan, ReportsTheIdentificationOfADevice) {
     // Two pages of basic objects, one of regular ones.
     const auto device = [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t) -> Replies {
         if (unit != 5) return {};
@@ -219,7 +219,7 @@ TEST(LineScan, NoiseIsNoDevice) {
     EXPECT_EQ(scan.end(), ScanEnd::complete);
 }
 
-TEST(LineScan, TwoDevicesAtOneAddressAreTold) {
+TEST(LineScan, TwoDevicesAtOneAddressAreReported) {
     // Their answers overlap: never a frame that checks.
     Line line(rtu(1, 9), [](std::uint8_t unit, const ByteVector&, std::uint16_t) -> Replies {
         return unit == 4 ? Replies{{14ms, bytes("04 03 02 FF B6 11 92")}} : Replies{};
@@ -229,7 +229,7 @@ TEST(LineScan, TwoDevicesAtOneAddressAreTold) {
     EXPECT_EQ(scan.garbled(), std::vector<UnitId>{UnitId{4}});
 }
 
-TEST(LineScan, ASecondAnswerBehindTheFirstIsTold) {
+TEST(LineScan, ASecondAnswerBehindTheFirstIsReported) {
     Line line(rtu(1, 3), [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t) -> Replies {
         if (unit == 1) return one(12ms, unit, plain(pdu));
         if (unit != 2) return {};
@@ -255,7 +255,7 @@ TEST(LineScan, NoiseOfALineDriverIsNoSecondAnswer) {
     for (const auto& found : scan.found()) EXPECT_FALSE(found.doubled || found.garbled);
 }
 
-TEST(LineScan, AnAnswerThatIsLateLosesNobody) {
+TEST(LineScan, AnAnswerThatIsLateLosesNoDevice) {
     // 180 ms, where the wait is 100 ms: the answer comes while the next unit is asked.
     Line line(rtu(1, 10), [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t) -> Replies {
         return unit == 4 ? one(180ms, unit, plain(pdu)) : Replies{};
@@ -277,7 +277,7 @@ TEST(LineScan, TheLastAnswerMayBeLateToo) {
     EXPECT_LT(silent.time(), 520ms);
 }
 
-TEST(LineScan, ALateAnswerThatMeetsTheNextQuestionLosesNobody) {
+TEST(LineScan, ALateAnswerDuringTheNextRequestLosesNoDevice) {
     Line line(rtu(1, 10), [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t) -> Replies {
         if (unit == 5) return {{3ms, {0x04, 0x91, 0x02}}};  // the rest of the answer of 4
         static int asked = 0;
@@ -336,7 +336,7 @@ ScanConfig tcp(std::uint8_t first, std::uint8_t last) {
     return config;
 }
 
-TEST(LineScan, AGatewaysWordForNobodyIsNoDevice) {
+TEST(LineScan, AGatewaysExceptionForAnAbsentUnitIsNoDevice) {
     Line line(tcp(1, 5), [](std::uint8_t unit, const ByteVector& pdu, std::uint16_t id) -> Replies {
         const ByteVector none{static_cast<std::uint8_t>(pdu[0] | 0x80), 0x0B};
         return {{200us, frame(wire::Framing::tcp, unit, id, unit == 3 ? plain(pdu) : none)}};

@@ -276,7 +276,7 @@ TEST(RangeProbe, ADeviceThatDiesLeavesNoFalseHoles) {
     EXPECT_EQ(result.next, 376U);
 }
 
-TEST(RangeProbe, StopsWhenItIsTold) {
+TEST(RangeProbe, StopsOnRequest) {
     Device device{.map = {{0, 2000}}};
     std::size_t asked = 0;
     const auto result = probe_ranges({.last = 2000}, [&](const ProbeRead& read) {

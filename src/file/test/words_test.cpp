@@ -136,7 +136,7 @@ TEST(Headings, AreThoseOfTheIde) {
     }
 }
 
-TEST(Headings, AreReadWhateverTheirSpellingIs) {
+TEST(Headings, AreReadInAnySpelling) {
     struct Heading {
         std::string_view text;
         std::string_view key;

@@ -373,7 +373,7 @@ std::string many_devices(int lines, int devices_a_line) {
 }
 
 // Two subscribers, one of which never reads. The ring is smaller than what 500 devices report in this time.
-TEST(ProjectEngine, FiveHundredDevicesArePolledWithoutAllocatingWhateverSubscribersDo) {
+TEST(ProjectEngine, FiveHundredDevicesArePolledWithoutAllocatingForAnySubscriber) {
     Rig rig(many_devices(20, 25));
     const auto reading = rig.open({.from_beginning = true});
     const auto silent = rig.open({.from_beginning = true});

@@ -108,7 +108,7 @@ struct Swallowing {
 };
 
 // Hostile input 56: hosts that swallow attempts, and one that refuses, before a crowd that answers.
-TEST(ConnectGate, HostsThatHangOrRefuseDelayNobody) {
+TEST(ConnectGate, HostsThatHangOrRefuseDelayNoOther) {
     const auto loop = make_loop();
     ConnectGate gate(*loop, {.most = 4, .undecided_limit = 5ms});
     const Swallowing swallowing;

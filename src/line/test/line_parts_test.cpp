@@ -75,7 +75,7 @@ TEST(DirectionSwitch, AddsUpWhatFollowsEachOther) {
     EXPECT_EQ(direction.next_check(), Instant{} + 1s + wire::transmission_time(k9600, 10));
 }
 
-TEST(DirectionSwitch, GivesAnAdapterThatCannotTellAMillisecond) {
+TEST(DirectionSwitch, GivesAMillisecondToAnAdapterWithoutReport) {
     DirectionSwitch direction(k9600);
     direction.sent(Instant{}, 8);
     const Instant end = direction.next_check();

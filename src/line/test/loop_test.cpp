@@ -168,7 +168,7 @@ TEST(Loop, GivesUpAtTheLimit) {
     EXPECT_FALSE(loop->stopped());
 }
 
-TEST(Loop, TellsSignals) {
+TEST(Loop, ReportsSignals) {
     const auto loop = make_loop();
     std::vector<int> got;
     ASSERT_TRUE(loop->on_signals({SIGINT, SIGTERM}, [&](int number) {
@@ -180,7 +180,7 @@ TEST(Loop, TellsSignals) {
     EXPECT_EQ(got, (std::vector{SIGINT, SIGTERM}));
 }
 
-TEST(Watch, TellsWhatCanBeReadOncePerRequest) {
+TEST(Watch, ReportsWhatCanBeReadOncePerRequest) {
     const auto loop = make_loop();
     int ends[2];
     ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends), 0);
@@ -232,7 +232,7 @@ TEST(Watch, IsNotCalledOnceAnotherHasDestroyedIt) {
     EXPECT_EQ(calls, 1);
 }
 
-TEST(Watch, TellsOfAPeerThatIsGoneWhenItIsAskedAgain) {
+TEST(Watch, ReportsAPeerThatIsGoneWhenItIsAskedAgain) {
     const auto loop = make_loop();
     int ends[2];
     ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends), 0);

@@ -157,7 +157,7 @@ std::vector<std::vector<int>> units_of(const std::vector<HeardMaster>& masters) 
     return units;
 }
 
-TEST(LineListener, TellsTwoMastersByTheirSteps) {
+TEST(LineListener, DistinguishesTwoMastersByTheirSteps) {
     Line line;
     play(line, {{100ms, {{1, 0}, {2, 0}, {3, 0}}}, {130ms, {{4, 0}, {5, 0}}}}, 10s);
     const auto masters = line.listener.statistics().masters();

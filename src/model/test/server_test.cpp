@@ -188,7 +188,7 @@ TEST(Servers, AMapAloneRelaysOnlyItsUnits) {
     EXPECT_TRUE(checked.project.servers.at(0).relays.at(0).units.empty());
 }
 
-TEST(Servers, MistakesInARelayAreTold) {
+TEST(Servers, MistakesInARelayAreReported) {
     const std::pair<const char*, const char*> rows[] = {
         {"[{line: C}]", "field.missing devices=; line.unknown line=C"},
         {"[{line: A}]", "field.missing devices="},
@@ -241,7 +241,7 @@ struct Row {
     const char* expected;
 };
 
-TEST(Servers, MistakesAreTold) {
+TEST(Servers, MistakesAreReported) {
     const Row rows[] = {
         {unit(""), ""},
         {"{name: S, units: [{address: 1, banks: []}]}", "line.port_missing listen="},
@@ -416,7 +416,7 @@ TEST(Access, AWholeRule) {
     EXPECT_FALSE(server.access[1].area || server.access[1].rate);
 }
 
-TEST(Access, EveryMistakeIsTold) {
+TEST(Access, EveryMistakeIsReported) {
     const auto rules = [](const std::string& list) {
         return findings_text("{name: S, listen: x, access: " + list + ", units: [{address: 1, banks: []}]}");
     };

@@ -150,7 +150,7 @@ TEST(Sources, WithoutAnyCommandNoneIsListed) {
     EXPECT_EQ(findings_text(checked), "name.none instrument");
 }
 
-TEST(Sources, MistakesAreTold) {
+TEST(Sources, MistakesAreReported) {
     struct Row {
         std::string keys;
         const char* expected;
@@ -200,7 +200,7 @@ TEST(Sources, OnlyWhatCanBeWrittenTakesWrites) {
     EXPECT_EQ(findings_text(checked), "source.not_writable variable");
 }
 
-TEST(Instruments, MistakesAreTold) {
+TEST(Instruments, MistakesAreReported) {
     struct Row {
         const char* keys;
         const char* expected;
@@ -242,7 +242,7 @@ TEST(Instruments, MistakesAreTold) {
     }
 }
 
-TEST(Instruments, MistakesOfCommandsAreTold) {
+TEST(Instruments, MistakesOfCommandsAreReported) {
     struct Row {
         std::string keys;
         const char* expected;

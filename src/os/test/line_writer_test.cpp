@@ -115,7 +115,7 @@ TEST(LineWriter, NeverBlocksAndReportsHowManyLinesItDropped) {
     EXPECT_EQ(written + dropped, 5000U) << "every line is either there or counted";
 }
 
-TEST(LineWriter, EndsInTimeThoughNobodyReads) {
+TEST(LineWriter, EndsInTimeWithoutAReader) {
     Pipe pipe;
     LineWriter out(pipe.write_end, {.limit = 1 << 20, .gap_line = gap});
     out.put(std::string(1 << 19, 'x'));

@@ -207,7 +207,7 @@ TEST(Limits, CutRequestsOfRegisters) {
     }
 }
 
-TEST(Limits, CutWhateverIsGiven) {
+TEST(Limits, CutEveryGivenLength) {
     const auto items = row(125, int16(0).write(0x10).on_change());
     EXPECT_EQ(spans(plan_of({125, Framing::ascii, Profile::owen_kc1}, items)),
               (std::vector<Span>{{0, 59}, {59, 59}, {118, 7}}));
@@ -215,7 +215,7 @@ TEST(Limits, CutWhateverIsGiven) {
               (std::vector<Span>{{0, 123}, {123, 2}}));
 }
 
-TEST(Limits, CutReadsWhateverIsGiven) {
+TEST(Limits, CutReadsOfEveryGivenLength) {
     EXPECT_EQ(spans(plan_of({125, Framing::ascii, Profile::owen_kc1}, row(125, int16(0).read(3)))),
               (std::vector<Span>{{0, 61}, {61, 61}, {122, 3}}));
 }

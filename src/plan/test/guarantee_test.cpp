@@ -222,7 +222,7 @@ TEST(Guarantee, PollingAsFastAsPossibleHasNoBoundAndOnlyBlocks) {
               line.requests[1].transaction + hold + line.requests[0].transaction + 1ms);
 }
 
-TEST(Guarantee, WhatIsCausedWithoutLimitIsLeftOutAndTold) {
+TEST(Guarantee, RequestsWithoutARateLimitAreLeftOutAndReported) {
     auto made = known({int16(0).read(3)});
     const auto alone = guarantee(made, make_plan(made)).at(0);
     made.locals.push_back({.name = "go"});

@@ -240,7 +240,7 @@ TEST(OptimalReasons, SayWhatReadingGapsSaves) {
     EXPECT_FALSE(make_plan(optimal({at(0, "a"), at(1, "b")})).lines[0].requests.at(0).bridged);
 }
 
-TEST(OptimalReasons, ShowDigitsEnoughToTellTheTimesApart) {
+TEST(OptimalReasons, ShowEnoughDigitsToDistinguishTheTimes) {
     // A gap of 46 registers takes 7.986 ms, a request 7.878 ms with 13 characters, 7.966 ms with 14 at 1
     // Mbit/s
     auto made = optimal({at(0, "a"), at(47, "b")});

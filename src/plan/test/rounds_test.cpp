@@ -206,7 +206,7 @@ RC_GTEST_PROP(Rounds, ReadEachSpanInTime, ()) {
 }
 
 // Periods of any kind, most of them beyond the limits of a calendar.
-RC_GTEST_PROP(Rounds, ReadInTimeWhateverThePeriods, ()) {
+RC_GTEST_PROP(Rounds, ReadInTimeWithAnyPeriods, ()) {
     PeriodSet periods;
     for (int i = 0; i < 4; ++i) periods.push_back(std::chrono::milliseconds(*rc::gen::inRange(2, 60)));
     const auto made = problem(periods);

@@ -35,7 +35,7 @@ model::Project singles(const std::vector<Item>& items) {
 }
 
 // One float at 115200 8N1 and 5 ms: 1.75 ms of silence, 8 characters there, 9 back.
-TEST(Timeline, TellsThePartsOfATransactionApart) {
+TEST(Timeline, HasThePartsOfATransaction) {
     const Round round(singles({real(0).read(3)}));
     const auto bars = round.over(100ms).bars;
     ASSERT_EQ(bars.size(), 1U);

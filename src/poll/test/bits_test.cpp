@@ -329,7 +329,7 @@ TEST(Bits, AnExpiredCommandTakesNoBitFromOneThatIsRepeated) {
 }
 
 // Commands that are dropped with their device must not replace the command whose outcome is checked.
-TEST(Bits, ADeviceThatDiesUnderAReadModifyWriteHoldsUpNobody) {
+TEST(Bits, ADeviceThatDiesUnderAReadModifyWriteDelaysNoOther) {
     auto dying = with_modify(device(1, {bit("a", 0, 3), bit("b", 1, 4), int16("v", 9).read(3)}));
     dying.attempts = 2;
     const auto described = project({dying, device(2, {int16("w", 0).read(3)})});

@@ -432,7 +432,7 @@ TEST(Polling, StrangeExceptionCodesAreReported) {
     }
 }
 
-TEST(Polling, StatusTellsWhatIsTheMatter) {
+TEST(Polling, StatusHasTheCauseOfAFailure) {
     auto watched = device(1, {int16("a", 0).read(3)});
     watched.status = 0;
     watched.poll_enable = 1;
@@ -540,7 +540,7 @@ TEST(Polling, AJabberingStationMakesDevicesNotAnswer) {
 }
 
 // RecordingObserver right before each request goes out; its contents are named.
-TEST(Polling, EachRequestIsToldWithWhatItIsSentFor) {
+TEST(Polling, EachRequestIsReportedWithItsPurpose) {
     auto described =
         project({device(1, {int16("a", 0).read(3).read_on(0), int16("b", 1).read(3).write(0x06),
                             boolean("c", 2, 3).write(0x06), int16("d", 9).write(0x10).verified()})},

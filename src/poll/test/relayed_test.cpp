@@ -292,7 +292,7 @@ TEST(Relayed, ComeAfterWhatIsCommanded) {
     EXPECT_LT(written->t, relayed->t);
 }
 
-TEST(Relayed, ADeadUnitIsToldAndPollingGoesOn) {
+TEST(Relayed, ADeadUnitIsReportedAndPollingGoesOn) {
     Bench bench(shared(busy_devices(1)));
     bench.players[kForeign].dead = true;
     ASSERT_TRUE(bench.master.line(0).relay(bench.now, read(1)));

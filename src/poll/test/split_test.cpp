@@ -139,7 +139,7 @@ TEST(SplitValue, AsFastAsTheLineAllows) {
 }
 
 // The device changes the value between rounds only, so a mixture could only come from parts of two rounds.
-RC_GTEST_PROP(SplitValue, IsNeverTornWhateverFails, ()) {
+RC_GTEST_PROP(SplitValue, IsNeverTornByFailures, ()) {
     auto [described, plan] = setup(100ms, *rc::gen::inRange(0, 90) * 1ms);
     Bench bench(described, plan);
     auto& player = bench.players[1];

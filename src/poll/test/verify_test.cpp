@@ -72,7 +72,7 @@ TEST(Verify, EveryKindOfWriteIsReadBack) {
     }
 }
 
-TEST(Verify, AValueThatDiffersIsRefusedAndToldWithBothValues) {
+TEST(Verify, AValueThatDiffersIsRefusedAndReportedWithBothValues) {
     for (const bool on_change : {false, true}) {
         auto item = int16("v", 0).read(3).write(0x10).verified().every(1h);
         Bench bench(project({device(1, {on_change ? item.on_change().reports_to(0) : item.reports_to(0)})},

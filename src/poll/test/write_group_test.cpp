@@ -102,7 +102,7 @@ TEST(WriteGroup, ATriggerWritesBitsWithTheirDefaults) {
 }
 
 // The end of every set is reported to the observer; the end of a command by its outcome.
-TEST(WriteGroup, HowAGroupThatWasSetEndedIsTold) {
+TEST(WriteGroup, TheOutcomeOfAGroupThatWasSetIsReported) {
     using Settled = RecordingObserver::Settled;
     Bench bench(project({pair_on_change()}));
     bench.run_until(50ms);

@@ -33,7 +33,7 @@ std::vector<Cause> every_cause(const Item& item) {
          [](Bench& bench, std::int64_t value) { ASSERT_TRUE(bench.write(1, "v", value)); }}};
 }
 
-TEST(WriteStatus, EveryFailedWriteSetsTheStatusWhateverCausedIt) {
+TEST(WriteStatus, EveryFailedWriteOfAnyCauseSetsTheStatus) {
     const auto item = int16("v", 0).write(0x06).reports_to(0);
     for (const auto& read : {item, item.read(3).every(1h)})
         for (const auto& cause : every_cause(read)) {

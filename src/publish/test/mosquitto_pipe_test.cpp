@@ -203,7 +203,7 @@ TEST(MosquittoPipe, TheNextBrokerIsTriedWhenTheFirstIsDown) {
     EXPECT_EQ(live.status().broker, 1U);
 }
 
-TEST(MosquittoPipe, AHostNameMayHaveAnAddressThatNobodyListensOn) {
+TEST(MosquittoPipe, AHostNameMayHaveAnAddressWithoutAListener) {
     TestBroker broker;  // IPv4 only; localhost may also be ::1
     LiveSession live(broker.port());
     live.options.brokers[0].host = "localhost";

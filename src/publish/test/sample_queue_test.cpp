@@ -53,7 +53,7 @@ TEST(SampleQueue, WhatDoesNotFitIsALossInItsPlace) {
     EXPECT_EQ(queue.pushed().samples, 20U);
 }
 
-TEST(SampleQueue, StaysBoundedWhateverIsLost) {
+TEST(SampleQueue, StaysBoundedWithAnyLoss) {
     SampleQueue queue(10);
     for (int i = 0; i < 5000; ++i) {
         queue.push(samples(20, i));

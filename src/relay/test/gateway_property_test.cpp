@@ -151,7 +151,7 @@ TEST(GatewayProperties, EachRequestHasOneAnswerItsOwnAndNoneFromBeforeAWrite) {
     }));
 }
 
-TEST(GatewayProperties, NobodyWaitsForMoreThanOneTransactionOfEachOtherClient) {
+TEST(GatewayProperties, NoClientWaitsForMoreThanOneTransactionOfEachOther) {
     EXPECT_TRUE(rc::check([] {
         Rig rig({.requests = 64, .per_client = 8});
         rig.policy.attempts = *rc::gen::inRange<std::uint16_t>(1, 3);

@@ -89,7 +89,7 @@ TEST(Gateway, AFullQueueTakesFromThePeerWithMost) {
     EXPECT_EQ(rig.gateway.waiting(), 8u);
 }
 
-TEST(Gateway, TellsWhetherTheLineCanGoOn) {
+TEST(Gateway, ReportsWhetherTheLineCanGoOn) {
     Rig rig;
     EXPECT_FALSE(rig.gateway.has_next());
     rig.ask(1, 9, kRead);
@@ -525,7 +525,7 @@ TEST(Gateway, WhoWentAwayIsForgotten) {
     EXPECT_EQ(rig.begin(), "") << "the transaction is finished first";
 }
 
-TEST(Gateway, TheAnswerToOneWhoWentAwayReachesNobody) {
+TEST(Gateway, TheAnswerToADisconnectedClientReachesNoOther) {
     Rig rig;
     const auto gone = rig.ask(1, 9, kWrite);
     rig.begin();
@@ -571,7 +571,7 @@ TEST(Gateway, BroadcastsAreWritesAndAnsweredWhenTheyAreSent) {
     EXPECT_EQ(numbered.answer(numbered.ask(1, 0, kRead)), "");
 }
 
-TEST(Gateway, AnotherTransactionsOutcomeIsNobodys) {
+TEST(Gateway, AnotherTransactionsOutcomeAnswersNoClient) {
     Rig rig;
     const auto token = rig.ask(1, 9, kRead);
     rig.begin();

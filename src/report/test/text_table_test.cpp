@@ -31,7 +31,7 @@ TEST(TextTable, NoRowsAndNoCells) {
     EXPECT_EQ(table.render("  "), "  \n  \n");
 }
 
-TEST(TextTable, EveryLineHasTheSameColumnsWhateverTheScript) {
+TEST(TextTable, EveryLineHasTheSameColumnsInEveryScript) {
     TextTable table({TextTable::Align::left, TextTable::Align::right, TextTable::Align::left});
     for (const char* name : {"Temperature", "Температура", "Подача води", "°C", ""})
         table.add({name, "12.5", "|"});

@@ -243,7 +243,7 @@ TEST(Diagnostics, EventCounterCountsWhatWasDone) {
     EXPECT_EQ(rig.ask("0B"), "0B 00 00 00 00");
 }
 
-TEST(Diagnostics, EventLogTellsTheLatestFirst) {
+TEST(Diagnostics, EventLogHasTheLatestFirst) {
     Rig rig;
     rig.ask("03 0000 0001");
     rig.server.on_line_event(LineEvent::error);

@@ -153,7 +153,7 @@ TEST(SerialSlave, IgnoresOtherUnitsWhetherTheyAnswerOrNot) {
     EXPECT_EQ(rig.slave.counters().requests, 50u);
 }
 
-TEST(SerialSlave, HearsItsRequestRightBehindAnotherUnitsAnswer) {
+TEST(SerialSlave, ReceivesItsRequestRightBehindAnotherUnitsAnswer) {
     Rig rig(rtu_config());
     const std::string others = rtu(7, "03 0000 0002") + rtu(7, "03 04 0001 0002");
     EXPECT_EQ(rig.exchange(others + kRead), kReadAnswer) << "an adapter may hand them over in one piece";
@@ -259,7 +259,7 @@ TEST(SerialSlave, ALostLinkForgetsEverything) {
     EXPECT_EQ(rig.slave.counters().unanswered, 1u);
 }
 
-TEST(SerialSlave, TellsItsTraffic) {
+TEST(SerialSlave, ReportsItsTraffic) {
     Log log;
     Rig rig(rtu_config(), nullptr, &log);
     rig.exchange(kRead);

@@ -47,7 +47,7 @@ struct Rig {
     Diary diary;
 };
 
-TEST(DeviceObserver, IsToldOfReadsWritesAndChanges) {
+TEST(DeviceObserver, IsNotifiedOfReadsWritesAndChanges) {
     Rig rig(Fill::ramp);
     rig.ask(1ms, {0x03, 0x01, 0x00, 0x00, 0x02});
     rig.ask(2ms, {0x01, 0x00, 0x07, 0x00, 0x03});
@@ -70,7 +70,7 @@ TEST(DeviceObserver, IsToldOfReadsWritesAndChanges) {
     EXPECT_EQ(rig.diary.entries, expected);
 }
 
-TEST(DeviceObserver, IsNotToldOfWhatWasRefused) {
+TEST(DeviceObserver, IsNotNotifiedOfRefusedRequests) {
     Rig rig;
     rig.ask(1ms, {0x03, 0xFF, 0xFF, 0x00, 0x02});
     rig.ask(2ms, {0x05, 0x00, 0x00, 0x12, 0x34});
@@ -81,7 +81,7 @@ TEST(DeviceObserver, IsNotToldOfWhatWasRefused) {
     EXPECT_TRUE(rig.diary.entries.empty());
 }
 
-TEST(DeviceObserver, AValueThatMovesIsToldWhenItIsFoundMoved) {
+TEST(DeviceObserver, AValueThatMovesIsReportedWhenItIsFoundMoved) {
     model::Device described;
     described.address = UnitId{1};
     model::Variable variable;

@@ -163,7 +163,7 @@ TEST(Device, Behaviours) {
     EXPECT_EQ(devices.handle(context, wire::RequestView(read.span())).delay, 0ms);
 }
 
-TEST(Device, ADeadOneDoesNotHearBroadcasts) {
+TEST(Device, ADeadOneDoesNotReceiveBroadcasts) {
     for (const bool dead : {false, true}) {
         Devices devices(line(), {.moving = false});
         devices[0].behaviour.dead = dead;

@@ -51,7 +51,7 @@ TEST(SerialBus, ChunksAndWholeTransmissions) {
     EXPECT_EQ(whole.b.received, (std::vector<std::pair<Instant, ByteVector>>{{at(8ms), {1, 2, 3}}}));
 }
 
-TEST(SerialBus, WhoHasNoAdapterHearsWholeTransmissions) {
+TEST(SerialBus, WithoutAnAdapterWholeTransmissionsAreReceived) {
     SerialBus bus(kFormat, {.chunk = 2});
     Talker a, b, c;
     bus.attach(a);

@@ -136,7 +136,7 @@ TEST(Answer, WhereItStands) {
     EXPECT_EQ(find_answer(binary(model::Checksum::none), bytes_of("xy")).skip, 2u);
 }
 
-RC_GTEST_PROP(Answer, WhateverComesIsReadOrNot, (const std::vector<std::uint8_t>& answer)) {
+RC_GTEST_PROP(Answer, AnyBytesAreReadOrNot, (const std::vector<std::uint8_t>& answer)) {
     for (const auto checksum : {model::Checksum::none, model::Checksum::sum, model::Checksum::exclusive_or,
                                 model::Checksum::crc16}) {
         const auto format = binary(checksum);

@@ -190,7 +190,7 @@ TEST(InstrumentCommands, ARestartRacesWithAWrite) {
         }
 }
 
-TEST(InstrumentCommands, AnAnswerAfterTheExpiryStillTellsTheValue) {
+TEST(InstrumentCommands, AnAnswerAfterTheExpiryStillConfirmsTheValue) {
     auto settings = scale();
     settings.commands[0].expires = 50ms;
     Bench bench(settings);

@@ -100,7 +100,7 @@ TEST(Instrument, AnEchoAndGarbageAreSkipped) {
     EXPECT_EQ(bench.engine.counters().strange, 3u);
 }
 
-TEST(Instrument, ALateAnswerIsNobodys) {
+TEST(Instrument, ALateAnswerBelongsToNoRequest) {
     Bench bench({exchange("a\r", "{a}"), exchange("b\r", "{b}")});
     EXPECT_EQ(bench.asks(), "a\r");
     bench.pass(100ms);

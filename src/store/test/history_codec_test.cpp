@@ -136,7 +136,7 @@ RC_GTEST_PROP(HistoryLog, RestoresAnySamples, ()) {
 }
 
 // The checksum hides damage from the decoder, so here it fits the damaged bytes.
-RC_GTEST_PROP(HistoryCodec, SurvivesBytesThatNobodyWrote, ()) {
+RC_GTEST_PROP(HistoryCodec, SurvivesArbitraryBytes, ()) {
     auto bytes = encode_history(random_samples(), {.compress = *rc::gen::arbitrary<bool>()});
     bytes.resize(bytes.size() - 4);
     const int changes = *rc::gen::inRange(1, 5);

@@ -245,7 +245,7 @@ TEST_F(HistoryTest, BeginsInAnEmptyDatabase) {
 }
 
 TEST_F(HistoryTest, LeavesAFileOfAnotherProgramAlone) {
-    overwrite(path_, "not a database, but somebody's notes");
+    overwrite(path_, "not a database, but a text file");
     EXPECT_EQ(History::open(path_).error().code, Code::unsupported);
     EXPECT_EQ(HistoryReader::open(path_).error().code, Code::unsupported);
     overwrite(path_, std::string(20'000, 'x'));

@@ -42,7 +42,7 @@ TEST(JournalRecord, IsDecodedFromTheBeginningOfBytes) {
     }
 }
 
-TEST(JournalRecord, TellsTornFromDamaged) {
+TEST(JournalRecord, DistinguishesTornFromDamaged) {
     const Image good = encoded(kHeader, {1, 2, 3});
     const auto changed = [&good](std::size_t at, std::uint8_t value) {
         Image bytes = good;

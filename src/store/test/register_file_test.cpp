@@ -179,7 +179,7 @@ TEST(RegisterFile, ZerosAndAPartOfTheMarkAreDamage) {
     }
 }
 
-TEST(RegisterFile, TellsItsOwnLayout) {
+TEST(RegisterFile, ReportsItsOwnLayout) {
     TornDisk disk = made(kSmall);
     const auto file = RegisterFile::open(disk, kLarge);
     ASSERT_TRUE(file);

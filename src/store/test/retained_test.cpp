@@ -274,7 +274,7 @@ TEST_F(RetainedTest, WhatCannotBeOpenedSaysWhyAndLeavesNothing) {
     EXPECT_EQ(RetainedFile::read((directory_ / "no.state").string()).error().code, Code::not_found);
 }
 
-TEST_F(RetainedTest, ProgressIsToldAndTicketsAreCoveredTogether) {
+TEST_F(RetainedTest, ProgressIsReportedAndTicketsAreCoveredTogether) {
     std::atomic<int> commits = 0;
     std::uint64_t last = 0;
     {

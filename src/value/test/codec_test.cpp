@@ -77,7 +77,7 @@ TEST(Codec, KnownValuesBothWays) {
     }
 }
 
-TEST(Codec, RoundingIsTold) {
+TEST(Codec, RoundingIsReported) {
     struct Rounding {
         Layout layout;
         Value value;

@@ -68,7 +68,7 @@ TEST(Store, AnEventHasTheReadBeforeTheChange) {
     EXPECT_EQ(event->good_before, at(10ms));
 }
 
-TEST(Store, TellsOnlyChanges) {
+TEST(Store, ReportsOnlyChanges) {
     auto store = small_store();
     EventCursor cursor;
     struct Step {

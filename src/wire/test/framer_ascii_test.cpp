@@ -15,7 +15,7 @@ constexpr Instant at(Duration since_start) {
 }
 
 // Hostile-inputs 44..47: each is followed by a good frame, which must be found.
-TEST(AsciiFramer, TellsFaultsAndGoesOn) {
+TEST(AsciiFramer, ReportsFaultsAndGoesOn) {
     struct Row {
         std::string text;
         Reports reports;
@@ -87,7 +87,7 @@ TEST(AsciiFramer, FramesMayFollowEachOther) {
 }
 
 // The expected response is ":0103021234B4" and its end.
-TEST(AsciiFramer, TellsWhetherTheExpectedResponseCameDamaged) {
+TEST(AsciiFramer, ReportsWhetherTheExpectedResponseCameDamaged) {
     struct Row {
         std::string_view text;
         bool whole;

@@ -79,7 +79,7 @@ RC_GTEST_PROP(FramerProperty, AsciiAndTcpFramesAreFoundInAnyPieces, ()) {
 }
 
 // Functions whose frames have their length in their first bytes.
-bool tells_its_length(const Request& request) {
+bool length_is_in_first_bytes(const Request& request) {
     if (std::holds_alternative<EncapsulatedRequest>(request)) return false;
     const auto* diagnostics = std::get_if<DiagnosticsRequest>(&request);
     return diagnostics == nullptr || diagnostics->data.size() == 2;
@@ -93,7 +93,7 @@ RC_GTEST_PROP(FramerProperty, ASlaveFollowsOtherUnitsWithoutSilences, ()) {
     ByteVector stream;
     for (int i = 0; i < 5; ++i) {
         const Request request = any_request();
-        RC_PRE(tells_its_length(request));
+        RC_PRE(length_is_in_first_bytes(request));
         const UnitId unit{static_cast<std::uint8_t>(any_of(11, 247))};
         for (const auto& pdu : {encode(request), encode(any_answer(request))}) {
             const Sent sent = send(Framing::rtu, unit, *pdu);
@@ -111,7 +111,7 @@ RC_GTEST_PROP(FramerProperty, RtuOverAStreamNeedsNoSilences, ()) {
     ByteVector stream;
     for (int i = 0; i < 5; ++i) {
         const Request request = any_request();
-        RC_PRE(tells_its_length(request));
+        RC_PRE(length_is_in_first_bytes(request));
         const Sent sent = send(Framing::rtu, UnitId{any_u8()}, *encode(any_answer(request)));
         expected.push_back(sent.reports);
         stream.insert(stream.end(), sent.bytes.begin(), sent.bytes.end());
@@ -155,7 +155,7 @@ ByteVector noise_like(const FrameBytes& response) {
 
 RC_GTEST_PROP(FramerProperty, AMasterFindsItsResponseInNoise, ()) {
     const Request request = any_request();
-    RC_PRE(tells_its_length(request));
+    RC_PRE(length_is_in_first_bytes(request));
     const UnitId unit{static_cast<std::uint8_t>(any_of(1, 247))};
     const Pdu answer = *encode(any_answer(request));
     const Sent sent = send(Framing::rtu, unit, answer);
@@ -182,7 +182,7 @@ RC_GTEST_PROP(FramerProperty, AMasterFindsItsResponseInNoise, ()) {
 // From random bytes that are no frame, the framer takes no frame except the expected response.
 RC_GTEST_PROP(FramerProperty, AMasterFindsNothingElseInGarbage, ()) {
     const Request request = any_request();
-    RC_PRE(tells_its_length(request));
+    RC_PRE(length_is_in_first_bytes(request));
     const Sent sent = send(Framing::rtu, UnitId{1}, *encode(any_answer(request)));
     Listener listener({.framing = Framing::rtu, .side = Side::master, .silence = 30ms}, true);
     const bool other_unit = any_bool();

@@ -37,7 +37,7 @@ std::string report_of(std::string_view frame) {
     return std::string(frame.substr(0, 2)) + ": " + std::string(frame.substr(3, frame.size() - 9));
 }
 
-TEST(RtuFramer, TellsGoldenFramesAtTheirLastByte) {
+TEST(RtuFramer, ReportsGoldenFramesAtTheirLastByte) {
     for (const auto frame : kGoldenRequests) {
         Listener slave(kSlave);
         slave.hex(at(1s), frame);
@@ -73,7 +73,7 @@ TEST(RtuFramer, AMasterMeasuresResponsesOnly) {
         << "the silence ends it, also at another length";
 }
 
-TEST(RtuFramer, EndsByTheSilenceWhatTellsNoLength) {
+TEST(RtuFramer, EndsFramesOfUnknownLengthByTheSilence) {
     const auto frame = with_crc("01 63 AA BB CC");
     Listener slave(kSlave);
     slave.hex(at(1s), frame);
@@ -87,7 +87,7 @@ TEST(RtuFramer, EndsByTheSilenceWhatTellsNoLength) {
 }
 
 // Hostile-inputs 41: the decoder refuses it then, with exception 3.
-TEST(RtuFramer, TellsAGoodChecksumAtAWrongLengthAfterTheSilence) {
+TEST(RtuFramer, ReportsAGoodChecksumAtAWrongLengthAfterTheSilence) {
     for (const std::string_view body :
          {"01 03 00 00 00 01 00 00", "01 03 00 00 00", "01 10 00 00 00 01 04 00 00"}) {
         Listener slave(kSlave);
@@ -100,7 +100,7 @@ TEST(RtuFramer, TellsAGoodChecksumAtAWrongLengthAfterTheSilence) {
 }
 
 // Hostile-inputs 35, 36.
-TEST(RtuFramer, TellsFaultsAtTheSilenceAndGoesOn) {
+TEST(RtuFramer, ReportsFaultsAtTheSilenceAndGoesOn) {
     struct Row {
         std::string bytes;
         std::string_view fault;
@@ -120,7 +120,7 @@ TEST(RtuFramer, TellsFaultsAtTheSilenceAndGoesOn) {
     }
 }
 
-TEST(RtuFramer, TellsOnceThatThereIsNoEnd) {
+TEST(RtuFramer, ReportsAMissingEndOnce) {
     Listener slave(kSlave);
     const ByteVector noise(1000, 0x55);
     for (int i = 0; i < 1000; ++i) slave.bytes(at(1s + i * 1ms), noise);
@@ -222,7 +222,7 @@ TEST(RtuFramer, IsNotDeafForOtherUnitsTraffic) {
     }
 }
 
-TEST(RtuFramer, HearsTheNextRequestWhileAnotherUnitIsDead) {
+TEST(RtuFramer, ReceivesTheNextRequestWhileAnotherUnitIsDead) {
     Listener slave(kSlave);
     slave.own_units_up_to(1);
     Instant t = at(1s);

@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 constexpr FramerConfig kTcp{.framing = Framing::tcp};
 constexpr Instant kNow = Instant{} + 1s;
 
-TEST(TcpFramer, TellsTheGoldenFramesInOnePiece) {
+TEST(TcpFramer, ReportsTheGoldenFramesInOnePiece) {
     Listener server(kTcp);
     server.hex(kNow, "0001 0000 0006 11 03 006B 0003");
     EXPECT_EQ(server.reports(), Reports{"11: 03 00 6B 00 03"});

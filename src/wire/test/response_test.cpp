@@ -10,7 +10,7 @@ namespace {
 const Request kReadThree = ReadRequest{Function::read_holding_registers, {0x6B}, 3};
 const Request kReadCoils = ReadRequest{Function::read_coils, {0x13}, 19};
 
-TEST(DecodeResponse, TellsWhatDoesNotAnswerTheRequest) {
+TEST(DecodeResponse, RejectsResponsesToOtherRequests) {
     struct Row {
         Request request;
         std::string_view answer;

@@ -365,7 +365,7 @@ TEST(Judge, NamesWhatABadHistoryBreaks) {
     }
 }
 
-TEST(Judge, ARunThatDoesNotGoOnIsToldOnce) {
+TEST(Judge, ARunThatDoesNotGoOnIsReportedOnce) {
     judge::Complaints complaints;
     judge::Limits limits(complaints);
     for (std::uint64_t i = 0; i < 3 * judge::Limits::kMostSteps; ++i)
@@ -377,7 +377,7 @@ TEST(Judge, ARunThatDoesNotGoOnIsToldOnce) {
     EXPECT_EQ(complaints.all()[0].invariant, "reachable");
 }
 
-TEST(Judge, MemoryThatGrowsIsTold) {
+TEST(Judge, MemoryThatGrowsIsReported) {
     judge::Complaints complaints;
     judge::Limits limits(complaints);
     EXPECT_FALSE(limits.step(Instant{} + 119s));
