@@ -28,7 +28,7 @@ double micro(Clock::duration time) {
     return std::chrono::duration<double, std::micro>(time).count();
 }
 
-/// One client: numbers its requests, and looks at the answers in their order.
+/// One client: numbers its requests, and checks the answers in their order.
 class Client {
 public:
     Client(std::uint16_t port, const Exchange& exchange, bool checked)

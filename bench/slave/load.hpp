@@ -47,7 +47,7 @@ struct Load {
 
 /// `connections` clients with `window` requests in flight each, for that long. A client that has got answers
 /// sends as many new requests in one piece.
-/// @param checked  false for the echo: only the number of bytes is looked at
+/// @param checked  false for the echo: only the number of bytes is checked
 Load flood(std::uint16_t port, const Exchange& exchange, std::size_t connections, std::size_t window,
            std::chrono::milliseconds length, bool checked);
 

@@ -1,4 +1,4 @@
-// The progress of a long command on standard error: a bar on a terminal, else a line now and then.
+// The progress of a long command on standard error: a bar on a terminal, else a line every ten seconds.
 #pragma once
 
 #include <cstddef>

@@ -4,8 +4,7 @@
 //   1. the separator given in the options;
 //   2. a first line "sep=;", as spreadsheets write and read it;
 //   3. the separator of `;`, `,`, tab with which most headings are known; among equals the one that occurs
-//   first
-//      outside quotes in the first line.
+//      first outside quotes in the first line.
 // A separator other than the comma also makes the comma the decimal sign.
 #include "csv.hpp"
 

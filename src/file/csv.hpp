@@ -19,9 +19,8 @@ struct Contents {
 
 /// Reads a table as a list of mappings, one per row. Keys are those of a variable, located at their heading.
 /// Values are in the words of the project file. An empty cell gives no key; a row of empty cells gives no
-/// mapping. Damaged rows are reported and omitted. Each unknown column is reported
-/// once; its cells are appended to the comments. Every
-/// node reduces `nodes_left`.
+/// mapping. Damaged rows are reported and omitted. Each unknown column is reported once; its cells are
+/// appended to the comments. Every node reduces `nodes_left`.
 ///
 /// Node::quoted only states that the cell is quoted. Spreadsheets quote at will, so a quoted cell may
 /// be a number and an unquoted one text.

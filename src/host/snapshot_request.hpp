@@ -23,8 +23,7 @@ struct SnapshotBuffer {
 /// Memory for a snapshot of `configuration`, so that filling it allocates nothing.
 /// @param endpoints  HostLink::endpoint_names()
 /// @param more       elements for lists whose lengths only the host knows: requests of a line beyond those of
-/// its
-///                   plan, learnt ranges of a device
+///                   its plan, learnt ranges of a device
 [[nodiscard]] std::shared_ptr<SnapshotBuffer> make_snapshot_buffer(const ConfigurationPtr& configuration,
                                                                    EndpointNames endpoints,
                                                                    const SnapshotParts& parts,

@@ -2,8 +2,7 @@
 //   - a rule matches by peer, unit, function and area; a rule with items decides only those items, and the
 //     remaining ones go on to the next rule;
 //   - a request is allowed if each of its items is, for each unit that executes it; items that no rule
-//   decides
-//     are denied;
+//     decides are denied;
 //   - a request without items (function 8, for example) skips the rules that name an area;
 //   - a request whose items only the device knows (an undefined function) counts as a write of every item;
 //   - each rule with a rate that decided some item has a token bucket per peer. The request needs a token of

@@ -46,7 +46,7 @@ constexpr std::int64_t wrapped_sum(std::int64_t a, std::int64_t b) {
 constexpr std::int64_t milliseconds(std::int64_t ns) {
     return ns / 1'000'000 - (ns % 1'000'000 < 0 ? 1 : 0);
 }
-/// Modulo 2^64: bytes that nobody wrote may hold any number.
+/// Modulo 2^64: damaged bytes may hold any number.
 constexpr std::int64_t nanoseconds(std::int64_t ms) {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(ms) * 1'000'000U);
 }

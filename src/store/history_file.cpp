@@ -21,7 +21,7 @@ constexpr std::string_view kMark("SQLite format 3\0", 16);
 constexpr std::size_t kPageBytes = 4096;  // of SQLite by default
 
 // FULL: each commit synchronises the write-ahead log. With NORMAL a power cut could undo commits whose
-// samples the journal has already been told to forget. Freed pages are used again; the file does not shrink.
+// samples that the journal has already dropped. Freed pages are used again; the file does not shrink.
 constexpr const char* kSettings =
     "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA cell_size_check = ON;"
     "PRAGMA journal_size_limit = 67108864";

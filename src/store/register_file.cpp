@@ -1,7 +1,6 @@
 // File format: one description page, then two copies of the image in whole pages. Numbers are little-endian.
 //   description: "TaktRegs", version (2), unit (1), 0, ranges (2), 0 (2), image bytes (4); for each range
-//   area
-//                (1), bits (1), first (2), last (2); CRC-32C of all the above (4)
+//                area (1), bits (1), first (2), last (2); CRC-32C of all the above (4)
 //   copy:        "TaktCopy", sequence (8), CRC-32C of the description (4), image bytes (4), CRC-32C of the
 //                preceding header bytes and the image (4); the image
 // A new file has both copies, with the sequences 1 and 0. So a copy of zeros has lost its contents.

@@ -118,7 +118,7 @@ void LiveHub::work() {
     }
 }
 
-// Without streams the session is closed: nothing is kept that nobody reads. @returns false at the end
+// Without streams the session is closed, so no events are queued without a reader. @returns false at the end
 bool LiveHub::wait_for_stream() {
     std::unique_lock lock(shared_->mutex);
     if (shared_->count() == 0 && !shared_->ended) {

@@ -25,7 +25,7 @@ public:
 
 private:
     enum class End : std::uint8_t { kill, power_cut, orderly };
-    /// Something that happens now and then until the quiet time.
+    /// An event that repeats at random intervals until the quiet time.
     struct Timer {
         Duration mean;
         Instant next;

@@ -264,7 +264,7 @@ def test_a_client_that_is_cut_off_takes_its_request_with_it(gateway, pair):
         ask(going, 1, bytes([6, 0, 5, 0, 1]))
         going.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))  # close() resets
         going.close()
-        with socket.create_connection(("127.0.0.1", port)) as probe:  # what came before it was looked at
+        with socket.create_connection(("127.0.0.1", port)) as probe:  # all earlier bytes were processed
             ask(probe, 2, read(2, 0))
             assert receive(probe)[2] == bytes([3, 2, 0, 0])
         bus.gate.set()

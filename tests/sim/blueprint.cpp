@@ -195,7 +195,7 @@ std::string block(const Keys& keys, const std::string& indent) {
     return text;
 }
 
-/// The first key of a list item stands behind its dash.
+/// The first key of a list item is behind its dash.
 std::string item(const Keys& keys, const std::string& indent) {
     std::string text = block(keys, indent + "  ");
     text[indent.size()] = '-';

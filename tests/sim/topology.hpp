@@ -9,7 +9,7 @@
 
 namespace takt::simtest {
 
-/// A project with its text, so that a run can be looked at and run again by hand.
+/// A project with its text, so that a run can be inspected and repeated by hand.
 struct Topology {
     std::string text;
     model::Project project;

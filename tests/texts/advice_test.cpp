@@ -13,7 +13,7 @@ namespace {
 
 using model::Severity;
 
-/// Where the text of a case stands in a project.
+/// The part of a project that has the text of a case.
 enum class At { project, line, device, variable, local, server, unit, served, instrument, output };
 
 struct Case {

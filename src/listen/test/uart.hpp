@@ -133,8 +133,7 @@ private:
 class Uart {
 public:
     /// @param resynchronises  a stop bit that is zero counts as the next start bit, as in a 16550; else the
-    /// next
-    ///                        falling edge begins a character
+    ///                        next falling edge begins a character
     Uart(Signal& signal, double start, bool resynchronises)
         : signal_(signal), t_(start), resynchronises_(resynchronises) {}
 

@@ -1,4 +1,4 @@
-// Modbus TCP: several requests under way at once.
+// Modbus TCP: several requests in flight at once.
 #include <gtest/gtest.h>
 
 #include <set>

@@ -501,7 +501,7 @@ TEST(Polling, ATriggerReadsOnceBeforeThePolling) {
     bench.run_until(1020ms);
     const auto news = bench.news();
     ASSERT_GE(news.size(), 2U);
-    EXPECT_TRUE(news[0].unit == 2 || news[1].unit == 2);  // at most what was under way goes before
+    EXPECT_TRUE(news[0].unit == 2 || news[1].unit == 2);  // at most the one in flight goes before
     ASSERT_TRUE(bench.set("go", true));                   // no edge
     bench.run_until(2s);
     ASSERT_TRUE(bench.set("go", false));

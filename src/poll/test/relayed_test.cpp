@@ -305,7 +305,7 @@ TEST(Relayed, ADeadUnitIsReportedAndPollingGoesOn) {
 
 TEST(Relayed, WhatWasNotSentWhenTheLinkWentAwaySaysSo) {
     Bench bench(shared(busy_devices(1)));
-    bench.run_until(1ms);  // a poll is under way
+    bench.run_until(1ms);  // a poll is in flight
     ASSERT_TRUE(bench.master.line(0).relay(bench.now, read(1)));
     bench.link(false);
     ASSERT_EQ(bench.relayed.size(), 1u);

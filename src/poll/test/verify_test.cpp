@@ -187,7 +187,7 @@ TEST(Verify, AValueSetMeanwhileIsComparedWithTheNextWriteNotWithThisOne) {
     Bench bench(project({device(1, {int16("v", 0).read(3).write(0x10).on_change().verified().every(1h)})}));
     bench.run_until(50ms);
     ASSERT_TRUE(bench.write(1, "v", number(1)));
-    bench.run_until(53ms);  // under way
+    bench.run_until(53ms);  // in flight
     ASSERT_TRUE(bench.write(2, "v", number(2)));
     bench.run_until(300ms);
     ASSERT_EQ(bench.outcomes.size(), 2U);

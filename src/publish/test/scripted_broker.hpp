@@ -1,4 +1,4 @@
-// A broker that answers each connection with given bytes, whatever it receives.
+// A broker that answers each connection with given bytes, and ignores the contents of requests.
 #pragma once
 
 #include <sys/socket.h>

@@ -72,8 +72,7 @@ struct Session {
                 const value::Slot& slot = master.store()[*master.store().find(variable.name)];
                 if (!slot.good_at || slot.quality != value::Quality::good) continue;
                 const auto shown = std::get<std::uint64_t>(slot.value);
-                bool held =
-                    false;  // the answer may be long under way, or have waited in a computer that stood still
+                bool held = false;  // the answer may have been delayed, or have waited in a stopped computer
                 for (Duration back{}; back <= 8s; back += 500ms)
                     held = held || shown == Labels::of(device.address.value, variable.register_number,
                                                        *slot.good_at - back);

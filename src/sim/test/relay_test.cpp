@@ -67,7 +67,7 @@ model::Project project(wire::Framing framing) {
 /// Asks for one register after another, whenever the last answer came.
 class Client {
 public:
-    /// @param units  that it asks, in turn; none: the devices, and now and then a unit that is not there
+    /// @param units  that it asks, in turn; none: the devices, and sometimes a unit that does not exist
     Client(serve::Responder& responder, int number, std::vector<std::uint8_t> units = {})
         : random_(static_cast<std::uint64_t>(number) + 1),
           units_(std::move(units)),

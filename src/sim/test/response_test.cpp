@@ -81,7 +81,7 @@ struct Session {
     Record record;
 };
 
-// B is what R is above the write's own transaction: the longest of what may be under way.
+// B is what R is above the write's own transaction: the longest transaction that may be in flight.
 TEST(Response, AWriteWaitsForOneTransactionAtMostAsLongAsProved) {
     auto short_one = device(1, 2, 0ms);
     auto long_one = device(2, 60, 0ms);

@@ -175,7 +175,7 @@ void JournalJudge::note_state(std::uint16_t cause) {
 void JournalJudge::on_sync(std::uint64_t segment, int error) {
     complaints_.trace(clock_.now, [&] { return "disk: sync " + std::to_string(segment) + failed(error); });
     if (error != 0) {
-        // The system may have dropped these pages, although they can still be read: nobody can tell.
+        // The system may have dropped these pages, although they can still be read.
         for (std::size_t i = durable_sequence_; i < entries_.size(); ++i)
             if (entries_[i].segment == segment) entries_[i].doubtful = true;
         return note_state(error == ENOSPC ? kDiskFull : kDiskFailed);

@@ -66,7 +66,7 @@ struct FoundFrame {
     ByteVector pdu;
 };
 
-/// All responses in the bytes of an RTU or ASCII line, whatever is between them.
+/// All responses in the bytes of an RTU or ASCII line. Other bytes between them are skipped.
 /// @param parsed  bytes from there on may be the beginning of a frame
 [[nodiscard]] std::vector<FoundFrame> find_frames(wire::Framing framing, std::span<const std::uint8_t> bytes,
                                                   std::size_t& parsed);

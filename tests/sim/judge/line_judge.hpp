@@ -149,11 +149,11 @@ private:
         bool exchanged = false;            // the edge may be served by the 0x17 that it causes too
         // writing
         std::vector<VariableNumber> members;
-        std::optional<Instant> set_since;        // by a change, not under way since
+        std::optional<Instant> set_since;        // by a change, not sent since
         std::optional<Instant> triggered_since;  // likewise, by its trigger
         bool may_be_triggered = false;           // while its device counts as dead, but may have answered
-        std::set<VariableNumber> set_bits;       // of a register, that were set and are not under way since
-        std::set<VariableNumber> taken_bits;     // those that the write under way takes with it
+        std::set<VariableNumber> set_bits;       // of a register, that were set and not sent since
+        std::set<VariableNumber> taken_bits;     // those that the write in flight has
         std::set<VariableNumber> changed;        // what its last write certainly changed
         bool modifying = false;                  // its register was read, to be written back
         bool repeat = false;                     // it may be sent again
@@ -172,7 +172,7 @@ private:
         VariableNumber variable = 0;
         Instant t;
         unsigned sends = 0;
-        bool waits = true;       // not under way
+        bool waits = true;       // not in flight
         bool modifying = false;  // its register is being read, or was
         bool carried = false;    // its value was sent with a request for something else
         bool repeat = false;

@@ -18,8 +18,7 @@ namespace takt::firmware {
 /// @param request   one frame, from the unit address to the CRC, any length
 /// @param response  buffer for the answer, wire::kMaxRtuFrame bytes; may be the buffer of the request
 /// @returns bytes of the response; 0: nothing is to be sent (a bad CRC, another unit's request, a broadcast,
-/// listen-only
-///          mode, an answer that was left pending)
+///          listen-only mode, an answer that was left pending)
 std::size_t process(serve::Server& server, Bytes request, std::span<std::uint8_t> response);
 
 /// The storage of the four banks, addresses from 0 on.

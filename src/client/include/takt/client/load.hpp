@@ -92,8 +92,7 @@ public:
 
     /// Opens all connections, within the time-out. Call once.
     /// @returns what client::connect() returns; unsupported ("connections", "in_flight") on a line that
-    /// allows
-    ///          one
+    ///          allows one
     [[nodiscard]] Result<void> connect(const OpenLine& open = line::open_line);
 
     /// Measures until the time or the count is reached, or the loop is stopped. Requests in flight are waited

@@ -35,8 +35,7 @@ using Execute = std::function<Result<void>(const std::string& line, const Reply&
 [[nodiscard]] Answer quit_answer();
 
 /// Executes lines of text; empty lines are ignored. Errors are answered. The answer to a line that begins
-/// with
-/// `--json` is one line of JSON.
+/// with `--json` is one line of JSON.
 class CommandReader {
 public:
     CommandReader(Execute execute, const Texts& texts) : execute_(std::move(execute)), texts_(texts) {}

@@ -21,7 +21,7 @@ public:
     Keyboard(const Keyboard&) = delete;
     Keyboard& operator=(const Keyboard&) = delete;
 
-    /// Takes the terminal again after the program was in the background. To be called now and then.
+    /// Takes the terminal again after the program was in the background. To be called repeatedly.
     void renew();
 
 private:

@@ -24,8 +24,8 @@ struct AuditedRequest {
 ///
 /// A write to items of an own unit is recorded by the unit's hooks, with old and new values. All other writes
 /// (relayed ones, files, diagnostics) are recorded from the request. A write whose answer is pending is
-/// recorded when it is answered, because only then its outcome is known. If the client of an own unit goes
-/// first, the write is recorded as done, for it may have been.
+/// recorded when it is answered, because only then its outcome is known. If the client of an own unit
+/// disconnects before that, the write is recorded as done, because it may have been executed.
 ///
 /// A relayed write has an outcome (AuditRecord::Outcome). A broadcast of a serial master is recorded for each
 /// own unit, as a write or with the exception of the unit, and for the line behind the server. A request that

@@ -53,10 +53,10 @@ public:
     void after_line_event(Instant t);
     /// Takes the transaction in flight back from the line if it was not sent yet. Its requests wait again.
     void withdraw();
-    /// Takes the last outcome from the line, and back what it did not send: nothing of the gateway is there
-    /// any more. The line has no relayed transaction in flight.
+    /// Takes the last outcome from the line, and takes back a transaction that was not sent. After it the
+    /// line has no transaction of the gateway. Only while no relayed transaction is in flight.
     void take_back();
-    /// Moves all there is to move, and delivers.
+    /// Moves all requests and outcomes that can be moved, and delivers the answers.
     void work(Instant t);
     /// When work() is due; `t` or earlier: at once.
     [[nodiscard]] Instant next_wakeup(Instant t) const;

@@ -23,8 +23,7 @@ namespace takt::endpoint {
 ///   2. the path of the request: the own unit that is addressed; else the route of the unit; else none. A
 ///      broadcast of a serial line goes to all own units, and along the route of unit 0;
 ///   3. access rules, for every unit at the end of the path: behind a route the unit on the line, and all
-///   units
-///      of the line for a broadcast. A request that is not allowed ends here;
+///      units of the line for a broadcast. A request that is not allowed ends here;
 ///   4. the own units, with the hooks of their UnitHookChain, or the line; without a path exception 0x0A;
 ///   5. the audit log, with what became of the request.
 /// An answer that step 4 put off is given by pending(), and then passes step 5.

@@ -20,8 +20,7 @@ namespace takt::file {
 /// The document of such an object. Booleans and numbers become their texts. kOriginKey stays an entry of its
 /// mapping; without_origins() removes it.
 /// @param original  the root of the file. A node that comes from it has its location, and its quotes while
-/// the
-///                  text is the same; other nodes have the location of what they are in. nullptr: none
+///                  the text is the same; other nodes have the location of what they are in. nullptr: none
 /// @returns malformed (subject: the path), too_long (subject: the path; beyond the limits of files)
 [[nodiscard]] Result<model::Node> document_of(const Json& json, const model::Node* original);
 

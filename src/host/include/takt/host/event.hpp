@@ -30,7 +30,7 @@ struct RequestKey {
     friend bool operator==(const RequestKey&, const RequestKey&) = default;
 };
 
-/// Value, quality or reason of a slot became another.
+/// The value, quality or reason of a slot changed.
 struct ValueChanged {
     value::SlotId slot;
     value::Value value;
@@ -47,14 +47,14 @@ struct DeviceStateChanged {
     poll::DeviceState state = poll::DeviceState::unknown;
 };
 
-/// The port was opened or the connection made, or it was lost or could not be had.
+/// A port or a connection was opened, was lost, or could not be opened.
 struct LinkChanged {
     std::size_t line = 0;
     bool up = false;
     std::optional<Error> why;  ///< of a link that is down
 };
 
-/// The real period of a request became longer than the set one, or holds it again.
+/// The real period of a request became longer than the configured one, or keeps to it again.
 struct PeriodOverrun {
     RequestKey request;
     Duration period{};

@@ -40,7 +40,7 @@ struct HostOptions {
 
 /// Runs a project on an I/O thread of its own, which opens its lines and servers, polls and writes.
 ///
-/// Threads: every member may be called from any thread, but for the destructor. Nothing that a session does
+/// Threads: every member except the destructor may be called from any thread. Nothing that a session does
 /// or leaves undone can hold up the I/O thread. In steady state (polling and publishing: no command, no
 /// apply(), no client whose answer must wait) it allocates nothing, and takes only the mutex of its loop's
 /// task queue, which other threads hold to enqueue a task. Exception: with `retain` it enqueues the values

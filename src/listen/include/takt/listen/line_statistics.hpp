@@ -1,4 +1,4 @@
-// What was heard on a line: devices, their response times, the requests they are polled with, the masters.
+// Statistics of a line: devices, their response times, the requests they are polled with, the masters.
 #pragma once
 
 #include <array>

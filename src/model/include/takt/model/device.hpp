@@ -65,7 +65,7 @@ struct Learnt {
 /// The response times of a device, measured over all runs (docs/planning.md, "Measured response times"). Zero
 /// without exchanges.
 struct MeasuredTimes {
-    /// So few exchanges tell too little: neither the plan nor a time-out follows from them.
+    /// Fewer exchanges are too few: neither the plan nor a time-out follows from them.
     static constexpr std::uint64_t kEnough = 100;
 
     std::uint64_t exchanges = 0;  ///< responses within the time-out

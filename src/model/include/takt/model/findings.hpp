@@ -13,8 +13,8 @@
 
 namespace takt::model {
 
-/// A note says what is not known or not limited; the project is as its author wants it. A warning says what
-/// will not work as written. With an error the project is not planned and not run.
+/// A note reports what is not known or not limited; the project is as its author wants it. A warning reports
+/// what will not work as written. With an error the project is not planned and not run.
 enum class Severity : std::uint8_t { note, warning, error };
 
 /// One finding. `code` is stable ("field.out_of_range"), the key of its message and, with ".advice", of its

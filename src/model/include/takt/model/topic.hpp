@@ -16,7 +16,8 @@ enum class TopicPart : std::uint8_t { output, line, device, variable };
 /// The names of the placeholders, in the order of TopicPart.
 [[nodiscard]] std::span<const std::string_view> topic_parts();
 
-/// `{line}` and `{device}` of a local. A device of this name is told apart by the check for equal topics.
+/// `{line}` and `{device}` of a local. The check for equal topics finds a conflict with a device of this
+/// name.
 inline constexpr std::string_view kLocalsInTopics = "locals";
 
 /// The texts of the placeholders.

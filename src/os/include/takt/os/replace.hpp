@@ -35,8 +35,8 @@ public:
     /// Creates the temporary file. A symbolic link at `path` stays; its target is replaced. A
     /// link of another user than this one and root is refused.
     /// @returns cannot_open (path, system's error number: EEXIST, EISDIR, ELOOP), unsupported (path: not a
-    /// regular
-    ///          file; or the temporary file: not ours), busy (the temporary file is locked), io_failed
+    ///          regular file; or the temporary file: not ours), busy (the temporary file is locked),
+    ///          io_failed
     [[nodiscard]] static Result<FileReplacement> begin(const std::string& path, const Options& options);
 
     ~FileReplacement();

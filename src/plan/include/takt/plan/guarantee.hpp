@@ -90,9 +90,8 @@ enum class Scope : std::uint8_t {
 
 /// The guarantees of each line, in order. If a device tries gaps (gaps: learn), each bound is the larger one
 /// of this plan and of the plan without confirmed gaps, whose requests are matched by the values that they
-/// read.
-/// When the analyses of many lines near full load have taken a second or so, the bounds of further lines may
-/// be the larger ones of Effort::most (LineGuarantee::exact).
+/// read. When the analyses of many lines near full load have taken a second or so, the bounds of further
+/// lines may be the larger ones of Effort::most (LineGuarantee::exact).
 /// @param plan  of that project, made with those options
 [[nodiscard]] std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& plan,
                                                    const Options& options = {},

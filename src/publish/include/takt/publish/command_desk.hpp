@@ -44,8 +44,7 @@ struct CommandCounters {
 ///     is not executed again, within CommandMemory::kMost accepted commands.
 ///   - Retained commands, commands of an earlier connection, and expired ones are not executed.
 ///   - Each command has a line in the audit log. Lines that could not be written are counted; the next one
-///   that
-///     can be written is preceded by their number.
+///     that can be written is preceded by their number.
 ///   - Answers wait for the connection: at most kMostAnswers, the oldest are dropped and counted.
 ///
 /// No clock, thread or socket. After each call the owner submits next_command() to the host until there is

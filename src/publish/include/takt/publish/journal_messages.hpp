@@ -29,7 +29,7 @@ struct StreamPlace {
 };
 
 /// Makes messages of samples and gaps. With the same limits the same record gives the same messages in the
-/// same order, whatever is repeated.
+/// same order. StreamPlace::repeated changes only the marks of the messages.
 class MessageComposer {
 public:
     virtual ~MessageComposer() = default;

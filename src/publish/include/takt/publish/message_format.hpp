@@ -16,7 +16,7 @@ namespace takt::publish {
 struct PlacedSample {
     const Series* series = nullptr;
     const Sample* sample = nullptr;
-    std::uint64_t number = 0;  ///< from 1 on, without holes but for gaps
+    std::uint64_t number = 0;  ///< from 1 on; missing numbers are those of a gap
 };
 
 /// Samples that are missing, in their place in the stream.

@@ -1,4 +1,4 @@
-// What moves the packets of an MQTT session.
+// The interface of the transport of an MQTT session.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
-// The port between the MQTT session engine and what moves its packets: a library on a real network, or a
-// simulated broker. Plain values; no socket, thread or clock.
+// The port between the MQTT session engine and its transport: a library on a real network, or a simulated
+// broker. Plain values; no socket, thread or clock.
 #pragma once
 
 #include <chrono>
@@ -136,7 +136,7 @@ struct MqttConnected {
 enum class MqttFailureKind : std::uint8_t {
     none,                ///< MqttDisconnect ended it
     dns,                 ///< the host name has no address, or no name server answered
-    refused,             ///< nobody listens on the port
+    refused,             ///< no program listens on the port
     unreachable,         ///< no route, network or host down
     timed_out,           ///< no answer: to the connection, CONNECT, a ping or a message
     lost,                ///< reset or closed without a reason

@@ -63,7 +63,7 @@ public:
     void stop() { stopping_ = true; }
     /// After stop(): close() is to be called.
     [[nodiscard]] bool finished(Instant now) const;
-    /// Writes what is left. The last call but for status().
+    /// Writes what is left. After it only status() may be called.
     void close(Instant now);
 
     [[nodiscard]] OutputStatus status() const;

@@ -14,7 +14,7 @@
 namespace takt::publish {
 
 /// Samples of an output. sampled = delivered + waiting + dropped at all times, also over restarts: samples
-/// that were not durable at a crash are in none of these counts, the gap `restart` stands for them.
+/// that were not durable at a crash are in none of these counts; the gap `restart` covers them.
 struct OutputSamples {
     std::uint64_t sampled = 0;    ///< since the journal was created
     std::uint64_t delivered = 0;  ///< acknowledged by the destination

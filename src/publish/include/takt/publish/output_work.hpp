@@ -19,7 +19,8 @@ public:
     /// @param journal  open; outlives the work
     virtual void begin(Instant now, store::Journal& journal, store::DestinationId destination) = 0;
 
-    /// Called when records became durable, when a descriptor is readable, at next_wakeup(), and now and then.
+    /// Called when records became durable, when a descriptor is readable, and at next_wakeup(). May be called
+    /// at other times too.
     virtual void work(Instant now) = 0;
     [[nodiscard]] virtual Instant next_wakeup() const = 0;
     /// Called after work(): whether the destination may have lost the values that it keeps. They are then
@@ -37,7 +38,7 @@ public:
     virtual void stop(Instant now) = 0;
     [[nodiscard]] virtual bool stopped() const = 0;
 
-    /// Adds state, destination, failure and what else it knows.
+    /// Adds state, destination, failure and the counts of this kind of output.
     virtual void report(Instant now, OutputStatus& status) const = 0;
 };
 

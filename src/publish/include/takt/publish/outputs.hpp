@@ -30,7 +30,7 @@ struct OutputSetup {
 
 /// Samples the values of a host for all outputs, until it is stopped.
 ///
-/// Threads: all members may be called from any thread, but for the destructor. Nothing here holds up the
+/// Threads: all members except the destructor may be called from any thread. Nothing here holds up the
 /// host: events that are not read in time are counted as lost, in the stream of every output.
 class Outputs final : private SamplerOwner {
 public:

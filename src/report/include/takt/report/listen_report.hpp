@@ -1,4 +1,4 @@
-// What was heard on a line: exchanges as lines of text and JSON, the summary, the project.
+// Reports of a line that is listened to: exchanges as lines of text and JSON, the summary, the project.
 #pragma once
 
 #include <optional>

@@ -10,8 +10,8 @@
 
 namespace takt::report {
 
-/// How much is done, of how much, in the same unit; `total` may grow. 0, without
-/// `requests`: unknown, no share is shown.
+/// How much is done, of how much, in the same unit; `total` may grow. 0, without `requests`: unknown, no
+/// share is shown.
 struct Done {
     std::size_t done = 0;
     std::size_t total = 0;

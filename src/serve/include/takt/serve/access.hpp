@@ -93,8 +93,7 @@ public:
     static constexpr std::size_t kMaxRules = 256;
 
     /// @param buckets  storage for rate-limited peers, one for each rule with a rate. If there are more
-    /// peers,
-    ///                 the one that was silent longest loses its bucket and starts with a full one
+    ///                 peers, the one that was silent longest loses its bucket and starts with a full one
     explicit AccessControl(std::span<RateBucket> buckets) : buckets_(buckets) {}
 
     /// Without rules everything is allowed. Resets all buckets.

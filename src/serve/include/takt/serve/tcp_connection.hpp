@@ -59,9 +59,8 @@ protected:
 /// Memory is bounded: kInput unprocessed bytes and kOutput bytes of answers. The driver
 ///   - reads at most wants_bytes() bytes at a time and passes them to on_bytes(); 0: the peer must wait;
 ///   - calls transmit() again only after the previous bytes are written. A peer that does not read is
-///   therefore
-///     not read either, and idle_deadline ends it. on_tick() may be called meanwhile, if the driver keeps its
-///     own copy of the unwritten bytes;
+///     therefore not read either, and idle_deadline ends it. on_tick() may be called meanwhile, if the driver
+///     keeps its own copy of the unwritten bytes;
 ///   - closes the connection when close_reason() is not none, after sending the rest of transmit().
 ///
 /// Never allocates: the buffers are lent from the first byte of a request until transmit() returns nothing.

@@ -33,8 +33,7 @@ public:
 
 /// Opens an existing file and locks it against other programs for as long as it is open.
 /// @returns not_found (path), busy (another program has it open), unsupported (path: not a regular file; it
-/// is
-///          not opened), cannot_open (path, system's error number)
+///          is not opened), cannot_open (path, system's error number)
 [[nodiscard]] Result<std::unique_ptr<BlockFile>> open_block_file(const std::string& path);
 
 /// A new file of zeros with reserved disk space. publish() gives it its path; before that it has a temporary

@@ -159,8 +159,7 @@ public:
     /// Makes a destination read again from `sequence` on, or from the oldest record if that is gone. Its
     /// counters go back too. Durable after close(), or with the next sync of the cursor.
     /// @returns the samples that wait now and did not before; 0: the destination is not past `sequence`,
-    /// nothing
-    ///          was changed. The errors of the storage
+    ///          nothing was changed. The errors of the storage
     Result<std::uint64_t> go_back(Instant now, DestinationId destination, std::uint64_t sequence);
     /// Reads from `sequence` on, or from the oldest record if that is gone. Independent of all cursors; the
     /// journal must outlive the stream.

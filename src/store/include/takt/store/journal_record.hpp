@@ -51,7 +51,7 @@ struct Gap {
     std::uint64_t first_sequence = 0;  ///< the gap replaces these records; a gap that was written as a record
     std::uint64_t last_sequence = 0;   ///< replaces only itself
     /// For a gap that was written: of the oldest missing sample. For quota and damaged: of the record before
-    /// the gap, or of the one after it if that is older. Not after `last_wall_ns`, but for a restart.
+    /// the gap, or of the one after it if that is older. Not after `last_wall_ns`, except of a restart.
     std::int64_t first_wall_ns = 0;
     std::int64_t last_wall_ns = 0;  ///< of the newest missing sample; quota and damaged: of the record after
 

@@ -81,8 +81,7 @@ public:
     /// place (its newest copy has another header). Nothing is written if a restart would surely find this
     /// image.
     /// @returns io_failed, replaced: image() is unchanged; until the next successful commit() it is unknown
-    /// which image
-    ///          a restart finds
+    ///          which image a restart finds
     [[nodiscard]] Result<void> commit(Bytes image);
 
     [[nodiscard]] const Counters& counters() const { return counters_; }

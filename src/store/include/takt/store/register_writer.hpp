@@ -24,7 +24,7 @@ enum class Durability : std::uint8_t {
 ///
 /// change() never waits for the disk: the thread takes all that came meanwhile as one commit, so many writers
 /// share a synchronisation. With Durability::acknowledged a commit that fails stops the thread until
-/// roll_back(); else it is tried again each second. All but the thread's own: one thread, that of the owner.
+/// roll_back(); else it is tried again each second. All members are called by the owner's thread.
 class RegisterWriter {
 public:
     struct Options {
