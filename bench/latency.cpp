@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "arguments.hpp"
 #include "takt/capture/pcapng_format.hpp"
 #include "working_folder.hpp"
 
@@ -158,11 +159,9 @@ Run measure(const std::string& path) {
             static_cast<double>(used.ru_maxrss) / 1024};
 }
 
-int run(int argc, char** argv) {
-    const std::string folder = argc > 1 && argv[1][0] != '-' ? argv[1] : "/var/tmp";
-    const bool json = argc > 1 && std::string(argv[argc - 1]) == "--json";
-    catch_signals();
-    const WorkingFolder work(folder);
+int run(const Arguments& arguments) {
+    const bool json = arguments.json();
+    const WorkingFolder work(arguments.text("--directory", "/var/tmp"));
     std::string objects;
     if (!json)
         fmt::print("{:>12} {:>9} {:>9} {:>9} {:>13}\n", "packets", "file, MB", "wall, s", "CPU, s",
@@ -190,11 +189,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace takt::bench
 
-int main(int argc, char** argv) {
-    try {
-        return takt::bench::run(argc, argv);
-    } catch (const std::exception& failure) {
-        fmt::print(stderr, "bench latency: {}\n", failure.what());
-        return 1;
-    }
+int main(int count, char** arguments) {
+    return takt::bench::run_benchmark(count, arguments, {{"--directory", "D"}}, takt::bench::run);
 }

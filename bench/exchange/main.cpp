@@ -12,6 +12,7 @@
 #include <string>
 #include <thread>
 
+#include "../arguments.hpp"
 #include "../working_folder.hpp"
 #include "paired.hpp"
 #include "peers.hpp"
@@ -122,19 +123,9 @@ void stay_on_first_processor() {
     (void)::sched_setaffinity(0, sizeof first, &first);
 }
 
-int run(int argc, char** argv) {
-    std::size_t seconds = 60;  // of each condition
-    bool json = false;
-    for (int i = 1; i < argc; ++i) {
-        const std::string word = argv[i];
-        if (word == "--json")
-            json = true;
-        else if (word == "--seconds" && i + 1 < argc)
-            seconds = static_cast<std::size_t>(std::stoul(argv[++i]));
-        else
-            throw Failure("unknown argument `" + word + "`; allowed: --seconds N, --json");
-    }
-    catch_signals();
+int run(const Arguments& arguments) {
+    const bool json = arguments.json();
+    const auto seconds = arguments.number<std::size_t>("--seconds", 60, 1, 86'400);  // of each condition
     stay_on_first_processor();
     const std::size_t pairs = std::max<std::size_t>(2, seconds * 1000 / (2 * kBlock));
     if (!json)
@@ -157,11 +148,6 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace takt::bench
 
-int main(int argc, char** argv) {
-    try {
-        return takt::bench::run(argc, argv);
-    } catch (const std::exception& failure) {
-        fmt::print(stderr, "bench exchange: {}\n", failure.what());
-        return 1;
-    }
+int main(int count, char** arguments) {
+    return takt::bench::run_benchmark(count, arguments, {{"--seconds", "S"}}, takt::bench::run);
 }

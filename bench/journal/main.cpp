@@ -1,17 +1,16 @@
 // The journal of outputs: samples a second through it on one core, bytes of a sample, and the start with many
 // gigabytes in it.
-//
-// usage: takt_bench_journal [--rate N] [--seconds S] [--gigabytes N] [--runs N] [--directory D] [--json]
 // The exit code is 1 if a limit below is exceeded.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
+#include <cstdint>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "../arguments.hpp"
+#include "../working_folder.hpp"
 #include "size.hpp"
 #include "speed.hpp"
 #include "start.hpp"
@@ -22,11 +21,11 @@ using namespace takt::bench;
 
 constexpr double kMostSyncs = 10.5;  // a second; the last one comes at the end
 constexpr double kMostStart = 1;     // seconds
-constexpr double kGigabyte = 1e9;
+constexpr std::uint64_t kBytesOfGigabyte = 1'000'000'000;
 
 struct Options {
     SpeedOptions speed;
-    std::uint64_t bytes = 10'000'000'000;
+    std::uint64_t bytes = 10 * kBytesOfGigabyte;
     int runs = 3;
     std::string directory = "/var/tmp";
     bool json = false;
@@ -37,31 +36,16 @@ double median(std::vector<double> figures) {
     return figures.empty() ? 0 : figures[figures.size() / 2];
 }
 
-std::optional<Options> parse(int count, char** arguments) {
+Options options_of(const Arguments& arguments) {
     Options options;
-    for (int i = 1; i < count; ++i) {
-        const std::string argument = arguments[i];
-        if (argument == "--json") {
-            options.json = true;
-            continue;
-        }
-        if (i + 1 == count) return std::nullopt;
-        const char* const value = arguments[++i];
-        if (argument == "--rate")
-            options.speed.per_second =
-                std::clamp<std::size_t>(std::strtoul(value, nullptr, 10), 20, 10'000'000);
-        else if (argument == "--seconds")
-            options.speed.seconds = std::clamp(std::atoi(value), 1, 600);
-        else if (argument == "--gigabytes")
-            options.bytes =
-                std::clamp<std::uint64_t>(std::strtoul(value, nullptr, 10), 1, 1000) * 1'000'000'000;
-        else if (argument == "--runs")
-            options.runs = std::clamp(std::atoi(value), 1, 99);
-        else if (argument == "--directory")
-            options.directory = value;
-        else
-            return std::nullopt;
-    }
+    auto& speed = options.speed;
+    speed.per_second = arguments.number("--rate", speed.per_second, 20, 10'000'000);
+    speed.seconds = arguments.number("--seconds", speed.seconds, 1, 600);
+    options.bytes =
+        arguments.number("--gigabytes", options.bytes / kBytesOfGigabyte, 1, 1000) * kBytesOfGigabyte;
+    options.runs = arguments.number("--runs", options.runs, 1, 99);
+    options.directory = arguments.text("--directory", options.directory);
+    options.json = arguments.json();
     return options;
 }
 
@@ -136,33 +120,28 @@ bool report_start(const Options& options, const WorkingFolder& folder, nlohmann:
         fmt::print(
             "\nStart with {:.1f} GB in {} segments, {:.0f} million samples waiting: not cached {:.3f} s, "
             "cached {:.3f} s (medians of {})\n  filled in {:.0f} s\n",
-            static_cast<double>(measured.bytes) / kGigabyte, measured.segments,
+            static_cast<double>(measured.bytes) / kBytesOfGigabyte, measured.segments,
             static_cast<double>(measured.waiting) / 1e6, median(measured.cold), median(measured.warm),
             options.runs, measured.fill);
     return median(measured.cold) < kMostStart;
 }
 
+int run(const Arguments& arguments) {
+    const auto options = options_of(arguments);
+    const WorkingFolder folder(options.directory);
+    nlohmann::json report;
+    bool reached = measure_speed_runs(options, folder, report);
+    report_sizes(options.json, report);
+    reached = report_start(options, folder, report) && reached;
+    if (options.json) fmt::print("{}\n", nlohmann::json{{"journal", report}}.dump());
+    return reached ? 0 : 1;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
-    const auto options = parse(count, arguments);
-    if (!options) {
-        fmt::print(stderr,
-                   "usage: takt_bench_journal [--rate N] [--seconds S] [--gigabytes N] [--runs N] "
-                   "[--directory D] [--json]\n");
-        return 2;
-    }
-    try {
-        catch_signals();
-        const WorkingFolder folder(options->directory);
-        nlohmann::json report;
-        bool reached = measure_speed_runs(*options, folder, report);
-        report_sizes(options->json, report);
-        reached = report_start(*options, folder, report) && reached;
-        if (options->json) fmt::print("{}\n", nlohmann::json{{"journal", report}}.dump());
-        return reached ? 0 : 1;
-    } catch (const Failure& failure) {
-        fmt::print(stderr, "bench: {}\n", failure.what());
-        return 1;
-    }
+    return run_benchmark(
+        count, arguments,
+        {{"--rate", "N"}, {"--seconds", "S"}, {"--gigabytes", "N"}, {"--runs", "N"}, {"--directory", "D"}},
+        run);
 }

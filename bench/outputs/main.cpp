@@ -2,18 +2,14 @@
 // million samples that wait, delivered in order within 64 MB of memory.
 //
 // The devices are sockets of another process (bench/scale), the broker is mosquitto.
-// usage: takt_bench_outputs [--only polling|backlog] [--devices N] [--seconds S] [--samples N] [--runs N]
-//                           [--directory D] [--json]
 // The exit code is 1 if a limit below is exceeded.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstdlib>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "../arguments.hpp"
 #include "backlog.hpp"
 #include "polling.hpp"
 #include "report.hpp"
@@ -35,35 +31,19 @@ struct Options {
     [[nodiscard]] bool wants(const char* part) const { return only.empty() || only == part; }
 };
 
-std::optional<Options> parse(int count, char** arguments) {
+Options options_of(const Arguments& arguments) {
     Options options;
-    options.backlog.program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "takt";
-    for (int i = 1; i < count; ++i) {
-        const std::string argument = arguments[i];
-        if (argument == "--json") {
-            options.json = true;
-            continue;
-        }
-        if (i + 1 == count) return std::nullopt;
-        const char* const value = arguments[++i];
-        const auto number = [value](long least, long most) {
-            return std::clamp(std::strtol(value, nullptr, 10), least, most);
-        };
-        if (argument == "--only")
-            options.only = value;
-        else if (argument == "--devices")
-            options.polling.devices = options.backlog.devices = static_cast<std::size_t>(number(1, 10'000));
-        else if (argument == "--seconds")
-            options.polling.seconds = static_cast<int>(number(2, 600));
-        else if (argument == "--samples")
-            options.backlog.samples = static_cast<std::size_t>(number(1000, 100'000'000));
-        else if (argument == "--runs")
-            options.runs = static_cast<int>(number(1, 99));
-        else if (argument == "--directory")
-            options.directory = value;
-        else
-            return std::nullopt;
-    }
+    auto& polling = options.polling;
+    auto& backlog = options.backlog;
+    backlog.program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "takt";
+    polling.devices = arguments.number("--devices", polling.devices, 1, 10'000);
+    backlog.devices = arguments.number("--devices", backlog.devices, 1, 10'000);
+    polling.seconds = arguments.number("--seconds", polling.seconds, 2, 600);
+    backlog.samples = arguments.number("--samples", backlog.samples, 1000, 100'000'000);
+    options.runs = arguments.number("--runs", options.runs, 1, 99);
+    options.only = arguments.text("--only", options.only);
+    options.directory = arguments.text("--directory", options.directory);
+    options.json = arguments.json();
     return options;
 }
 
@@ -94,29 +74,27 @@ void measure_polling_runs(const Options& options, const Field& field, const Work
     if (!options.json) print(ratios);
 }
 
+int run(const Arguments& arguments) {
+    const auto options = options_of(arguments);
+    const Field field(options.polling.devices, kFieldProcessor);
+    if (!field.ok()) throw Failure("the devices cannot listen");
+    const WorkingFolder folder(options.directory);
+    nlohmann::json report;
+    if (options.wants("polling")) measure_polling_runs(options, field, folder, report);
+    const bool reached = !options.wants("backlog") || measure_backlog_runs(options, field, folder, report);
+    if (options.json) fmt::print("{}\n", nlohmann::json{{"outputs", report}}.dump());
+    return reached ? 0 : 1;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
-    const auto options = parse(count, arguments);
-    if (!options) {
-        fmt::print(stderr,
-                   "usage: takt_bench_outputs [--only polling|backlog] [--devices N] [--seconds S] "
-                   "[--samples N] [--runs N] [--directory D] [--json]\n");
-        return 2;
-    }
-    try {
-        catch_signals();
-        const Field field(options->polling.devices, kFieldProcessor);
-        if (!field.ok()) throw Failure("the devices cannot listen");
-        const WorkingFolder folder(options->directory);
-        nlohmann::json report;
-        if (options->wants("polling")) measure_polling_runs(*options, field, folder, report);
-        const bool reached =
-            !options->wants("backlog") || measure_backlog_runs(*options, field, folder, report);
-        if (options->json) fmt::print("{}\n", nlohmann::json{{"outputs", report}}.dump());
-        return reached ? 0 : 1;
-    } catch (const Failure& failure) {
-        fmt::print(stderr, "bench: {}\n", failure.what());
-        return 1;
-    }
+    return run_benchmark(count, arguments,
+                         {{"--only", "polling|backlog"},
+                          {"--devices", "N"},
+                          {"--seconds", "S"},
+                          {"--samples", "N"},
+                          {"--runs", "N"},
+                          {"--directory", "D"}},
+                         run);
 }
