@@ -102,8 +102,8 @@ private:
     std::vector<Frame> frames_;
     std::size_t depth_ = 0;  // the first frames are open
     model::Node root_;
-    std::size_t quote_open_ =
-        0;  // of the last text, when it was in quotes and of several lines; else both are 0
+    // Of the last text, when it was in quotes and of several lines; else both are 0.
+    std::size_t quote_open_ = 0;
     std::size_t quote_close_ = 0;
 };
 

@@ -15,8 +15,8 @@ struct SnapshotBuffer {
     ConfigurationPtr made_for;  ///< the memory has the shape of this project
     EndpointNames endpoints;    ///< and of these endpoints
     Snapshot snapshot;
-    bool too_small =
-        false;  ///< another project runs, or a list is longer than there is memory for: ask again
+    /// Another project runs, or a list is longer than there is memory for: ask again.
+    bool too_small = false;
     std::binary_semaphore ready{0};
 };
 

@@ -23,8 +23,8 @@ namespace {
 
 timespec time_of(Instant t) {
     using namespace std::chrono;
-    const auto ns =
-        std::max<std::int64_t>(t.time_since_epoch().count(), 1);  // a zero value disarms a timerfd
+    // A zero value disarms a timerfd.
+    const auto ns = std::max<std::int64_t>(t.time_since_epoch().count(), 1);
     constexpr std::int64_t kSecond = 1'000'000'000;
     return {static_cast<time_t>(ns / kSecond), static_cast<long>(ns % kSecond)};
 }

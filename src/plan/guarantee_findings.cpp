@@ -37,8 +37,8 @@ struct Late {
     std::vector<std::size_t> variables;
     Time response;  // nothing: unbounded
     Duration deadline{};
-    bool demanded =
-        false;  // lateness is a failure of what the project demands, not only of what can be proved
+    // Lateness is a failure of what the project demands, not only of what can be proved.
+    bool demanded = false;
 
     [[nodiscard]] Duration over() const { return response ? *response - deadline : Duration::max(); }
 };

@@ -79,8 +79,8 @@ TEST(TransactionEngine, OneDeadlineForAllBytesThatArrive) {
     rig.now = at(10ms);
     rig.submit(rig.now, transaction(1, 1, "03 00 00 00 02", 100ms));
     rig.run_until(at(11ms));
-    const Instant deadline =
-        at(10ms + kRequest + 100ms + 4687500ns + 2ms);  // 9 characters of response, 2 ms margin
+    // 9 characters of response, 2 ms margin.
+    const Instant deadline = at(10ms + kRequest + 100ms + 4687500ns + 2ms);
     EXPECT_EQ(rig.engine.next_wakeup(), deadline);
     for (Duration t = 15ms; at(t) < deadline; t += 1500us) {
         rig.run_until(at(t));

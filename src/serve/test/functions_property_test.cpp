@@ -136,8 +136,8 @@ RC_GTEST_PROP(Functions, TheEngineAndTheCodecAgree, ()) {
     RC_ASSERT(all.storage == before);
     RC_ASSERT(all.records == records);
     RC_TAG(std::to_string(answer.pdu[1]));
-    const bool data_value =
-        pdu[0] == 8 && typed.has_value();  // the data of a sub-function: wire leaves them be
+    // The data of a sub-function, which wire does not check.
+    const bool data_value = pdu[0] == 8 && typed.has_value();
     if (answer.pdu[1] == 3) {
         RC_ASSERT(!typed.has_value() || data_value);
     } else if (answer.pdu[1] == 2) {

@@ -35,8 +35,8 @@ struct LoadOptions {
     Options target;  ///< its unit, and the time-out of each response
     wire::PreparedRequest request;
     std::size_t connections = 1;  ///< 1..kMostLoadConnections; a serial port allows 1
-    std::size_t in_flight =
-        1;  ///< on each of them, 1..bus::kMaxInFlight; only Framing::tcp allows more than 1
+    /// On each of them, 1..bus::kMaxInFlight; only Framing::tcp allows more than 1.
+    std::size_t in_flight = 1;
     /// Nothing: each response causes the next request.
     std::optional<Rate> rate;
     std::optional<Duration> time;        ///< nothing: no limit

@@ -31,8 +31,8 @@ public:
 
 private:
     static constexpr Duration kAdapterDelay = std::chrono::milliseconds(1);
-    static constexpr Duration kLongestWait =
-        std::chrono::seconds(1);  // beyond the computed end; then the port is stuck
+    // Beyond the computed end; then the port is stuck.
+    static constexpr Duration kLongestWait = std::chrono::seconds(1);
 
     wire::CharacterFormat format_;
     Instant end_{};

@@ -16,14 +16,14 @@ struct SerialSettings {
     std::string path;
     wire::CharacterFormat format;  ///< any baud the port can do; 5..8 data bits
     model::Rs485 rs485 = model::Rs485::automatic;
-    bool low_latency =
-        true;  ///< ask the driver to hand on received bytes at once (USB adapters wait up to 16 ms)
+    /// Ask the driver to hand on received bytes at once (USB adapters wait up to 16 ms).
+    bool low_latency = true;
     bool read_only = false;  ///< opened for reading: the system refuses every write()
 };
 
 struct SerialCounters {
-    std::uint64_t faulty_characters =
-        0;  ///< with a parity or framing error, as far as the driver reports them
+    /// With a parity or framing error, as far as the driver reports them.
+    std::uint64_t faulty_characters = 0;
     std::uint64_t breaks = 0;
 };
 

@@ -136,8 +136,8 @@ struct Variable {
     SourceLocation location;
     DataType type = DataType::int16;
     wire::Area area = wire::Area::holding_register;
-    std::uint16_t register_number =
-        0;  ///< register; for a bool in a coil area the `register` of the file (coil / 16)
+    /// Register; for a bool in a coil area the `register` of the file (coil / 16).
+    std::uint16_t register_number = 0;
     std::optional<std::uint8_t> bit;     ///< of a bool: 0..15
     std::uint16_t registers = 1;         ///< registers it takes; 1 for a bool
     std::optional<wire::Function> read;  ///< 0x01..0x04
@@ -196,8 +196,8 @@ struct Device {
     bool response_timeout_set = false;   ///< set in the project
     std::optional<Duration> turnaround;  ///< longest time to the first byte of the response, when known
     bool learn_turnaround = false;       ///< turnaround: learn
-    Duration round_trip =
-        std::chrono::milliseconds(1);  ///< TCP: for the estimate; of a measured one the usual
+    /// TCP: for the estimate; of a measured one the usual.
+    Duration round_trip = std::chrono::milliseconds(1);
     std::optional<MeasuredRoundTrip> measured_round_trip;
     std::uint16_t attempts = 3;
     bool group_requests = false;

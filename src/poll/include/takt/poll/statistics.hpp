@@ -110,8 +110,8 @@ struct LineStatistics {
     /// Of that round, by the mean times of the attempts of its requests, failed ones and silences included;
     /// zero: nothing was answered yet.
     Duration measured_cycle{};
-    double utilization =
-        0;  ///< part of the time since the link came up that transactions took, silences included
+    /// Part of the time since the link came up that transactions took, silences included.
+    double utilization = 0;
     double recent_utilization = 0;  ///< the same of the last five to ten seconds; 0 without a link
     /// availability.at(t). The line is down while its link is down, or while none of its devices answers.
     AvailabilityMeter availability;

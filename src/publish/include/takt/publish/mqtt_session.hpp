@@ -40,16 +40,16 @@ struct MqttSessionOptions {
 
     Duration connect_timeout = std::chrono::seconds(20);  ///< from MqttConnect to MqttConnected
     Duration answer_timeout = std::chrono::seconds(30);   ///< without the acknowledgement that is due first
-    Duration leave_timeout =
-        std::chrono::milliseconds(1500);  ///< for acknowledgements and farewell at stop()
-    Duration first_pause =
-        std::chrono::seconds(1);  ///< after the first failure; doubles with each further one
+    /// For acknowledgements and the last state message at stop().
+    Duration leave_timeout = std::chrono::milliseconds(1500);
+    /// After the first failure; doubles with each further one.
+    Duration first_pause = std::chrono::seconds(1);
     Duration longest_pause = std::chrono::seconds(60);
     /// The least pause after a failure that a user must clear: password, certificate, quota.
     Duration refused_pause = std::chrono::seconds(30);
     Duration taken_over_pause = std::chrono::minutes(5);  ///< after session_taken_over
-    Duration stable_after =
-        std::chrono::seconds(10);  ///< a connection of this length makes the pause short again
+    /// A connection of this length makes the pause short again.
+    Duration stable_after = std::chrono::seconds(10);
     /// From the connection to another broker to the attempt at the preferred one; doubles with each failed
     /// attempt up to eight times this.
     Duration return_after = std::chrono::minutes(10);

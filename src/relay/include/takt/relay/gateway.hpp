@@ -30,8 +30,8 @@ struct Requester {
 /// How requests of a server are handled on the line.
 struct RequestPolicy {
     Duration cache{};  ///< greatest age of a cached answer; zero: no caching
-    std::uint16_t attempts =
-        1;  ///< transmissions of an unanswered read, at least 1 (bus::attempts_left); writes have one
+    /// Transmissions of an unanswered read, at least 1 (bus::attempts_left); writes have one.
+    std::uint16_t attempts = 1;
     Duration max_wait = std::chrono::seconds(5);                 ///< limit of the wait in the queue
     Duration response_timeout = std::chrono::milliseconds(100);  ///< bus::Transaction::wait
 };

@@ -18,13 +18,13 @@ namespace takt::serve {
 
 struct TcpConfig {
     wire::Framing framing = wire::Framing::tcp;  ///< tcp, or rtu or ascii frames over the byte stream
-    Duration frame_deadline =
-        std::chrono::seconds(2);  ///< from the first to the last byte of a frame; zero: none
+    /// From the first to the last byte of a frame; zero: none.
+    Duration frame_deadline = std::chrono::seconds(2);
     Duration idle_deadline = std::chrono::minutes(10);  ///< longest time without any byte; zero: none
-    Duration stream_pause =
-        std::chrono::milliseconds(500);  ///< RTU: pause after which an incomplete frame is dropped
-    InplaceString<64> peer;              ///< Context::peer
-    InplaceString<64> role;              ///< Context::role
+    /// RTU: pause after which an incomplete frame is dropped.
+    Duration stream_pause = std::chrono::milliseconds(500);
+    InplaceString<64> peer;  ///< Context::peer
+    InplaceString<64> role;  ///< Context::role
 };
 
 enum class CloseReason : std::uint8_t {
