@@ -30,7 +30,7 @@ Runs the real gateway between simulated lines, disk, brokers and clocks, all fro
   --seeds     which runs, each with a random project of its own (default 1)
   --minutes   of virtual time for each (default 3); the last 50 s are without troubles
   --jobs      processes at a time (default 1)
-  --resume    keeps the results in FILE and goes on where it was interrupted
+  --resume    stores the results in FILE, and continues from there
   --json      one object a line
   --trace     every event on stderr
   --print-project  only prints the random project of the first seed

@@ -37,7 +37,7 @@ struct BrokerTraits {
     std::uint32_t stale_early = 0;   ///< commands of an earlier connection come before SUBACK
 };
 
-/// Mean distances of what happens by the clock; zero: never.
+/// Mean distances of faults by the clock; zero: never.
 struct TroubleMeans {
     Duration kill{};
     Duration power_cut{};

@@ -16,7 +16,7 @@ std::optional<Duration> parse_seconds(std::string_view text) {
     return Duration(std::llround(seconds * 1e9));
 }
 
-/// KIND=RATE: of a million exchanges, or of what happens by the clock the mean distance in seconds.
+/// KIND=RATE: of a million exchanges, or for faults by the clock their mean distance in seconds.
 std::optional<std::string> parse_fault(std::string_view text, sim::FaultRates& rates) {
     const auto sign = text.find('=');
     const std::string_view word = text.substr(0, sign);
@@ -100,9 +100,9 @@ Runs the real master on simulated lines with faults and users, all from the seed
   --minutes   of virtual time for each (default 10)
   --jobs      processes at a time (default 1)
   --project   this project in every run
-  --faults    RATE: of a million exchanges, or the mean distance in seconds (30s) of what happens by the clock
+  --faults    RATE: of a million exchanges, or for faults by the clock their mean distance (30s)
   --lenient   no copies and no old answers, and late ones come while the master waits for them
-  --resume    keeps the results in FILE and goes on where it was interrupted
+  --resume    stores the results in FILE, and continues from there
   --json      one object a line
   --trace     every frame and fault on stderr
   --print-project  only prints the random project of the first seed
