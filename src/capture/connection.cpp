@@ -36,19 +36,36 @@ void Connection::use(wire::Framing framing) {
     high_.use(framing);
 }
 
-// A gateway that passes RTU frames on puts each into a segment. 16 bits of checksum beside the form of the
-// PDU leave hardly a chance that this is something else.
-void Connection::find_framing(Bytes bytes) {
-    if (config_.framing || low_.messages() + high_.messages() > 0) return;
-    if (const auto found = serial_framing_of(bytes)) use(*found);
+bool Connection::seeks_framing() const {
+    return !config_.framing && framing_ == wire::Framing::tcp && low_.messages() + high_.messages() == 0;
 }
 
 void Connection::Direction::on_data(const PacketRef& packet, Bytes bytes) {
-    if (!serial_ && !mbap_.is_foreign()) connection_.find_framing(bytes);
+    if (finds_framing(packet, bytes)) return;
     if (serial_)
         serial_->push(packet, bytes, *this);
     else
         mbap_.push(packet, bytes, *this);
+}
+
+// 16 bits of checksum beside the form of the PDU leave hardly a chance that this is something else. If the
+// frame is cut into segments, its first bytes wait for a message of Modbus TCP.
+bool Connection::Direction::finds_framing(const PacketRef& packet, Bytes bytes) {
+    if (!connection_.seeks_framing() || mbap_.is_foreign()) return false;
+    wire::FrameBytes joined;
+    const auto begun = mbap_.pending();
+    if (begun.size() + bytes.size() <= joined.capacity()) {
+        joined.append(begun);
+        joined.append(bytes);
+    }
+    for (const Bytes frame : {joined.span(), bytes}) {
+        const auto found = serial_framing_of(frame);
+        if (!found) continue;
+        connection_.use(*found);
+        serial_->push(packet, frame, *this);
+        return true;
+    }
+    return false;
 }
 
 void Connection::Direction::on_gap() {

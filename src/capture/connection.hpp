@@ -61,6 +61,8 @@ private:
         void on_adu(const Adu& adu) override { connection_.on_adu(from_high_, adu); }
 
     private:
+        [[nodiscard]] bool finds_framing(const PacketRef& packet, Bytes bytes);
+
         Connection& connection_;
         bool from_high_;
         MbapStream mbap_;
@@ -75,7 +77,7 @@ private:
     void on_syn(Direction& sender, Direction& receiver, const Segment& segment);
     void close();
     void on_adu(bool from_high, const Adu& adu);
-    void find_framing(Bytes bytes);
+    [[nodiscard]] bool seeks_framing() const;
     void use(wire::Framing framing);
     void check_roles(bool from_high, Bytes pdu);
     void on_request(const Adu& adu);

@@ -278,7 +278,9 @@ def test_the_framing_of_a_connection_is_found(tmp_path, frame_of, port):
     capture = Capture()
     connection = Connection(capture, server=("10.0.0.2", port))
     for number in range(10):
-        connection.request(number * 1000, frame_of("03 0000 0002"))
+        request = frame_of("03 0000 0002")
+        connection.request(number * 1000 - 10, request[:5])
+        connection.request(number * 1000, request[5:])
         connection.respond(number * 1000 + 70, frame_of("03 04 0001 0002"))
     report = measured(tmp_path, capture.pcap())
     assert (report["total"]["answered"], report["total"]["max_ms"]) == (10, 0.07)

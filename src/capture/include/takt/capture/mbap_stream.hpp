@@ -52,6 +52,8 @@ public:
     /// function was captured, is passed with the captured part of its PDU.
     void on_cut(const PacketRef& packet, std::size_t count, AduSink& sink);
 
+    /// The bytes of a message that is not complete, or that are searched. Valid until the next call.
+    [[nodiscard]] Bytes pending() const { return {buffer_.data(), buffer_.size()}; }
     [[nodiscard]] bool is_foreign() const { return foreign_; }
     [[nodiscard]] std::uint64_t messages() const { return messages_; }
     [[nodiscard]] std::uint64_t resynchronisations() const { return resynchronisations_; }
