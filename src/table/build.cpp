@@ -18,8 +18,6 @@
 namespace takt::table {
 namespace {
 
-constexpr std::uint16_t kMostInFlight = 16;
-
 /// The text section: each text once, as its length in 16 bits and its bytes.
 class Texts {
 public:
@@ -48,7 +46,7 @@ void add_measured(DeviceRecord& record, const model::Device& device) {
         model::MeasuredRoundTrip{.longest = learnt.value_or(Duration::zero()),
                                  .usual = {},
                                  .exchanges = device.times.measured.exchanges,
-                                 .in_flight = kMostInFlight});
+                                 .in_flight = 1});
     record.measured_longest = measured.longest.count();
     record.measured_exchanges = static_cast<std::int64_t>(
         std::min<std::uint64_t>(measured.exchanges, std::numeric_limits<std::int64_t>::max()));

@@ -124,6 +124,9 @@ TEST(PlanningKeys, ARoundTripIsATimeOrWhatWasMeasured) {
     const auto written = device("{turnaround: 5ms, round_trip: {longest: 3ms, exchanges: 100}}");
     EXPECT_EQ(written.expected_turnaround(2), 10ms) << "what is written counts";
     EXPECT_EQ(written.measured_exchanges(), 0U);
+    auto learnt = device("{turnaround: learn}");
+    learnt.times.measured = {.exchanges = 100, .longest = 5ms};
+    EXPECT_EQ(learnt.expected_turnaround(4), 20ms) << "how many were in flight then is not known";
     EXPECT_FALSE(device("{round_trip: 2ms}").measured_round_trip);
     EXPECT_EQ(device("{round_trip: 2ms}").expected_turnaround(), std::nullopt);
 }

@@ -226,11 +226,14 @@ struct Device {
         if (!learn_turnaround || times.measured.exchanges < MeasuredTimes::kEnough) return std::nullopt;
         return times.measured.worst();
     }
-    /// As written, else as measured; with so many requests in flight on its connection. A written turnaround
-    /// is that of one request: a device that answers one after the other takes as many times as long.
+    /// As written, else as measured; with so many requests in flight on its connection. A turnaround that is
+    /// written or learnt counts for one request: a device that answers one after the other takes as many
+    /// times as long.
     [[nodiscard]] std::optional<Duration> expected_turnaround(std::size_t requests = 1) const {
-        if (turnaround) return *turnaround * static_cast<std::int64_t>(requests);
-        return measured_round_trip ? measured_round_trip->longest_with(requests) : measured_turnaround();
+        if (measured_round_trip && !turnaround) return measured_round_trip->longest_with(requests);
+        const auto of_one = turnaround ? turnaround : measured_turnaround();
+        if (!of_one) return std::nullopt;
+        return *of_one * static_cast<std::int64_t>(requests);
     }
     /// The exchanges that expected_turnaround() rests on; 0: it is written, or not known.
     [[nodiscard]] std::uint64_t measured_exchanges() const {
