@@ -156,7 +156,8 @@ TEST(Options, OfLatency) {
     EXPECT_TRUE(defaults.ports.empty() && !defaults.limit && defaults.histogram == 0);
     EXPECT_FALSE(defaults.grouping);
     const auto given = options_of<LatencyOptions>(
-        "latency - --limit 1ms --timeout 200ms --port 1502 --port 65535 --by server,unit --csv --svg -");
+        "latency - --limit 1ms --timeout 200ms --port 1502 --port 65535 --by server,unit --csv --svg "
+        "plot.svg");
     EXPECT_EQ(given.source, "-");
     EXPECT_EQ(given.limit, 1ms);
     EXPECT_EQ(given.timeout, 200ms);
@@ -164,8 +165,9 @@ TEST(Options, OfLatency) {
     EXPECT_TRUE(!given.grouping->client && given.grouping->server && given.grouping->unit &&
                 !given.grouping->function);
     EXPECT_FALSE(options_of<LatencyOptions>("latency a --by none").grouping->unit);
-    for (const auto* const wrong : {"--port 0", "--port 65536", "--port x", "--by units", "--limit 1",
-                                    "--histogram 0", "--json --csv", "--csv --histogram 5"})
+    for (const auto* const wrong :
+         {"--port 0", "--port 65536", "--port x", "--by units", "--limit 1", "--histogram 0", "--json --csv",
+          "--csv --histogram 5", "--csv --svg -", "--json --svg -"})
         EXPECT_TRUE(parse("latency a " + std::string(wrong)).error) << wrong;
 }
 
