@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "outline.hpp"
 #include "takt/file/convert.hpp"
-#include "takt/model/findings.hpp"
 
 namespace takt::file {
 
@@ -69,16 +69,6 @@ inline std::vector<std::string> described(const model::Project& project) {
     std::vector<std::string> all;
     for (const auto& variable : variables_of(project)) all.push_back(described(project, variable));
     return all;
-}
-
-inline Findings errors_of(const Loaded& loaded) {
-    Findings errors;
-    for (const auto& finding : loaded.findings)
-        if (finding.severity == model::Severity::error) errors.push_back(finding.code + " " + finding.value);
-    for (const auto& finding : model::interpret(loaded.document).findings)
-        if (finding.severity == model::Severity::error)
-            errors.push_back(finding.code + " " + finding.path + " " + finding.value);
-    return errors;
 }
 
 }  // namespace takt::file

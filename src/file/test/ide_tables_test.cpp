@@ -58,16 +58,6 @@ Loaded project_of(const std::vector<Titled>& tables) {
     return loaded;
 }
 
-Findings errors_of(const Loaded& loaded) {
-    Findings errors;
-    for (const auto& finding : loaded.findings)
-        if (finding.severity == model::Severity::error) errors.push_back(finding.code + " " + finding.value);
-    for (const auto& finding : model::interpret(loaded.document).findings)
-        if (finding.severity == model::Severity::error)
-            errors.push_back(finding.code + " " + finding.path + " " + finding.value);
-    return errors;
-}
-
 TEST(IdeTables, AreOneProject) {
     const auto loaded =
         project_of({{"Стандартные", kStandard}, {"Устройство, 16", kMaster}, {"Слот 2", kSlave}});

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "takt/file/load.hpp"
+#include "takt/model/findings.hpp"
 #include "takt/text/catalogue.hpp"
 
 namespace takt::file {
@@ -60,6 +61,17 @@ inline std::vector<std::string> locations_and_codes(const Loaded& loaded) {
         lines.push_back(at(finding.location) + " " + finding.code.substr(5));
     }
     return lines;
+}
+
+/// The errors of a document and of the project in it: `file.csv.unknown_column Kind`.
+inline std::vector<std::string> errors_of(const Loaded& loaded) {
+    std::vector<std::string> errors;
+    for (const auto& finding : loaded.findings)
+        if (finding.severity == model::Severity::error) errors.push_back(finding.code + " " + finding.value);
+    for (const auto& finding : model::interpret(loaded.document).findings)
+        if (finding.severity == model::Severity::error)
+            errors.push_back(finding.code + " " + finding.path + " " + finding.value);
+    return errors;
 }
 
 }  // namespace takt::file
