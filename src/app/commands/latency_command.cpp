@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <filesystem>
 
+#include "capture_input.hpp"
 #include "output.hpp"
 #include "progress.hpp"
 #include "stoppable_input.hpp"
@@ -71,17 +72,9 @@ public:
 
 private:
     Result<void> read_all() {
-        TAKT_TRY(auto input, StoppableInput::open(options_.source));
         Progress progress(texts_, line::now());
-        std::uint64_t bytes = 0;
-        for (;;) {
-            TAKT_TRY(const auto count, input.read(reader_.space()));
-            if (count == 0) break;
-            bytes += count;
-            if (!reader_.filled(count)) return {};
-            progress.show(line::now(), {.done = bytes, .total = input.size().value_or(0)}, step());
-        }
-        if (!StoppableInput::stopped()) reader_.end();
+        TAKT_CHECK(read_capture(options_.source, reader_,
+                                [&](const report::Done& done) { progress.show(line::now(), done, step()); }));
         analysis_.set_dropped(reader_.dropped());
         return {};
     }

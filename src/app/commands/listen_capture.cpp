@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "capture_input.hpp"
 #include "commands/listen_output.hpp"
 #include "output.hpp"
 #include "stoppable_input.hpp"
@@ -42,7 +43,9 @@ public:
 
     ExitCode run() {
         if (!output_.prepare()) return ExitCode::usage;
-        if (const auto read = read_all(); !read) return ended_by(texts_, read.error());
+        const auto read =
+            read_capture(options_.port, reader_, [this](const report::Done& done) { show_progress(done); });
+        if (!read) return ended_by(texts_, read.error());
         output_.progress().clear();
         if (reader_.error()) print_error(report::capture_error_text(texts_, options_.port, *reader_.error()));
         if (reader_.error() && reader_.packets() == 0) return ExitCode::usage;
@@ -52,21 +55,6 @@ public:
     }
 
 private:
-    Result<void> read_all() {
-        TAKT_TRY(auto input, StoppableInput::open(options_.port));
-        std::uint64_t bytes = 0;
-        for (;;) {
-            TAKT_TRY(const auto count, input.read(reader_.space()));
-            if (count == 0) break;
-            bytes += count;
-            if (!reader_.filled(count)) return {};
-            if (stdout_error() != 0) return {};
-            show_progress({.done = bytes, .total = input.size().value_or(0)});
-        }
-        if (!StoppableInput::stopped()) reader_.end();
-        return {};
-    }
-
     void show_progress(const report::Done& done) {
         const auto& counts = listener_.statistics().counts();
         output_.progress().show(
