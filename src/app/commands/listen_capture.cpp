@@ -19,8 +19,8 @@
 namespace takt::app {
 namespace {
 
-/// A line of a capture. Sections and rotated files number interfaces anew, and Takt writes two interfaces for
-/// a line: the name is the same.
+/// A line of a capture. Sections and rotated files number their interfaces from 0, and Takt writes two
+/// interfaces for a line: the name is the same.
 struct CapturedLine {
     std::string name;
     std::uint32_t interface = 0;

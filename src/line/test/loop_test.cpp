@@ -155,6 +155,37 @@ TEST(Loop, ThatSpinsSleepsAfterwardsAndMissesNothing) {
     EXPECT_LT(used, 0.1) << "it has slept";
 }
 
+// The steady cycle makes the loop wake up early; an event that does not come must not keep it awake.
+TEST(Loop, ThatExpectsEventsMissesNoneAndSleepsWhenTheyEnd) {
+    const auto loop = make_loop();
+    loop->set_spin(200us);
+    std::array<int, 2> ends{};
+    ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends.data()), 0);
+    const os::Descriptor ours(ends[0]), theirs(ends[1]);
+    std::size_t got = 0;
+    Watch* self = nullptr;
+    Watch watch(*loop, ours.get(), [&] {
+        std::array<char, 64> bytes{};
+        got +=
+            static_cast<std::size_t>(std::max<ssize_t>(::recv(ours.get(), bytes.data(), bytes.size(), 0), 0));
+        self->want_read();
+    });
+    self = &watch;
+    watch.want_read();
+    std::thread other([&] {
+        for (int i = 0; i < 60; ++i) {
+            std::this_thread::sleep_for(i < 40 ? 2ms : 100us * i);
+            ASSERT_EQ(::send(theirs.get(), "x", 1, 0), 1);
+        }
+    });
+    EXPECT_TRUE(loop->run_until([&] { return got == 60; }, kDeadline));
+    other.join();
+    const std::clock_t before = std::clock();
+    EXPECT_FALSE(loop->run_until([] { return false; }, 200ms));
+    const auto used = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+    EXPECT_LT(used, 0.1) << "it has slept";
+}
+
 TEST(Loop, MayBeStoppedBeforeItRuns) {
     const auto loop = make_loop();
     loop->stop();
