@@ -76,10 +76,10 @@ def takt(*arguments, code=0, stdin="", deadline=DEADLINE, **env):
 class Running:
     """A program in the background; its output is collected by line while it runs. Use as a context: it is killed at the end."""
 
-    def __init__(self, command, **popen):
+    def __init__(self, command, env=None, **popen):
         self.command = [str(c) for c in command]
         self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                        stderr=subprocess.PIPE, env=environment(), **popen)
+                                        stderr=subprocess.PIPE, env=environment(**(env or {})), **popen)
         self.out, self.err = [], []
         self.readers = [threading.Thread(target=self._collect, args=pair, daemon=True)
                         for pair in ((self.process.stdout, self.out), (self.process.stderr, self.err))]

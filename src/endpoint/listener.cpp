@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "takt/endpoint/notice.hpp"
 #include "takt/line/serial_port.hpp"
 
 namespace takt::endpoint {
@@ -92,7 +93,11 @@ Result<void> Listener::open_serial() {
                                                             fault_site(spec_.line));
         engine = faulty_slave_.get();
     }
-    TAKT_TRY(driver_, line::open_line(environment_.loop, spec_.line, *engine));
+    line::DriverOptions options;
+    options.on_low_latency = [this](int error) {
+        environment_.notify(low_latency_notice(spec_.line.port, error));
+    };
+    TAKT_TRY(driver_, line::open_line(environment_.loop, spec_.line, *engine, options));
     serial_answers_ = std::make_unique<line::SerialAnswers>(*slave_, *driver_);
     pending_.add(*serial_answers_);
     return {};

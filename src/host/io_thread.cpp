@@ -37,7 +37,7 @@ IoThread::IoThread(std::shared_ptr<HostLink> link, std::unique_ptr<line::Loop> l
       loop_(std::move(loop)),
       options_(std::move(options)),
       started_(line::now()),
-      lines_(*link_, *loop_, options_.prepare,
+      lines_(*link_, *loop_, options_.prepare, notices(),
              [this](Instant t, std::size_t line) { after_line_event(t, line); }),
       serve_timer_(*loop_, [this](Instant t) { serve(t); }),
       publish_timer_(*loop_, [this](Instant t) { publish(t); }),

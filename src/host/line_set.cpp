@@ -55,8 +55,13 @@ private:
 };
 
 LineSet::LineSet(HostLink& link, line::Loop& loop, std::function<void(std::size_t, sim::Devices&)> prepare,
-                 OnLineEvent on_event)
-    : link_(link), loop_(loop), prepare_(std::move(prepare)), on_event_(std::move(on_event)), gate_(loop) {}
+                 endpoint::NoticeSink notify, OnLineEvent on_event)
+    : link_(link),
+      loop_(loop),
+      prepare_(std::move(prepare)),
+      notify_(std::move(notify)),
+      on_event_(std::move(on_event)),
+      gate_(loop) {}
 
 LineSet::~LineSet() = default;
 
@@ -123,6 +128,9 @@ Result<void> LineSet::open_line(std::size_t index, bool wait_for_port) {
                                                                const std::optional<Error>& why) {
         engine_->on_link(t, forwarder->line(), up, why);
         on_event_(t, forwarder->line());
+    };
+    options.on_low_latency = [this, port = settings.port](int error) {
+        notify_(endpoint::low_latency_notice(port, error));
     };
     options.wait_for_port = wait_for_port;
     options.must_reconnect = [this, forwarder = line.forwarder.get()] {

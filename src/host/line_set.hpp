@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "project_engine.hpp"
+#include "takt/endpoint/notice.hpp"
 #include "takt/host/project_host.hpp"
 #include "takt/line/connect_gate.hpp"
 #include "takt/line/driver.hpp"
@@ -25,7 +26,7 @@ public:
     /// @param link, loop  outlive it
     /// @param prepare     of simulated lines; may be empty
     LineSet(HostLink& link, line::Loop& loop, std::function<void(std::size_t, sim::Devices&)> prepare,
-            OnLineEvent on_event);
+            endpoint::NoticeSink notify, OnLineEvent on_event);
     ~LineSet();
     LineSet(const LineSet&) = delete;
     LineSet& operator=(const LineSet&) = delete;
@@ -63,6 +64,7 @@ private:
     HostLink& link_;
     line::Loop& loop_;
     std::function<void(std::size_t, sim::Devices&)> prepare_;
+    endpoint::NoticeSink notify_;
     OnLineEvent on_event_;
     line::ConnectGate gate_;
     ProjectEngine* engine_ = nullptr;

@@ -143,6 +143,7 @@ struct SerialPort::Impl {
     std::optional<serial_struct> original_serial;
     Rs485 mode = Rs485::none;
     bool sending = false;  // RTS mode
+    std::optional<int> low_latency_error;
     MarkedInput input;
 
     ~Impl();
@@ -150,7 +151,7 @@ struct SerialPort::Impl {
     Result<void> apply(const wire::CharacterFormat& format);
     bool enable_kernel_rs485();
     Result<void> configure_rs485(const SerialSettings& settings);
-    void ask_low_latency();
+    [[nodiscard]] int ask_low_latency();
     void set_sending(bool on);
     std::optional<bool> transmitter_empty() const;
     void wait_sent() const;
@@ -196,7 +197,7 @@ Result<void> SerialPort::Impl::configure(const SerialSettings& settings) {
     pseudo = ::fstat(fd.get(), &status) == 0 && is_pseudo_terminal(status);
     TAKT_CHECK(apply(settings.format));
     TAKT_CHECK(configure_rs485(settings));
-    if (settings.low_latency && !pseudo) ask_low_latency();
+    if (settings.low_latency && !pseudo) low_latency_error = ask_low_latency();
     ::ioctl(fd.get(), TCFLSH, TCIFLUSH);
     return {};
 }
@@ -233,13 +234,18 @@ Result<void> SerialPort::Impl::configure_rs485(const SerialSettings& settings) {
     return {};
 }
 
-void SerialPort::Impl::ask_low_latency() {
+// Some drivers (cdc_acm) accept the flag and drop it: it is read back.
+int SerialPort::Impl::ask_low_latency() {
     constexpr int kLowLatency = static_cast<int>(ASYNC_LOW_LATENCY);
     serial_struct serial{};
-    if (::ioctl(fd.get(), TIOCGSERIAL, &serial) != 0 || (serial.flags & kLowLatency) != 0) return;
+    if (::ioctl(fd.get(), TIOCGSERIAL, &serial) != 0) return errno;
+    if ((serial.flags & kLowLatency) != 0) return 0;
     const serial_struct before = serial;
     serial.flags |= kLowLatency;
-    if (::ioctl(fd.get(), TIOCSSERIAL, &serial) == 0) original_serial = before;
+    if (::ioctl(fd.get(), TIOCSSERIAL, &serial) != 0) return errno;
+    original_serial = before;
+    if (::ioctl(fd.get(), TIOCGSERIAL, &serial) != 0) return errno;
+    return (serial.flags & kLowLatency) != 0 ? 0 : EOPNOTSUPP;
 }
 
 void SerialPort::Impl::set_sending(bool on) {
@@ -278,6 +284,10 @@ void SerialPort::set_sending(bool on) {
 }
 std::optional<bool> SerialPort::transmitter_empty() const {
     return impl_->transmitter_empty();
+}
+
+std::optional<int> SerialPort::low_latency_error() const {
+    return impl_->low_latency_error;
 }
 
 SerialCounters SerialPort::counters() const {

@@ -63,6 +63,10 @@ public:
     void set_sending(bool on);
     /// Whether the last stop bit has left the transmitter; nothing if the port cannot report it.
     [[nodiscard]] std::optional<bool> transmitter_empty() const;
+    /// Whether the driver hands on received bytes at once: 0, or the errno of the request (ENOTTY: it has no
+    /// such setting, EOPNOTSUPP: it ignores the setting). Nothing: the settings do not ask for it, or the
+    /// port is a pseudo-terminal, which has no such delay.
+    [[nodiscard]] std::optional<int> low_latency_error() const;
 
     [[nodiscard]] SerialCounters counters() const;
 

@@ -1,0 +1,64 @@
+"""run and serve report whether a serial port hands on bytes at once."""
+import json
+import os
+import pathlib
+import pty
+import subprocess
+import tty
+
+import pytest
+
+from program import start, takt, until
+
+SOURCE = pathlib.Path(__file__).parent.parent / "support" / "uart_driver.cpp"
+DONE = "{port}: low latency: done"
+FAILED = "{port}: low latency: not done ({why})"
+DRIVERS = [("accepts", DONE, ""), ("ignores", FAILED, "Operation not supported"), ("refuses", FAILED, "Operation not permitted"),
+           ("lacks", FAILED, "Inappropriate ioctl for device")]
+PROJECT = """takt: 1
+lines:
+  - name: field
+    transport: serial
+    port: {port}
+    baud: 19200
+    devices: [{{name: Pump, address: 1, poll_period: 50ms, variables: [{{name: level, type: int, register: 0, read: 0x03}}]}}]
+"""
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory):
+    library = tmp_path_factory.mktemp("uart") / "uart_driver.so"
+    subprocess.run(["g++", "-std=c++20", "-O1", "-shared", "-fPIC", "-o", library, SOURCE], check=True)
+    return lambda kind: {"LD_PRELOAD": str(library), "TAKT_UART": kind, "ASAN_OPTIONS": "verify_asan_link_order=0"}
+
+
+@pytest.fixture
+def port():
+    master, slave = pty.openpty()
+    tty.setraw(slave)
+    yield os.ttyname(slave)
+    os.close(master)
+    os.close(slave)
+
+
+@pytest.fixture
+def plant(tmp_path, port):
+    path = tmp_path / "plant.yaml"
+    path.write_text(PROJECT.format(port=port))
+    return path
+
+
+@pytest.mark.parametrize("kind, text, why", DRIVERS)
+def test_the_result_is_reported(driver, plant, port, kind, text, why):
+    expected = text.format(port=port, why=why)
+    result = takt("run", plant, "--for", "300ms", "--quiet", **driver(kind))
+    assert result.err.count(expected) == 1, result
+    event = next(json.loads(line) for line in takt("run", plant, "--for", "300ms", "--json", **driver(kind)).lines if "low_latency" in line)
+    assert event["event"] == "notice" and event["severity"] == "status" and event["text"].startswith(expected)
+    with start("serve", "--port", port, env=driver(kind)) as serve:
+        until(lambda: any(expected in line for line in serve.err), "the report")
+        assert serve.interrupt().err.count("low latency") == 1
+
+
+def test_a_pseudo_terminal_has_no_such_step(plant):
+    assert "low latency" not in takt("run", plant, "--for", "300ms", "--quiet").err
