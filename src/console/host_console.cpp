@@ -153,8 +153,10 @@ void HostConsole::read_session() {
 
 // A failed write that the input asked for is reported once, by its answer.
 void HostConsole::on_event(const host::Event& event) {
-    if (const auto* const notice = std::get_if<host::Notice>(&event.body))
-        return put_notice(texts_, environment_.messages, *notice);
+    if (const auto* const notice = std::get_if<host::Notice>(&event.body)) {
+        put_notice(texts_, environment_.messages, *notice);
+        if (!options_.json) return;
+    }
     const auto* const finished = std::get_if<host::WriteFinished>(&event.body);
     if (finished && finished->session == session_->id()) return;
     if (!is_shown(event)) return;
