@@ -6,7 +6,7 @@ from fractions import Fraction as Fr
 
 import pytest
 
-from plan_reference import (READ_LIMIT, Line, aligned_utilization, least_cost, response_times, with_dead_device)
+from plan_reference import (READ_LIMIT, Line, aligned_utilization, least_cost, response_times, with_dead_device, with_holds)
 from program import takt
 
 TYPES = {"int16": 1, "uint32": 2, "float": 2, "double": 4, "int64": 4}
@@ -44,8 +44,9 @@ def project_text(line, devices, more_device=""):
     for unit, settings, function, variables in devices:
         turnaround = "" if line.turnaround_us is None else f", turnaround: {line.turnaround_us}us"
         trip = "" if line.serial else f", round_trip: {line.round_trip_us}us"
-        head += [f"     {{name: d{unit}, address: {unit}, group_requests: true, strategy: optimal{turnaround}{trip}, "
-                 f"response_timeout: {line.response_timeout_us}us{settings}, variables: ["]
+        time_out = "" if line.derive else f", response_timeout: {line.response_timeout_us}us"
+        head += [f"     {{name: d{unit}, address: {unit}, group_requests: true, strategy: optimal{turnaround}{trip}"
+                 f"{time_out}{settings}, variables: ["]
         head += [f"        {{name: d{unit}_{name}, {what}, read: 0x0{function}, period: {period}ms}},"
                  for name, what, _, _, period in variables]
         head += ["     ]},"]
@@ -132,7 +133,10 @@ def test_several_periods_cost_no_more_than_aligned_rounds(project, seed):
 
 def judge_responses(project, seed):
     random_ = random.Random(5000 + seed)
-    line = line_of(random_.choice([s for s in LINES if s["framing"] == "rtu" and s["baud"] >= 9600]))
+    settings = random_.choice([s for s in LINES if s["framing"] == "rtu" and s["baud"] >= 9600])
+    # A written time-out counts, also where the turnaround is known.
+    time_out = random_.choice([dict(), dict(derive=False, response_timeout_us=100_000)])
+    line = line_of(settings | time_out)
     devices = []
     for unit in range(1, random_.randint(2, 7)):
         function, count = random_.choice([3, 4]), random_.randint(1, 10)
@@ -151,8 +155,10 @@ def judge_responses(project, seed):
         assert r["deadline_us"] == r["period_ms"] * 1000
         tasks.append(dict(c=[c], F=f, T=round(r["period_ms"] * 1000), J=line.jitter_us, b=1, prio=order.index(i),
                           device=r["unit"], attempts=3))
-    free, faulty = response_times(tasks), response_times(tasks, 1, 1_000_000)
-    dead = {d: response_times(with_dead_device(tasks, d, 2_000_000)) for d in {k["device"] for k in tasks}}
+    free = with_holds(tasks, response_times)
+    faulty = with_holds(tasks, lambda made: response_times(made, 1, 1_000_000))
+    dead = {d: with_holds(tasks, lambda made, d=d: response_times(with_dead_device(made, d, 2_000_000)))
+            for d in {k["device"] for k in tasks}}
     for i, r in enumerate(requests):
         assert r["response_us"] == free[i]
         if line.turnaround_us is not None:  # else a request may have to wait for a late answer, too

@@ -10,7 +10,7 @@ READ_LIMIT = {1: 2000, 2: 2000, 3: 125, 4: 125}
 class Line:
     """The times of a project's line and device, in exact microseconds."""
 
-    def __init__(self, framing="rtu", baud=19200, bits=11, turnaround_us=None, response_timeout_us=100_000,
+    def __init__(self, framing="rtu", baud=19200, bits=11, turnaround_us=None, response_timeout_us=500_000,
                  request_gap_us=0, frame_gap_us=0, round_trip_us=1000, jitter_us=1000, overhead_us=200,
                  margin_us=2000, derive=True):
         self.__dict__.update(locals())
@@ -160,3 +160,30 @@ def with_dead_device(tasks, device, backoff):
     """The same tasks while all requests of `device` fail."""
     return [dict(k, c=[k["F"]] * k["attempts"], T=max(k["T"], backoff)) if k["device"] == device else k
             for k in tasks]
+
+
+CHECK_US = 1_000_000  # each unit shows once in this time that it is in step (docs/decisions/0039-surplus-responses.md)
+
+
+def hold_of(me, tasks):
+    """The time for which the only request of a unit is held back; nothing: it has long enough pauses. In half of the
+    time n transactions leave n + 1 pauses."""
+    cost = sum(me["c"])
+    n = me["b"] + (CHECK_US // 2 + me["J"]) // me["T"]
+    if CHECK_US // 2 - n * cost >= (n + 1) * cost:
+        return None
+    return cost + max((max(k["c"]) for k in tasks if k is not me), default=0)
+
+
+def with_holds(tasks, analyse):
+    """`analyse`: the responses of tasks. A hold is a task of the highest priority for the request that it holds back;
+    for the others that request comes up to so much later."""
+    holds = [hold_of(k, tasks) for k in tasks]
+    later = [dict(k, J=k["J"] + (hold or 0)) for k, hold in zip(tasks, holds)]
+    responses = analyse(later)
+    for i, hold in enumerate(holds):
+        if hold:
+            own = [*later[:i], tasks[i], *later[i + 1:]]
+            task = dict(c=[hold], F=0, T=CHECK_US, J=hold, b=1, prio=-1, device=None, attempts=1)
+            responses[i] = analyse([*own, task])[i]
+    return responses
