@@ -14,6 +14,7 @@
 #include "one_line.hpp"
 #include "takt/model/item_ranges.hpp"
 #include "takt/plan/guarantee.hpp"
+#include "takt/plan/proof.hpp"
 #include "takt/plan/request_job.hpp"
 
 namespace takt::plan {
@@ -169,10 +170,6 @@ std::vector<model::Learnt> as_before(const model::Line& line, std::vector<model:
     return learnt;
 }
 
-bool holds_deadlines(const model::Project& project, const LinePlan& plan) {
-    return guarantee_line(project, plan, Scope::without_failures).feasible;
-}
-
 }  // namespace
 
 bool learns(const model::Device& device) {
@@ -216,11 +213,19 @@ LearningPlan learning_plan(const model::Project& project, std::size_t line,
     made.trials = trials_of(own, plan_line(own, 0));
     const model::Project sure = confirmed_only(own);
     made.plan = plan_line(sure, 0);
-    if (!learnt.empty() && !holds_deadlines(sure, made.plan)) {
-        const model::Project before =
-            confirmed_only(only_line(project, line, as_before(project.lines[line], learnt)));
-        LinePlan plan = plan_line(before, 0);
-        if (holds_deadlines(before, plan)) made.plan = std::move(plan);
+    if (!learnt.empty()) {
+        auto proved = guarantee_line(sure, made.plan);
+        if (!proved.feasible) {
+            const model::Project before =
+                confirmed_only(only_line(project, line, as_before(project.lines[line], learnt)));
+            LinePlan plan = plan_line(before, 0);
+            auto proved_before = guarantee_line(before, plan);
+            if (proved_before.feasible) {
+                made.plan = std::move(plan);
+                proved = std::move(proved_before);
+            }
+        }
+        put_refresh_bounds(made.plan, proved);
     }
     made.plan.line = line;
     return made;

@@ -20,7 +20,14 @@ Duration age_with_failures(const LineGuarantee& proved, const Request& request) 
     return greatest;
 }
 
+}  // namespace
+
+bool Proof::has_errors() const {
+    return std::ranges::any_of(findings, [](const auto& f) { return f.severity == model::Severity::error; });
+}
+
 void put_refresh_bounds(LinePlan& line, const LineGuarantee& proved) {
+    if (!proved.feasible) return;
     for (std::size_t r = 0; r < line.requests.size(); ++r) {
         auto& request = line.requests[r];
         const auto& response = proved.requests[r].response;
@@ -28,12 +35,6 @@ void put_refresh_bounds(LinePlan& line, const LineGuarantee& proved) {
             request.refresh_bound =
                 RefreshBound{*request.period + *response, age_with_failures(proved, request)};
     }
-}
-
-}  // namespace
-
-bool Proof::has_errors() const {
-    return std::ranges::any_of(findings, [](const auto& f) { return f.severity == model::Severity::error; });
 }
 
 void put_ages(Plan& plan, const std::vector<LineGuarantee>& lines) {

@@ -87,6 +87,20 @@ TEST(Learning, NoDeadlineThatHeldIsGivenUpForALongerRead) {
         << "where there is time for it";
 }
 
+TEST(Learning, APlanWithNewResultsHasItsRefreshBounds) {
+    auto described = learning({int16(0).read(3).every(100ms), int16(4).read(3).every(100ms)});
+    described.lines[0].devices[0].turnaround = 4ms;
+    std::vector<model::Learnt> learnt(1);
+    learnt[0].confirmed[kHolding] = {{1, 3}};
+    const auto made = learning_plan(described, 0, learnt).plan;
+    ASSERT_EQ(made.requests.size(), 1U);
+    described.lines[0].devices[0].learnt = learnt[0];
+    const auto proved = guarantee_line(described, make_plan(described).lines[0]);
+    ASSERT_TRUE(proved.feasible);
+    const RefreshBound expected{100ms + *proved.requests[0].response, *proved.ages_with_failures[0][0]};
+    EXPECT_EQ(made.requests[0].refresh_bound, expected);
+}
+
 TEST(Learning, OnlyWhatTheUserAllowsIsTried) {
     auto described = learning({int16(0).read(3), int16(4).read(3), int16(9).read(3)});
     described.lines[0].devices[0].no_read[kHolding] = {{2, 2}};

@@ -50,7 +50,8 @@ struct LearningPlan {
 [[nodiscard]] model::Project without_learning(const model::Project& project);
 
 /// A read that bridges gaps is longer than those it replaces, and more urgent requests wait for it. If it
-/// makes a deadline miss that the plan without the new results meets, that plan stays.
+/// makes a deadline miss that the plan without the new results meets, that plan stays. A plan made with new
+/// results has its proved refresh bounds.
 /// @param learnt  of each device of the line, instead of the project's; empty: the project's
 [[nodiscard]] LearningPlan learning_plan(const model::Project& project, std::size_t line,
                                          const std::vector<model::Learnt>& learnt = {});

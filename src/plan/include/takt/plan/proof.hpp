@@ -24,6 +24,9 @@ struct Proof {
 /// deadlines.
 void put_ages(Plan& plan, const std::vector<LineGuarantee>& lines);
 
+/// Stores the proved Request::refresh_bound of a line that holds its deadlines.
+void put_refresh_bounds(LinePlan& line, const LineGuarantee& proved);
+
 /// Plans the project and proves its guarantees. The plan has the proved ages.
 /// @param late_is_error  late values are errors even where a turnaround is unknown, as in
 /// guarantee_findings()
