@@ -207,6 +207,21 @@ def test_a_damaged_capture_is_reported_up_to_its_fault(tmp_path):
     assert "after packet 12" in result.err and "byte " in result.err
 
 
+# hostile-inputs 60
+@pytest.mark.parametrize("form", ["pcap", "pcapng"])
+@pytest.mark.parametrize("length", [0xFFFFFFFF, 0xFFFFFFFC, 0x80000000, 0])
+def test_a_record_length_that_cannot_be(tmp_path, form, length):
+    data = bytearray(getattr(source_capture(), form)())
+    last = len(data) - len(getattr(source_capture(SOURCE[:4]), form)())
+    struct.pack_into("<I", data, len(data) - last + (8 if form == "pcap" else 4), length)
+    path = tmp_path / "a.cap"
+    path.write_bytes(data)
+    result = takt("latency", path, "--json", code=None)
+    assert result.json["total"]["answered"] >= 4
+    if length > 0:
+        assert result.code == 7 and "after packet 11" in result.err
+
+
 @pytest.mark.parametrize("data, words", [
     (b"hello world", ("68656C6C", "pcapng")), (b"", ("empty", "pcapng")), (b"\x1f\x8b\x08\0", ("zcat",)),
     (Capture().pcap()[:4] + b"\x09\0" + Capture().pcap()[6:], ("version 9", "allowed: 2"))])
