@@ -8,7 +8,6 @@ namespace takt::client {
 namespace {
 
 using wire::Area;
-using wire::Function;
 
 /// The items to be written, in the order of their addresses.
 struct Items {
