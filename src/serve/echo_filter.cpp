@@ -18,26 +18,38 @@ void EchoFilter::sent(Bytes frame, bool repeats_request, Instant end) {
 }
 
 EchoFilter::Split EchoFilter::split(Instant t, Bytes bytes) {
-    if (frame_.empty()) return {{}, bytes};
+    if (frame_.empty()) return {.rest = bytes};
     const Instant begun = t - static_cast<Duration::rep>(bytes.size()) * character_;
-    if (matched_ > 0 && begun > after(last_match_, pause_)) matched_ = 0;
     const Bytes held = frame_.first(matched_);
-    const Bytes expected = frame_.subspan(matched_);
-    const auto differs = std::ranges::mismatch(expected, bytes);
-    const bool whole = differs.in1 == expected.end();
-    if (t < window_ && whole) {
-        reset();
-        echoes_ = true;
-        return {{}, bytes.subspan(expected.size()), true};
-    }
-    if (t < window_ && differs.in2 == bytes.end()) {
-        matched_ += bytes.size();
-        last_match_ = t;
-        return {};
+    const Instant held_at = last_match_;
+    if (t < window_) {
+        if (const auto echo = match(t, bytes)) return *echo;
+        if (matched_ > 0 && begun > after(held_at, pause_)) {
+            matched_ = 0;
+            if (auto echo = match(t, bytes)) {
+                echo->replay = held;
+                echo->replay_at = held_at;
+                return *echo;
+            }
+        }
     }
     reset();
     if (t > end_) echoes_ = false;
-    return {held, bytes};
+    return {.replay = held, .replay_at = held_at, .rest = bytes};
+}
+
+std::optional<EchoFilter::Split> EchoFilter::match(Instant t, Bytes bytes) {
+    const Bytes expected = frame_.subspan(matched_);
+    const auto differs = std::ranges::mismatch(expected, bytes);
+    if (differs.in1 == expected.end()) {
+        reset();
+        echoes_ = true;
+        return Split{.rest = bytes.subspan(expected.size()), .whole_echo = true};
+    }
+    if (differs.in2 != bytes.end()) return std::nullopt;
+    matched_ += bytes.size();
+    last_match_ = t;
+    return Split{};
 }
 
 }  // namespace takt::serve

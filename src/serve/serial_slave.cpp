@@ -105,10 +105,10 @@ void SerialSlave::on_link(Instant t, bool up) {
 
 void SerialSlave::on_bytes(Instant t, Bytes bytes) {
     if (!up_ || bytes.empty()) return;
-    const auto [replay, rest, whole_echo] = echo_.split(t, bytes);
-    if (whole_echo) ++counters_.echoes;
-    receive(t, replay);
-    receive(t, rest);
+    const auto split = echo_.split(t, bytes);
+    if (split.whole_echo) ++counters_.echoes;
+    receive(split.replay_at, split.replay);
+    receive(t, split.rest);
 }
 
 void SerialSlave::receive(Instant t, Bytes bytes) {

@@ -91,6 +91,48 @@ TEST(SerialSlave, ARequestThatBeginsLikeTheAnswerBeforeIsServed) {
     EXPECT_EQ(rig.sent, rtu(1, "83 02"));
 }
 
+// An adapter delivers a frame in pieces.
+TEST(SerialSlave, ARequestInPiecesAfterAnAnswerIsServed) {
+    const auto request = bytes(rtu(1, "03 0001 0001"));
+    for (const std::size_t first : {1U, 2U})
+        for (const Duration pause : {2ms, 5ms, 25ms})
+            for (const Duration wait : {3ms, 5ms, 40ms}) {
+                Rig rig(rtu_config());
+                EXPECT_EQ(rig.exchange(kRead, kSilence), kReadAnswer);
+                rig.run(wait);
+                rig.sent.clear();
+                rig.slave.on_bytes(rig.now, Bytes(request).first(first));
+                rig.run(pause);
+                rig.slave.on_bytes(rig.now, Bytes(request).subspan(first));
+                rig.run(20ms);
+                EXPECT_FALSE(rig.sent.empty()) << first << ' ' << pause.count() << ' ' << wait.count();
+                EXPECT_EQ(rig.slave.counters().requests, 2U);
+            }
+}
+
+TEST(SerialSlave, AnEchoInPiecesIsDiscarded) {
+    Rig rig(rtu_config());
+    EXPECT_EQ(rig.exchange(kRead, kSilence), kReadAnswer);
+    const auto echo = bytes(kReadAnswer);
+    rig.slave.on_bytes(rig.now, Bytes(echo).first(4));
+    rig.run(5ms);
+    rig.slave.on_bytes(rig.now, Bytes(echo).subspan(4));
+    rig.run(20ms);
+    EXPECT_EQ(rig.slave.counters().echoes, 1U);
+    EXPECT_EQ(rig.slave.counters().requests, 1U);
+}
+
+TEST(SerialSlave, AnEchoBehindNoiseIsDiscarded) {
+    Rig rig(rtu_config());
+    EXPECT_EQ(rig.exchange(kRead, kSilence), kReadAnswer);
+    rig.receive("01");
+    rig.run(3ms);
+    rig.receive(kReadAnswer);
+    rig.run(20ms);
+    EXPECT_EQ(rig.slave.counters().echoes, 1U);
+    EXPECT_EQ(rig.slave.counters().requests, 1U);
+}
+
 TEST(SerialSlave, NoiseThatBeginsLikeTheAnswerCostsNothing) {
     Rig rig(rtu_config());
     EXPECT_EQ(rig.exchange(kRead, kSilence), kReadAnswer);

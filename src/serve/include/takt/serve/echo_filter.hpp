@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "takt/base/engine.hpp"
 #include "takt/base/time.hpp"
@@ -19,7 +20,7 @@ namespace takt::serve {
 class EchoFilter {
 public:
     /// @param character  time of one character
-    /// @param pause      if no byte follows for this long, the held bytes are dropped as an echo in pieces
+    /// @param pause      after it the echo may begin anew, behind noise that was held back
     EchoFilter(Duration character, Duration pause) : character_(character), pause_(pause) {}
 
     /// @param frame            the sent frame; stays valid and unchanged while its echo is expected
@@ -29,6 +30,7 @@ public:
 
     struct Split {
         Bytes replay;             ///< bytes held back earlier that are no echo; they come before `rest`
+        Instant replay_at;        ///< when the last of them was received
         Bytes rest;               ///< the given bytes that are no echo
         bool whole_echo = false;  ///< the frame came back completely
     };
@@ -38,6 +40,9 @@ public:
     void reset() { frame_ = {}; }
 
 private:
+    /// @returns nothing: the bytes do not continue the frame
+    [[nodiscard]] std::optional<Split> match(Instant t, Bytes bytes);
+
     /// How long after its time an adapter may deliver an echo.
     static constexpr Duration kLatest = std::chrono::milliseconds(20);
 
