@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "takt/endpoint/notice.hpp"
+#include "takt/endpoint/serial_notices.hpp"
 #include "takt/line/serial_port.hpp"
 
 namespace takt::endpoint {
@@ -94,13 +94,25 @@ Result<void> Listener::open_serial() {
         engine = faulty_slave_.get();
     }
     line::DriverOptions options;
-    options.on_low_latency = [this](int error) {
-        environment_.notify(low_latency_notice(spec_.line.port, error));
+    options.on_latency = [this](const line::SerialLatency& latency) {
+        for (const auto& notice : latency_notices(spec_.line.port, latency)) environment_.notify(notice);
     };
+    options.on_link = [this](Instant, bool up, const std::optional<Error>& why) { note_link(up, why); };
     TAKT_TRY(driver_, line::open_line(environment_.loop, spec_.line, *engine, options));
     serial_answers_ = std::make_unique<line::SerialAnswers>(*slave_, *driver_);
     pending_.add(*serial_answers_);
     return {};
+}
+
+// Attempts to open the port again repeat the reason; the loss is reported once.
+void Listener::note_link(bool up, const std::optional<Error>& why) {
+    if (up == std::exchange(port_open_, up)) return;
+    if (up)
+        environment_.notify(
+            {Notice::Severity::status, "endpoint.port.open", {{"port", spec_.line.port}}, {}});
+    else
+        environment_.notify(
+            {Notice::Severity::error, "endpoint.port.lost", {{"port", spec_.line.port}}, why});
 }
 
 std::string Listener::name() const {

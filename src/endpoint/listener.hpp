@@ -45,6 +45,7 @@ public:
 private:
     Result<void> open_tcp();
     Result<void> open_serial();
+    void note_link(bool up, const std::optional<Error>& why);
 
     const ListenerSpec& spec_;
     const Environment& environment_;
@@ -55,6 +56,7 @@ private:
     std::unique_ptr<serve::SerialSlave> slave_;
     std::unique_ptr<sim::FaultyEngine> faulty_slave_;
     std::unique_ptr<line::Driver> driver_;
+    bool port_open_ = true;
     std::unique_ptr<line::SerialAnswers> serial_answers_;
     // a TCP port
     line::SlaveSessions sessions_;

@@ -4,6 +4,8 @@
 #include <tuple>
 #include <utility>
 
+#include "takt/endpoint/serial_notices.hpp"
+
 namespace takt::host {
 namespace {
 
@@ -129,8 +131,8 @@ Result<void> LineSet::open_line(std::size_t index, bool wait_for_port) {
         engine_->on_link(t, forwarder->line(), up, why);
         on_event_(t, forwarder->line());
     };
-    options.on_low_latency = [this, port = settings.port](int error) {
-        notify_(endpoint::low_latency_notice(port, error));
+    options.on_latency = [this, port = settings.port](const line::SerialLatency& latency) {
+        for (const auto& notice : endpoint::latency_notices(port, latency)) notify_(notice);
     };
     options.wait_for_port = wait_for_port;
     options.must_reconnect = [this, forwarder = line.forwarder.get()] {

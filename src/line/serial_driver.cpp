@@ -61,7 +61,7 @@ private:
         pump_ = std::make_unique<Pump>(loop_, *port_, engine_, std::move(pumping),
                                        [this](Instant t, const std::optional<Error>& why) { lost(t, why); });
         ++counters_.links;
-        notify_low_latency(port_->low_latency_error());
+        notify_latency(port_->latency());
         notify(now(), true, std::nullopt);
         pump_->start();
     }
@@ -98,9 +98,9 @@ private:
         if (options_.on_link) options_.on_link(t, up, why);
     }
 
-    void notify_low_latency(std::optional<int> error) {
-        const bool is_news = error != std::exchange(low_latency_error_, error);
-        if (error && is_news && options_.on_low_latency) options_.on_low_latency(*error);
+    void notify_latency(const std::optional<SerialLatency>& latency) {
+        const bool is_news = latency != std::exchange(latency_, latency);
+        if (latency && is_news && options_.on_latency) options_.on_latency(*latency);
     }
 
     Loop& loop_;
@@ -110,7 +110,7 @@ private:
     DirectionSwitch direction_;
     Backoff backoff_;
     DriverCounters counters_;
-    std::optional<int> low_latency_error_;  // of the last open port
+    std::optional<SerialLatency> latency_;  // of the last open port
     std::unique_ptr<SerialPort> port_;
     std::unique_ptr<Pump> pump_;
     Timer reopen_;

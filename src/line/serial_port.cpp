@@ -2,7 +2,7 @@
 // names, so none of its functions can be used here.
 //
 // A port is opened with two locks: flock() excludes other well-behaved programs, TIOCEXCL excludes further
-// open() calls. At the end the original termios, RS-485 and low-latency settings are restored.
+// open() calls. At the end the original termios, RS-485 and low-latency settings are restored, but no echo.
 #include "takt/line/serial_port.hpp"
 
 #include <asm/termbits.h>
@@ -19,6 +19,7 @@
 #include <ctime>
 #include <utility>
 
+#include "receive_trigger.hpp"
 #include "takt/line/marked_input.hpp"
 #include "takt/os/descriptor.hpp"
 
@@ -143,7 +144,8 @@ struct SerialPort::Impl {
     std::optional<serial_struct> original_serial;
     Rs485 mode = Rs485::none;
     bool sending = false;  // RTS mode
-    std::optional<int> low_latency_error;
+    std::optional<SerialLatency> latency;
+    std::optional<unsigned> original_trigger;
     MarkedInput input;
 
     ~Impl();
@@ -152,6 +154,7 @@ struct SerialPort::Impl {
     bool enable_kernel_rs485();
     Result<void> configure_rs485(const SerialSettings& settings);
     [[nodiscard]] int ask_low_latency();
+    [[nodiscard]] unsigned lower_receive_trigger();
     void set_sending(bool on);
     std::optional<bool> transmitter_empty() const;
     void wait_sent() const;
@@ -164,6 +167,8 @@ SerialPort::Impl::~Impl() {
         set_sending(false);
         if (original_rs485) ::ioctl(fd.get(), TIOCSRS485, &*original_rs485);
         if (original_serial) ::ioctl(fd.get(), TIOCSSERIAL, &*original_serial);
+        if (original_trigger) (void)ReceiveTrigger(path).set(*original_trigger);
+        if (!pseudo) original.c_lflag &= ~static_cast<tcflag_t>(ECHO | ECHONL);
         ::ioctl(fd.get(), TCSETS2, &original);
     }
     ::ioctl(fd.get(), TIOCNXCL);
@@ -197,7 +202,7 @@ Result<void> SerialPort::Impl::configure(const SerialSettings& settings) {
     pseudo = ::fstat(fd.get(), &status) == 0 && is_pseudo_terminal(status);
     TAKT_CHECK(apply(settings.format));
     TAKT_CHECK(configure_rs485(settings));
-    if (settings.low_latency && !pseudo) low_latency_error = ask_low_latency();
+    if (settings.low_latency && !pseudo) latency = {ask_low_latency(), lower_receive_trigger()};
     ::ioctl(fd.get(), TCFLSH, TCIFLUSH);
     return {};
 }
@@ -248,6 +253,14 @@ int SerialPort::Impl::ask_low_latency() {
     return (serial.flags & kLowLatency) != 0 ? 0 : EOPNOTSUPP;
 }
 
+unsigned SerialPort::Impl::lower_receive_trigger() {
+    const ReceiveTrigger trigger(path);
+    const auto before = trigger.characters().value_or(1);
+    if (before <= 1 || trigger.set(1) != 0) return before;
+    original_trigger = before;
+    return trigger.characters().value_or(1);
+}
+
 void SerialPort::Impl::set_sending(bool on) {
     if (mode != Rs485::rts || sending == on) return;
     int rts = TIOCM_RTS;
@@ -286,8 +299,8 @@ std::optional<bool> SerialPort::transmitter_empty() const {
     return impl_->transmitter_empty();
 }
 
-std::optional<int> SerialPort::low_latency_error() const {
-    return impl_->low_latency_error;
+std::optional<SerialLatency> SerialPort::latency() const {
+    return impl_->latency;
 }
 
 SerialCounters SerialPort::counters() const {

@@ -4,6 +4,7 @@ import os
 import pathlib
 import pty
 import subprocess
+import termios
 import tty
 
 import pytest
@@ -58,6 +59,46 @@ def test_the_result_is_reported(driver, plant, port, kind, text, why):
     with start("serve", "--port", port, env=driver(kind)) as serve:
         until(lambda: any(expected in line for line in serve.err), "the report")
         assert serve.interrupt().err.count("low latency") == 1
+
+
+def echo_of(port):
+    fd = os.open(port, os.O_RDWR | os.O_NOCTTY)
+    try:
+        return bool(termios.tcgetattr(fd)[3] & termios.ECHO)
+    finally:
+        os.close(fd)
+
+
+def test_the_echo_of_a_real_port_stays_off(driver, plant, port):
+    """The kernel would send what it receives between this program and the next one."""
+    fd = os.open(port, os.O_RDWR | os.O_NOCTTY)
+    settings = termios.tcgetattr(fd)
+    settings[3] |= termios.ECHO
+    termios.tcsetattr(fd, termios.TCSANOW, settings)
+    os.close(fd)
+    takt("run", plant, "--for", "100ms", "--quiet")
+    assert echo_of(port)
+    takt("run", plant, "--for", "100ms", "--quiet", **driver("accepts"))
+    assert not echo_of(port)
+
+
+def test_serve_reports_a_lost_port_and_its_return(tmp_path):
+    port = tmp_path / "port"
+    master, slave = pty.openpty()
+    port.symlink_to(os.ttyname(slave))
+    with start("serve", "--port", port) as serve:
+        until(lambda: any("serving rtu" in line for line in serve.err), "the begin")
+        os.close(slave)
+        os.close(master)
+        until(lambda: any("opened again" in line for line in serve.err), "the loss")
+        port.unlink()
+        master, slave = pty.openpty()
+        port.symlink_to(os.ttyname(slave))
+        until(lambda: f"serving {port} again" in serve.err, "the return")
+        result = serve.interrupt()
+    assert result.err.count("opened again") == 1 and result.err.count(str(port)) <= 4, result
+    os.close(master)
+    os.close(slave)
 
 
 def test_a_pseudo_terminal_has_no_such_step(plant):

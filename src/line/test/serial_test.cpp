@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "../receive_trigger.hpp"
 #include "folder.hpp"
 #include "support.hpp"
 #include "takt/line/driver.hpp"
@@ -170,6 +171,20 @@ TEST(SerialPort, KnowsPseudoTerminals) {
     EXPECT_TRUE(is_pseudo_terminal(pty.path));
     EXPECT_FALSE(is_pseudo_terminal("/dev/null"));
     EXPECT_FALSE(is_pseudo_terminal("/dev/no-such-port"));
+}
+
+TEST(ReceiveTrigger, IsAnAttributeOfThePort) {
+    const test::Folder tty;
+    tty.write("ttyS1/rx_trig_bytes", "8\n");
+    const ReceiveTrigger trigger("/dev/ttyS1", tty.path());
+    EXPECT_EQ(trigger.characters(), 8U);
+    EXPECT_TRUE(trigger.is_writable());
+    EXPECT_EQ(trigger.set(1), 0);
+    EXPECT_EQ(trigger.characters(), 1U);
+    const ReceiveTrigger none("/dev/ttyS2", tty.path());
+    EXPECT_EQ(none.characters(), std::nullopt);
+    EXPECT_EQ(none.set(1), ENOENT);
+    EXPECT_FALSE(none.is_writable());
 }
 
 TEST(RealLine, FitsTheBusToThePort) {

@@ -27,9 +27,6 @@ struct Notice {
     std::optional<Error> error;  ///< described by the placeholder {error}
 };
 
-/// Whether a serial port hands on received bytes at once. @param error  line::SerialPort::low_latency_error()
-[[nodiscard]] Notice low_latency_notice(const std::string& port, int error);
-
 /// Takes notices as they arise. Called on the loop's thread; must not block and must not call back.
 using NoticeSink = std::function<void(const Notice&)>;
 

@@ -33,9 +33,9 @@ struct DriverOptions {
     /// Returns true if the engine's stream is out of step; the line is then closed and reopened. Called after
     /// every call of the engine (a master's must_reconnect()).
     std::function<bool()> must_reconnect;
-    /// Serial: called with SerialPort::low_latency_error() when the port is open, before on_link, and again
-    /// if a reopened port has another result. May be empty.
-    std::function<void(int error)> on_low_latency;
+    /// Serial: called with SerialPort::latency() when the port is open, before on_link, and again if a
+    /// reopened port has another one. May be empty.
+    std::function<void(const SerialLatency&)> on_latency;
     /// Serial: a port that cannot be opened at first is retried and is no error.
     bool wait_for_port = false;
     /// TCP: time limit of connect() for one address of the host.

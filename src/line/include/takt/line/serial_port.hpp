@@ -16,9 +16,21 @@ struct SerialSettings {
     std::string path;
     wire::CharacterFormat format;  ///< any baud the port can do; 5..8 data bits
     model::Rs485 rs485 = model::Rs485::automatic;
-    /// Ask the driver to hand on received bytes at once (USB adapters wait up to 16 ms).
+    /// Ask the driver to hand on received bytes at once (USB adapters wait up to 16 ms, a 16550 for a pause
+    /// of four characters).
     bool low_latency = true;
     bool read_only = false;  ///< opened for reading: the system refuses every write()
+};
+
+/// How soon received bytes are handed on.
+struct SerialLatency {
+    /// Of the request for ASYNC_LOW_LATENCY: 0, or errno (ENOTTY: the driver has no such setting, EOPNOTSUPP:
+    /// it ignores the setting).
+    int error = 0;
+    /// The UART collects so many characters; fewer are handed on after a pause of four characters. Above 1:
+    /// the port could not be set to 1.
+    unsigned receive_trigger = 1;
+    friend bool operator==(const SerialLatency&, const SerialLatency&) = default;
 };
 
 struct SerialCounters {
@@ -35,6 +47,8 @@ struct SerialCounters {
 ///
 /// The lock is TIOCEXCL and flock(): another program (or another takt, also as root) gets `busy`.
 /// Destroying the port waits at most 0.3 s for written bytes, restores the original settings and unlocks it.
+/// Only the echo of a real port stays off: with it the kernel would send what it receives before the next
+/// program has set the port.
 /// A pseudo-terminal keeps the bit rate but ignores parity and RS-485 settings. One owner, one thread.
 class SerialPort final : public ByteStream {
 public:
@@ -63,10 +77,8 @@ public:
     void set_sending(bool on);
     /// Whether the last stop bit has left the transmitter; nothing if the port cannot report it.
     [[nodiscard]] std::optional<bool> transmitter_empty() const;
-    /// Whether the driver hands on received bytes at once: 0, or the errno of the request (ENOTTY: it has no
-    /// such setting, EOPNOTSUPP: it ignores the setting). Nothing: the settings do not ask for it, or the
-    /// port is a pseudo-terminal, which has no such delay.
-    [[nodiscard]] std::optional<int> low_latency_error() const;
+    /// Nothing: the settings do not ask for low latency, or the port is a pseudo-terminal.
+    [[nodiscard]] std::optional<SerialLatency> latency() const;
 
     [[nodiscard]] SerialCounters counters() const;
 
