@@ -209,15 +209,20 @@ private:
         if (captured > block.size() - kPacketHead - 4)
             return fault(CaptureFault::record_length, captured, block.size() - kPacketHead - 4);
         const auto ticks = std::uint64_t{numbers_.u32(at + 12)} << 32 | numbers_.u32(at + 16);
-        const auto time = interface.resolution.nanoseconds(ticks);
         auto step = step_of(block, interface);
-        step.packet.time_ns = std::min(time, INT64_MAX / 2) + interface.offset_ns;
+        set_time(step.packet, interface.resolution.nanoseconds(ticks), interface.offset_ns);
         step.packet.original_length = std::max(numbers_.u32(at + 24), static_cast<std::uint32_t>(captured));
         step.packet.data = block.subspan(kPacketHead, captured);
         const auto end_of_data = kPacketHead + (captured + 3) / 4 * 4;
         if (end_of_data < block.size() - 4)
             step.packet.comment = comment_in(block.subspan(end_of_data, block.size() - 4 - end_of_data));
         return step;
+    }
+
+    static void set_time(Packet& packet, std::int64_t since_offset_ns, std::int64_t offset_ns) {
+        const auto time_ns = std::min(since_offset_ns, kMostTime) + offset_ns;
+        packet.timed = since_offset_ns <= kMostTime && time_ns >= 0 && time_ns <= kMostTime;
+        packet.time_ns = packet.timed ? time_ns : 0;
     }
 
     [[nodiscard]] std::string_view comment_in(Bytes bytes) const {

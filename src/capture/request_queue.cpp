@@ -10,8 +10,9 @@ namespace {
 // A client has given up a request if it sends an equal one after this multiple of the usual response time,
 // but not before kLeastPause.
 constexpr std::int64_t kPauseFactor = 10;
-constexpr std::int64_t kLeastPause = 20'000'000;  // ns
-constexpr std::int64_t kSmoothing = 8;            // as the round-trip time of RFC 6298
+constexpr std::int64_t kLeastPause = 20'000'000;     // ns
+constexpr std::int64_t kMostUsual = 60'000'000'000;  // ns; a longer response time is no usual one
+constexpr std::int64_t kSmoothing = 8;               // as the round-trip time of RFC 6298
 
 std::uint32_t word(Bytes pdu, std::size_t at) {
     return pdu.size() >= at + 2 ? std::uint32_t{pdu[at]} << 8U | pdu[at + 1] : 0U;
@@ -75,7 +76,9 @@ std::optional<RequestQueue::Waiting> RequestQueue::take(const Adu& response) {
     return taken;
 }
 
+// A capture whose packets are not in the order of time has negative response times.
 void RequestQueue::learn(std::int64_t response_ns) {
+    response_ns = std::clamp<std::int64_t>(response_ns, 0, kMostUsual);
     usual_ns_ += usual_ns_ == 0 ? response_ns : (response_ns - usual_ns_) / kSmoothing;
 }
 

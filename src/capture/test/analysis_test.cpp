@@ -181,6 +181,23 @@ TEST(Analysis, ALostResponseDoesNotShiftThoseOfAConstantId) {
     }
 }
 
+TEST(Analysis, AResponseTimeOfYearsIsNoUsualOne) {
+    Wire wire;
+    Wire::Connection c;
+    wire.open(c);
+    wire.request(c, adu(0, 1, kRead));
+    const auto late = kMostTime / 1'000'000 - 1'000'000;  // ms
+    wire.number = static_cast<std::uint64_t>(late);
+    wire.respond(c, adu(0, 1, kAnswer));
+    wire.request(c, adu(0, 1, kRead));
+    wire.number += 700'000;  // more than ten usual response times
+    wire.request(c, adu(0, 1, kRead));
+    wire.respond(c, adu(0, 1, kAnswer));
+    const auto number = [&](int more) { return std::to_string(late + more); };
+    EXPECT_EQ(wire.result(),
+              "4-" + number(1) + " U" + number(2) + ' ' + number(700'003) + '-' + number(700'004) + ' ');
+}
+
 TEST(Analysis, OfEqualIdsTheResponseFitsItsRequest) {
     Wire wire;
     Wire::Connection c;

@@ -83,7 +83,7 @@ TEST(CaptureReader, ConvertsResolutionsAndOffsets) {
                  {0x80 | 10, 1024, 1'000'000'000},
                  {0x80 | 30, 3, 2},
                  {0x80 | 63, ~0ULL, 1'999'999'999},
-                 {0, ~0ULL, INT64_MAX / 2}};
+                 {9, kMostTime, kMostTime}};
     for (const auto& [resolution, ticks, ns] : cases) {
         Pcapng file;
         file.section().interface(LinkType::raw, file.resolution(resolution)).packet(0, ticks, hex("00"));
@@ -91,6 +91,7 @@ TEST(CaptureReader, ConvertsResolutionsAndOffsets) {
         CaptureReader reader(kept);
         ASSERT_TRUE(feed(reader, file.bytes));
         EXPECT_EQ(kept.packets.at(0).packet.time_ns, ns) << int{resolution};
+        EXPECT_TRUE(kept.packets.at(0).packet.timed) << int{resolution};
     }
     Pcapng file;
     file.section().interface(LinkType::raw, file.offset(-2)).packet(0, 3'000'000, hex("00"));
@@ -109,6 +110,30 @@ TEST(CaptureReader, SimplePacketsHaveNoTime) {
     EXPECT_FALSE(kept.packets.at(0).packet.timed);
     EXPECT_EQ(kept.packets.at(0).data, hex("01 02 03 04"));
     EXPECT_EQ(kept.packets.at(0).packet.original_length, 9u);
+}
+
+// So the difference of two times never overflows.
+TEST(CaptureReader, ATimeOutOfRangeIsNone) {
+    const struct {
+        std::int64_t offset;
+        std::uint64_t ticks;
+    } cases[] = {{0, ~0ULL},
+                 {0, std::uint64_t{kMostTime} + 1},
+                 {-1, 999'999'999},
+                 {INT64_MIN, 1},
+                 {INT64_MAX, kMostTime},
+                 {INT64_MAX, 1'000'000'000}};
+    for (const auto& [offset, ticks] : cases) {
+        Pcapng file;
+        file.section()
+            .interface(LinkType::raw, joined({file.offset(offset), file.resolution(9)}))
+            .packet(0, ticks, hex("00"));
+        Kept kept;
+        CaptureReader reader(kept);
+        ASSERT_TRUE(feed(reader, file.bytes));
+        EXPECT_FALSE(kept.packets.at(0).packet.timed) << offset << ' ' << ticks;
+        EXPECT_EQ(kept.packets.at(0).packet.time_ns, 0);
+    }
 }
 
 TEST(CaptureReader, SkipsLargeBlocksOfOtherKinds) {

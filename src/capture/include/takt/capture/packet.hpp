@@ -26,11 +26,14 @@ enum class LinkType : std::uint16_t {
     linux_cooked_2 = 276,
 };
 
+/// The greatest time of a packet: the year 2116. The difference of two times cannot overflow.
+inline constexpr std::int64_t kMostTime = INT64_MAX / 2;
+
 /// One packet as the capture has it. Valid during the call that passes it.
 struct Packet {
     std::uint64_t number = 0;  ///< from 1 on, over all interfaces, as Wireshark counts
-    std::int64_t time_ns = 0;  ///< since 1970
-    bool timed = true;         ///< false: the record has no time (simple packet block)
+    std::int64_t time_ns = 0;  ///< since 1970, 0..kMostTime
+    bool timed = true;  ///< false: the record has no time (simple packet block), or one out of this range
     LinkType link{};
     std::uint32_t interface = 0;        ///< number of the interface in the file, over all sections
     std::string_view interface_name{};  ///< pcapng; empty: it has none
