@@ -46,7 +46,9 @@ void DeviceItems::add(const Poll& poll) {
     const bool refused = poll.normal == 0 && poll.exceptions > 0;
     if (row.most_items == 0 || poll.key.quantity == 0 || refused) return;
     const auto measured = poll.period().median;
-    const auto period = measured > Duration::zero() ? nice_period(measured * stretch) : Duration::zero();
+    const auto period = measured > Duration::zero()
+                            ? nice_period(std::min(measured, kLongestPeriod) * stretch)
+                            : Duration::zero();
     if (!row.only_writes_items()) {
         if (!row.counts_bits()) longest_read = std::max(longest_read, poll.key.quantity);
         if (period > Duration::zero()) requests_by_period[period] += poll.requests;

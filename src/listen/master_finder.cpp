@@ -7,7 +7,8 @@
 namespace takt::listen {
 namespace {
 
-constexpr double kInStep = 0.75;       // share of the samples in two neighbouring bins
+constexpr Duration kMostPeriod = std::chrono::hours(24);  // a longer one is unknown
+constexpr double kInStep = 0.75;                          // share of the samples in two neighbouring bins
 constexpr double kOverlapping = 0.05;  // share of the cycles in which polls of two masters overlap
 
 }  // namespace
@@ -34,7 +35,7 @@ void MasterFinder::on_request(Instant t, std::size_t poll, Duration period) {
     auto& own = polls_[poll];
     ++own.requests;
     own.last = t;
-    own.period = period;
+    own.period = period <= kMostPeriod ? period : Duration::zero();
 }
 
 void MasterFinder::on_overlap(std::size_t earlier, std::size_t later) {

@@ -238,6 +238,19 @@ TEST(LineListener, TheProjectHasWhatCombinedFunctionsWrite) {
     EXPECT_TRUE(project.line.devices[1].variables.empty());
 }
 
+// Times of a capture may be anything.
+TEST(LineListener, APeriodOfYearsIsADay) {
+    constexpr Duration kYears = 24h * 365 * 20;
+    Line line;
+    for (int i = 0; i < 4; ++i) {
+        line.exchange(i * 2 * kYears, 1, "03 0000 0001", "03 02 0001");
+        line.exchange(i * 2 * kYears + kYears, 1, "03 0005 0001", "03 02 0001");
+    }
+    const auto project = heard_project(line.listener.statistics(), {}, 64);
+    ASSERT_EQ(project.line.devices.size(), 1u);
+    EXPECT_EQ(project.line.devices[0].poll_period, 24h);
+}
+
 TEST(HeardProject, RoundsPeriods) {
     EXPECT_EQ(nice_period(99600us), 100ms);
     EXPECT_EQ(nice_period(1012ms), 1s);

@@ -26,7 +26,7 @@ inline constexpr std::size_t kMostVariables = 512;  ///< of a device
 /// longest read (`registers_per_request`), and a response time-out of three times the longest response time
 /// where the default is too short.
 /// @param connection  the line without devices
-/// @param stretch     all periods are that many times longer, at least 1
+/// @param stretch     all periods are that many times longer, 1..1000
 [[nodiscard]] HeardProject heard_project(const LineStatistics& statistics, const model::Line& connection,
                                          int stretch = 1);
 

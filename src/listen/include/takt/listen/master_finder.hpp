@@ -34,7 +34,7 @@ public:
     /// @returns the number of the new poll. Not full()
     [[nodiscard]] std::size_t add();
 
-    /// @param period  as known by now; zero: unknown
+    /// @param period  as known by now; zero, or more than a day: unknown
     void on_request(Instant t, std::size_t poll, Duration period);
     /// A request of `later` was sent while the response to one of `earlier` was due.
     void on_overlap(std::size_t earlier, std::size_t later);
