@@ -137,8 +137,9 @@ Json verdict_json(const Texts& texts, const capture::LatencyReport& report) {
 Json capture_json(const LatencyRun& run) {
     const auto& [packets, tcp, serial] = std::tie(run.packets, run.tcp, run.serial);
     auto object = Json::object();
-    object.set("first", packets.packets == 0 ? Json() : Json(utc_time_text(packets.first_ns)));
-    object.set("last", packets.packets == 0 ? Json() : Json(utc_time_text(packets.last_ns)));
+    const bool timed = packets.packets > packets.untimed;
+    object.set("first", timed ? Json(utc_time_text(packets.first_ns)) : Json());
+    object.set("last", timed ? Json(utc_time_text(packets.last_ns)) : Json());
     const std::pair<const char*, std::uint64_t> counts[] = {
         {"packets", packets.packets},
         {"tcp_segments", packets.segments},

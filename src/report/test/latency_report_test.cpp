@@ -106,6 +106,15 @@ TEST(LatencyReport, Json) {
     EXPECT_EQ(std::get<file::Json::Array>(json.find("histogram")->value()).size(), 5u);
 }
 
+TEST(LatencyReport, PacketsWithoutATimeHaveNoFirstAndLast) {
+    const auto report = report_of({}, {});
+    auto run = run_of(report);
+    run.packets = {.packets = 10, .untimed = 10};
+    const auto json = latency_json(english(), run);
+    EXPECT_TRUE(json.find("capture")->find("first")->is_null());
+    EXPECT_TRUE(json.find("capture")->find("last")->is_null());
+}
+
 TEST(LatencyReport, CsvHasEqualColumns) {
     const auto report = report_of({1ms, 2ms, 3ms, 4ms, 5ms, 6ms}, {.grouping = {.client = false}});
     const auto text = latency_csv(report);
