@@ -15,8 +15,6 @@ namespace {
 using selftest::Subject;
 using timing::LatencyStatistics;
 
-constexpr std::array<Subject, selftest::kSubjects> kAll{Subject::wake_up, Subject::loopback, Subject::pty};
-
 std::string time_text(Duration time) {
     using std::chrono::microseconds;
     if (time >= std::chrono::milliseconds(1)) return milliseconds_text(time);
@@ -66,7 +64,7 @@ std::string histogram_text(const LatencyStatistics& statistics) {
 }
 
 void add_rows(TextTable& table, const Texts& texts, const SelftestRun& run) {
-    for (const auto subject : kAll) {
+    for (const auto subject : selftest::kSubjects) {
         const auto& measured = run[static_cast<std::size_t>(subject)];
         if (!measured) continue;
         const bool any = measured->count() > 0;
@@ -120,7 +118,7 @@ file::Json statistics_json(const LatencyStatistics& statistics) {
 
 file::Json run_json(const SelftestRun& run) {
     auto object = file::Json::object();
-    for (const auto subject : kAll) {
+    for (const auto subject : selftest::kSubjects) {
         const auto& measured = run[static_cast<std::size_t>(subject)];
         object.set(name(subject), measured ? statistics_json(*measured) : file::Json());
     }
@@ -153,7 +151,7 @@ std::string selftest_text(const Texts& texts, const SelftestReport& report) {
     table.add({texts("selftest.loaded", {{"count", std::to_string(report.load_threads)}})});
     add_rows(table, texts, report.loaded);
     std::string text = table.render();
-    for (const auto subject : kAll) {
+    for (const auto subject : selftest::kSubjects) {
         const auto& measured = report.loaded[static_cast<std::size_t>(subject)];
         if (!measured || measured->count() == 0) continue;
         text += '\n' +

@@ -7,10 +7,19 @@ namespace takt::selftest {
 
 BackgroundLoad::BackgroundLoad(unsigned threads) {
     threads_.reserve(threads);
-    for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+    try {
+        for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+    } catch (...) {
+        end();
+        throw;
+    }
 }
 
 BackgroundLoad::~BackgroundLoad() {
+    end();
+}
+
+void BackgroundLoad::end() {
     ended_ = true;
     for (auto& thread : threads_) thread.join();
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <system_error>
 #include <thread>
 
 #include "exchange.hpp"
@@ -34,7 +33,12 @@ void run(line::Loop& loop, const MeasureOptions& options) {
 Result<void> exchange(line::Loop& loop, Result<Link> made, const MeasureOptions& options,
                       timing::LatencyStatistics& statistics) {
     TAKT_TRY(auto link, std::move(made));
-    std::optional<EchoPeer> peer(std::in_place, link.far.get(), options.begin_peer);
+    std::optional<EchoPeer> peer;
+    try {
+        peer.emplace(link.far.get(), options.begin_peer);
+    } catch (const std::system_error& error) {
+        return no_thread(error);
+    }
     {
         const Exchange measured(loop, link.near.get(), kPace, statistics);
         run(loop, options);
@@ -66,13 +70,17 @@ Duration rounded_up(Duration time) {
 
 }  // namespace
 
+std::unexpected<Error> no_thread(const std::system_error& error) {
+    return fail(Code::io_failed, "thread", error.code().value());
+}
+
 Result<timing::LatencyStatistics> measure(Subject subject, const MeasureOptions& options) {
     timing::LatencyStatistics statistics;
     Result<void> done;
     try {
         std::thread([&] { done = measure_here(subject, options, statistics); }).join();
     } catch (const std::system_error& error) {
-        return fail(Code::io_failed, "thread", error.code().value());
+        return no_thread(error);
     }
     TAKT_CHECK(done);
     return statistics;

@@ -38,8 +38,10 @@ def without_rights(tmp_path):
         if path == copy or str(path).startswith("/tmp/pytest"):
             path.chmod(0o755)
 
-    def run(*arguments):
-        limits = ["prlimit", "--memlock=65536", "--rtprio=0"]
+    def run(*arguments, processes=None):
+        if processes and os.geteuid() != 0:
+            pytest.skip("needs a user without other processes")
+        limits = ["prlimit", "--memlock=65536", "--rtprio=0", *([f"--nproc={processes}"] if processes else [])]
         rights = ["setpriv", "--reuid", "65534", "--clear-groups", "--inh-caps=-all"] if os.geteuid() == 0 else []
         return subprocess.run([*limits, *rights, str(copy), *map(str, arguments)], capture_output=True, text=True, timeout=60, check=False,
                               cwd=tmp_path, env=environment())
@@ -121,8 +123,17 @@ def test_the_host_line_is_one_of_a_project_and_the_guarantee_uses_it(plant):
 
 
 def test_without_samples_there_is_no_host_line():
-    result = takt("selftest", "--for", "1ms")
-    assert "host: {" in result.out or "No `host:` line" in result.out, result
+    result = takt("selftest", "--for", "1ms", "--json").json
+    for run in (result["idle"], result["loaded"]):
+        samples = [run[subject]["samples"] for subject in ("wake_up", "loopback", "pty")]
+        assert ("host" in run) == all(samples), samples
+
+
+# The threads: the main one, that of all measurements, that of one measurement and its echo; under load one for each processor too.
+@pytest.mark.parametrize("threads", [2, 3, 4, 5])
+def test_a_thread_that_cannot_be_made_is_reported(without_rights, threads):
+    result = without_rights("selftest", "--for", "20ms", processes=threads)
+    assert result.returncode == 3 and result.stderr.startswith("takt: thread: "), result
 
 
 def test_the_selftest_ends_with_ctrl_c_and_what_it_has():

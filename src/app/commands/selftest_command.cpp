@@ -5,6 +5,7 @@
 #include <atomic>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -20,8 +21,6 @@
 namespace takt::app {
 namespace {
 
-constexpr auto kSubjects = {selftest::Subject::wake_up, selftest::Subject::loopback, selftest::Subject::pty};
-
 class Selftest {
 public:
     Selftest(const Texts& texts, const SelftestOptions& options)
@@ -31,15 +30,9 @@ public:
 
     ExitCode run() {
         if (const auto begun = work_loop_.begin({}, {}); !begun) return ended_by(texts_, begun.error());
-        std::thread worker([this] {
-            done_ = measure_all();
-            work_loop_.loop().stop();
-        });
-        work_loop_.work(std::nullopt);
-        stop_ = true;
-        worker.join();
+        const auto done = measure_on_thread();
         progress_.clear();
-        if (!done_) return ended_by(texts_, done_.error());
+        if (!done) return ended_by(texts_, done.error());
         print_realtime(texts_, options_.realtime, realtime_, false);
         print(options_.json ? report::selftest_json(report_).dump() + '\n'
                             : report::selftest_text(texts_, report_));
@@ -47,16 +40,37 @@ public:
     }
 
 private:
+    Result<void> measure_on_thread() {
+        Result<void> done;
+        std::thread worker;
+        try {
+            worker = std::thread([&] {
+                done = measure_all();
+                work_loop_.loop().stop();
+            });
+        } catch (const std::system_error& error) {
+            return selftest::no_thread(error);
+        }
+        work_loop_.work(std::nullopt);
+        stop_ = true;
+        worker.join();
+        return done;
+    }
+
     Result<void> measure_all() {
         TAKT_CHECK(measure_into(report_.idle));
         if (stop_) return {};
-        const selftest::BackgroundLoad load(report_.load_threads);
-        return measure_into(report_.loaded);
+        try {
+            const selftest::BackgroundLoad load(report_.load_threads);
+            return measure_into(report_.loaded);
+        } catch (const std::system_error& error) {
+            return selftest::no_thread(error);
+        }
     }
 
     // A measurement that was stopped is left out: it is shorter than the others.
     Result<void> measure_into(report::SelftestRun& run) {
-        for (const auto subject : kSubjects) {
+        for (const auto subject : selftest::kSubjects) {
             TAKT_TRY(auto measured, selftest::measure(subject, settings()));
             if (stop_) return {};
             run[static_cast<std::size_t>(subject)] = std::move(measured);
@@ -84,7 +98,7 @@ private:
     void show_progress(Duration since) {
         const auto length = static_cast<std::size_t>(options_.time.count());
         const auto now = ended_ * length + static_cast<std::size_t>(since.count());
-        work_loop_.loop().post([this, now, all = 2 * selftest::kSubjects * length] {
+        work_loop_.loop().post([this, now, all = 2 * selftest::kSubjects.size() * length] {
             progress_.show(line::now(), {.done = now, .total = all}, texts_("selftest.progress"));
         });
     }
@@ -95,7 +109,6 @@ private:
     WorkLoop work_loop_;
     report::SelftestReport report_;  // until the end of the worker, its own
     std::vector<os::RealtimeResult> realtime_;
-    Result<void> done_;
     std::size_t ended_ = 0;  // measurements
     std::atomic<bool> stop_ = false;
 };

@@ -12,7 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 
 TEST(Measure, EverySubjectHasSamples) {
-    for (const auto subject : {Subject::wake_up, Subject::loopback, Subject::pty}) {
+    for (const auto subject : kSubjects) {
         SCOPED_TRACE(static_cast<int>(subject));
         const auto measured = measure(subject, {.time = 200ms});
         ASSERT_TRUE(measured);

@@ -13,7 +13,7 @@
 namespace takt::report {
 
 /// Of each subject (selftest::Subject, in their order) what was measured; nothing: it was not.
-using SelftestRun = std::array<std::optional<timing::LatencyStatistics>, selftest::kSubjects>;
+using SelftestRun = std::array<std::optional<timing::LatencyStatistics>, selftest::kSubjects.size()>;
 
 struct SelftestReport {
     SelftestRun idle;

@@ -11,6 +11,7 @@ namespace takt::selftest {
 class BackgroundLoad {
 public:
     /// @param threads  one for each processor loads all of them
+    /// @throws std::system_error when a thread cannot be started; then none remains
     explicit BackgroundLoad(unsigned threads);
     ~BackgroundLoad();
     BackgroundLoad(const BackgroundLoad&) = delete;
@@ -18,6 +19,7 @@ public:
 
 private:
     void work() const;
+    void end();
 
     std::atomic<bool> ended_ = false;
     std::vector<std::thread> threads_;

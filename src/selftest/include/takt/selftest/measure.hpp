@@ -1,10 +1,11 @@
 // What this computer adds to an exchange: how late it wakes up, and how long bytes take between two threads.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <optional>
+#include <system_error>
 
 #include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
@@ -19,7 +20,7 @@ enum class Subject : std::uint8_t {
     loopback,  ///< from a request to its echo, over TCP to another thread
     pty,       ///< the same over a pseudo-terminal
 };
-inline constexpr std::size_t kSubjects = 3;
+inline constexpr std::array kSubjects{Subject::wake_up, Subject::loopback, Subject::pty};
 
 struct MeasureOptions {
     Duration time = std::chrono::seconds(5);  ///< of one measurement
@@ -37,6 +38,9 @@ struct MeasureOptions {
 /// @returns one sample for each instant or echo; io_failed with errno where no socket, terminal or thread can
 /// be made
 [[nodiscard]] Result<timing::LatencyStatistics> measure(Subject subject, const MeasureOptions& options);
+
+/// The error of a thread that could not be started, for which std::thread throws: io_failed with errno.
+[[nodiscard]] std::unexpected<Error> no_thread(const std::system_error& error);
 
 /// The figures of a project's `host:` group (docs/guarantees.md).
 struct HostBudget {
