@@ -1,4 +1,4 @@
-// The real-time mode of run and serve.
+// The real-time mode of run, serve, latency and selftest.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,6 @@ struct RealtimeMode {
     int priority = 0;                  ///< of SCHED_FIFO; 0: normal scheduling
     std::optional<std::uint32_t> cpu;  ///< nothing: any
     Duration spin{};                   ///< of polling before the thread sleeps
-
-    [[nodiscard]] bool wanted() const { return priority > 0 || cpu; }
 };
 
 /// Below the interrupt threads of a real-time kernel, whose priority is 50.

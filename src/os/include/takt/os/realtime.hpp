@@ -36,7 +36,8 @@ struct RealtimeResult {
 
 /// Takes the steps that the options ask for, for the calling thread: with a priority all but `processor`,
 /// with a processor `processor`. A step that fails does not prevent the others. Threads that the calling
-/// thread starts later have normal scheduling; they share its processor. Call it once in a process.
+/// thread starts later have normal scheduling; they share its processor. Several threads may call it, but not
+/// at the same time: the steps for the process are taken again.
 /// @returns each step that was tried
 [[nodiscard]] std::vector<RealtimeResult> become_realtime(const RealtimeOptions& options);
 
