@@ -257,7 +257,7 @@ TEST(LatencyReport, FaultsNamePlaceValueAndAllowed) {
         }
     EXPECT_EQ(capture_error_text(english(), "a.pcap",
                                  {.fault = interface, .offset = 28, .packet = 3, .value = 2, .allowed = 1}),
-              "a.pcap: byte 28, after packet 3: interface 2; the section has 1 interfaces");
+              "a.pcap: byte 28, after packet 3: interface 2; interfaces of the section: 1");
 }
 
 TEST(LatencyReport, Endpoints) {
