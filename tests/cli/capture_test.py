@@ -3,6 +3,7 @@ import json
 import shutil
 import signal
 import socket
+import struct
 import subprocess
 
 import pytest
@@ -224,6 +225,39 @@ def test_an_interface_is_recorded(tmp_path, blank_device):
     assert len(mine) == 40
     report = takt("latency", capture, "--port", port, "--json", code=None).json
     assert [s["answered"] for s in report["series"] if s["server"] == f"127.0.0.1:{port}"] == [20]
+
+
+def blocks(path):
+    """Type and body of each block of a pcapng file in the order of this machine."""
+    data, at = path.read_bytes(), 0
+    while at < len(data):
+        kind, size = struct.unpack_from("=II", data, at)
+        yield kind, data[at + 8:at + size - 4]
+        at += size
+
+
+def test_each_file_of_an_interface_has_its_own_statistics(tmp_path):
+    capture = tmp_path / "lo.pcapng"
+    # Also the first packet, which is larger than a file, follows the begin of one.
+    with start("capture", "--interface", "lo", "-o", capture, "--size", "20k", "--files", 1000) as listener, \
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        until(lambda: any("listening on lo" in text for text in listener.err) or listener.process.poll() is not None, "listening")
+        if listener.process.poll() is not None:
+            pytest.skip("needs CAP_NET_RAW")
+
+        sender.sendto(b"\0" * 60_000, ("127.0.0.1", 9))
+
+        def send_until_rotated():
+            sender.sendto(b"\0" * 900, ("127.0.0.1", 9))
+            return (tmp_path / "lo.2.pcapng").exists()
+        until(send_until_rotated, "a third file")
+        listener.interrupt()
+    for file in tmp_path.glob("*.pcapng"):
+        tshark(file)
+        packets = sum(kind == 6 for kind, _ in blocks(file))
+        (statistics,) = (body for kind, body in blocks(file) if kind == 5)
+        received, dropped = (struct.unpack_from("=Q", statistics, at)[0] for at in (16, 28))
+        assert packets > 0 and received - dropped == packets, file
 
 
 def test_standard_output_is_a_capture(tmp_path):

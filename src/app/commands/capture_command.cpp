@@ -25,8 +25,8 @@
 namespace takt::app {
 namespace {
 
-constexpr Duration kShowInterval = std::chrono::milliseconds(200);
-constexpr Duration kTimeout = std::chrono::seconds(1);  // a response after it belongs to no request
+constexpr Duration kFlushInterval = std::chrono::milliseconds(200);  // of packets to their file
+constexpr Duration kTimeout = std::chrono::seconds(1);               // a repeated write after it is a request
 /// Adapters deliver late: a pause inside a frame that is no end of it.
 constexpr Duration kPause = std::chrono::milliseconds(20);
 
@@ -135,18 +135,18 @@ public:
         TAKT_TRY(auto file, console::CaptureFile::open(options_.file));
         auto input = StoppableInput::around(options_.interface, socket.descriptor());
         print_status(texts_("app.latency.listening", {{"interface", options_.interface}}) + '\n');
-        begin_file();
+        TAKT_CHECK(begin_file(file, 0));
         const Instant start = line::now();
+        Instant flushed = start;
         while (!StoppableInput::stopped() && (!options_.run_for || line::now() - start < *options_.run_for)) {
-            TAKT_TRY(const bool readable, input.wait(kShowInterval));
-            if (!readable) TAKT_CHECK(flush(file));
+            TAKT_TRY(const bool readable, input.wait(kFlushInterval));
             if (readable) TAKT_CHECK(socket.read([&](const auto& packet) { add(packet); }));
-            if (blocks_.size() < kChunk) continue;
-            if (file.is_full(blocks_.size())) TAKT_CHECK(rotate(file, socket.dropped()));
-            TAKT_CHECK(flush(file));
+            if (blocks_.size() < kChunk && line::now() - flushed < kFlushInterval) continue;
+            TAKT_CHECK(flush(file, socket));
+            flushed = line::now();
         }
-        end_file(socket.dropped());
-        return flush(file);
+        TAKT_CHECK(flush(file, socket));
+        return end_file(file, socket.dropped());
     }
 
     [[nodiscard]] std::uint64_t frames() const { return packets_; }
@@ -154,43 +154,54 @@ public:
 private:
     static constexpr std::size_t kChunk = 8 << 10;  // bytes of one write
 
-    void begin_file() {
-        capture::append_section(blocks_);
-        capture::append_interface(blocks_, capture::LinkType::raw, options_.interface);
+    /// @param dropped  up to now
+    Result<void> begin_file(console::CaptureFile& file, std::uint64_t dropped) {
+        in_file_ = 0;
+        dropped_before_ = dropped;
+        std::string head;
+        capture::append_section(head);
+        capture::append_interface(head, capture::LinkType::raw, options_.interface);
+        return file.write(head);
     }
-    void end_file(std::uint64_t dropped) {
-        capture::append_statistics(blocks_,
-                                   {.time_ns = last_ns_, .received = packets_ + dropped, .dropped = dropped});
+    /// Writes the statistics of the file.
+    Result<void> end_file(console::CaptureFile& file, std::uint64_t dropped) const {
+        const auto lost = dropped - dropped_before_;
+        std::string statistics;
+        capture::append_statistics(statistics,
+                                   {.time_ns = last_ns_, .received = in_file_ + lost, .dropped = lost});
+        return file.write(statistics);
     }
     void add(const os::ReceivedPacket& packet) {
         ++packets_;
+        ++waiting_;
         last_ns_ = packet.time_ns;
         capture::append_packet(
             blocks_, {.time_ns = packet.time_ns,
                       .data = {reinterpret_cast<const char*>(packet.data.data()), packet.data.size()},
                       .original_length = packet.length});
     }
-    Result<void> rotate(console::CaptureFile& file, std::uint64_t dropped) {
-        std::string next;
-        next.swap(blocks_);
-        end_file(dropped);
-        TAKT_CHECK(flush(file));
-        TAKT_CHECK(file.rotate());
-        begin_file();
-        blocks_ += next;
-        return {};
-    }
-    Result<void> flush(console::CaptureFile& file) {
+    // Packets that are larger than a file have one of their own.
+    Result<void> flush(console::CaptureFile& file, os::PacketSocket& socket) {
+        if (in_file_ > 0 && file.is_full(blocks_.size())) {
+            const auto dropped = socket.dropped();
+            TAKT_CHECK(end_file(file, dropped));
+            TAKT_CHECK(file.rotate());
+            TAKT_CHECK(begin_file(file, dropped));
+        }
         TAKT_CHECK(file.write(blocks_));
         blocks_.clear();
+        in_file_ += std::exchange(waiting_, 0);
         return {};
     }
 
     Texts texts_;
     const CaptureOptions& options_;
-    std::string blocks_;  // not written yet
+    std::string blocks_;         // not written yet
+    std::uint64_t waiting_ = 0;  // packets of blocks_
+    std::uint64_t in_file_ = 0;  // packets written since the file began
     std::uint64_t packets_ = 0;
-    std::int64_t last_ns_ = 0;
+    std::uint64_t dropped_before_ = 0;  // the file began
+    std::int64_t last_ns_ = 0;          // of the last packet
 };
 
 void print_done(const Texts& texts, const CaptureOptions& options, std::uint64_t frames) {
