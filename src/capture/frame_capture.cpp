@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "big_endian.hpp"
 #include "ip_packet.hpp"
 #include "takt/capture/upper_pdu.hpp"
 #include "takt/wire/function.hpp"
@@ -11,11 +12,6 @@ namespace takt::capture {
 namespace {
 
 constexpr std::uint16_t kFirstClientPort = 49152;
-
-void put_be16(std::string& out, std::uint32_t number) {
-    out += static_cast<char>((number >> 8U) & 0xFFU);
-    out += static_cast<char>(number & 0xFFU);
-}
 
 std::string_view text_of(Bytes bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -131,7 +127,7 @@ std::string FrameCapture::payload_of(Connection& connection, const CapturedFrame
     std::string payload;
     put_be16(payload, identifier);
     put_be16(payload, 0);
-    put_be16(payload, static_cast<std::uint32_t>(frame.pdu.size() + 1));
+    put_be16(payload, frame.pdu.size() + 1);
     payload += static_cast<char>(frame.unit);
     payload += text_of(frame.pdu);
     return payload;

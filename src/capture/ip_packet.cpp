@@ -1,6 +1,8 @@
 // Headers of IPv4 (RFC 791), IPv6 (RFC 8200) and TCP (RFC 9293) without options.
 #include "ip_packet.hpp"
 
+#include "big_endian.hpp"
+
 namespace takt::capture {
 namespace {
 
@@ -9,16 +11,6 @@ constexpr std::size_t kTcpChecksum = 16;
 constexpr std::size_t kIpChecksum = 10;
 constexpr std::size_t kIpv4Header = 20;
 constexpr std::size_t kIpv4InAddress = 12;  // position in IpAddress::bytes
-
-void put16(std::string& out, std::uint32_t number) {
-    out += static_cast<char>((number >> 8U) & 0xFFU);
-    out += static_cast<char>(number & 0xFFU);
-}
-
-void put32(std::string& out, std::uint32_t number) {
-    put16(out, number >> 16U);
-    put16(out, number & 0xFFFFU);
-}
 
 void set16(std::string& out, std::size_t at, std::uint16_t number) {
     out[at] = static_cast<char>(number >> 8U);
@@ -47,13 +39,13 @@ std::uint16_t checksum(std::uint32_t sum) {
 
 std::string tcp_segment(const TcpHead& head, std::string_view payload) {
     std::string tcp;
-    put16(tcp, head.source.port);
-    put16(tcp, head.destination.port);
-    put32(tcp, head.sequence);
-    put32(tcp, head.acknowledged);
-    put16(tcp, 0x5018);  // five words; PSH, ACK
-    put16(tcp, 64240);   // window
-    put32(tcp, 0);       // checksum, urgent pointer
+    put_be16(tcp, head.source.port);
+    put_be16(tcp, head.destination.port);
+    put_be32(tcp, head.sequence);
+    put_be32(tcp, head.acknowledged);
+    put_be16(tcp, 0x5018);  // five words; PSH, ACK
+    put_be16(tcp, 64240);   // window
+    put_be32(tcp, 0);       // checksum, urgent pointer
     tcp += payload;
     std::uint32_t sum = kTcp + static_cast<std::uint32_t>(tcp.size());  // of the pseudo header
     sum = sum_of(address_bytes(head.source.address), sum);
@@ -70,14 +62,14 @@ std::string tcp_packet(const TcpHead& head, std::string_view payload) {
     const bool version4 = head.source.address.is_ipv4();
     std::string ip;
     if (version4) {
-        put16(ip, 0x4500);
-        put16(ip, static_cast<std::uint32_t>(kIpv4Header) + length);
-        put32(ip, 0x00004000);                // no fragments
-        put32(ip, 0x40000000 | kTcp << 16U);  // time to live 64
+        put_be16(ip, 0x4500);
+        put_be16(ip, kIpv4Header + length);
+        put_be32(ip, 0x00004000);                // no fragments
+        put_be32(ip, 0x40000000 | kTcp << 16U);  // time to live 64
     } else {
-        put32(ip, 0x60000000);
-        put16(ip, length);
-        put16(ip, kTcp << 8U | 64U);  // hop limit
+        put_be32(ip, 0x60000000);
+        put_be16(ip, length);
+        put_be16(ip, kTcp << 8U | 64U);  // hop limit
     }
     ip += address_bytes(head.source.address);
     ip += address_bytes(head.destination.address);

@@ -3,25 +3,14 @@
 #include "takt/capture/latency.hpp"
 
 #include <algorithm>
-#include <cstring>
+
+#include "hash.hpp"
 
 namespace takt::capture {
 namespace {
 
-// One step of the finalizer of SplitMix64.
-std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
-    hash = (hash ^ value) * 0xBF58476D1CE4E5B9U;
-    return hash ^ hash >> 31U;
-}
-
-std::uint64_t mixed(std::uint64_t hash, const IpAddress& address) {
-    std::uint64_t words[2];
-    std::memcpy(words, address.bytes.data(), sizeof words);
-    return mixed(mixed(hash, words[0]), words[1]);
-}
-
 std::uint64_t hash_of(const SeriesKey& key) {
-    std::uint64_t hash = mixed(0x9E3779B97F4A7C15U, key.client);
+    std::uint64_t hash = mixed(kFirstHash, key.client);
     hash = mixed(hash, key.server.address);
     hash = mixed(hash, std::uint64_t{key.server.port} << 48U | std::uint64_t{key.interface} << 16U |
                            std::uint64_t{key.unit} << 8U | key.function);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "big_endian.hpp"
 #include "takt/capture/pdu_shape.hpp"
 
 namespace takt::capture {
@@ -143,10 +144,8 @@ void MbapStream::emit(const PacketRef& packet, Bytes adu, AduSink& sink) {
 
 void MbapStream::pass(const PacketRef& packet, Bytes adu, AduSink& sink) {
     ++messages_;
-    sink.on_adu({.transaction = static_cast<std::uint16_t>(adu[0] << 8U | adu[1]),
-                 .unit = adu[6],
-                 .pdu = adu.subspan(kHeader),
-                 .packet = packet});
+    sink.on_adu(
+        {.transaction = be16_at(adu, 0), .unit = adu[6], .pdu = adu.subspan(kHeader), .packet = packet});
 }
 
 void MbapStream::on_gap() {

@@ -1,5 +1,6 @@
 #include "takt/capture/pdu_shape.hpp"
 
+#include "big_endian.hpp"
 #include "takt/capture/serial_frame.hpp"
 #include "takt/wire/request_view.hpp"
 
@@ -30,7 +31,7 @@ bool could_be_response(Bytes pdu) {
         case wire::ResponseForm::repeated: return could_be_request(pdu);
         case wire::ResponseForm::head:
         case wire::ResponseForm::status: return pdu.size() == row.response_bytes;
-        case wire::ResponseForm::queue: return (pdu[1] << 8U | pdu[2]) == static_cast<int>(pdu.size()) - 3;
+        case wire::ResponseForm::queue: return be16_at(pdu, 1) + std::size_t{3} == pdu.size();
         case wire::ResponseForm::sub_function:
         case wire::ResponseForm::encapsulated: return true;
         case wire::ResponseForm::unknown: break;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "big_endian.hpp"
 #include "takt/wire/function.hpp"
 
 namespace takt::capture {
@@ -15,7 +16,7 @@ constexpr std::int64_t kMostUsual = 60'000'000'000;  // ns; a longer response ti
 constexpr std::int64_t kSmoothing = 8;               // as the round-trip time of RFC 6298
 
 std::uint32_t word(Bytes pdu, std::size_t at) {
-    return pdu.size() >= at + 2 ? std::uint32_t{pdu[at]} << 8U | pdu[at + 1] : 0U;
+    return pdu.size() >= at + 2 ? be16_at(pdu, at) : 0U;
 }
 
 bool is_equal(const RequestQueue::Waiting& a, std::uint16_t transaction, std::uint8_t unit,

@@ -6,6 +6,8 @@
 #include <array>
 #include <optional>
 
+#include "big_endian.hpp"
+
 namespace takt::capture {
 namespace {
 
@@ -21,14 +23,6 @@ constexpr int kMostExtensions = 8;  // IPv6 extension headers
 // shim6.
 constexpr std::array<std::uint8_t, 6> kOptions{0, 43, 60, 135, 139, 140};
 
-std::uint16_t u16(Bytes bytes, std::size_t at) {
-    return static_cast<std::uint16_t>(bytes[at] << 8U | bytes[at + 1]);
-}
-
-std::uint32_t u32(Bytes bytes, std::size_t at) {
-    return std::uint32_t{u16(bytes, at)} << 16U | u16(bytes, at + 2);
-}
-
 /// The network layer of a packet: its EtherType and its bytes.
 struct Network {
     std::uint16_t type = 0;
@@ -39,7 +33,7 @@ using Layer = std::optional<Network>;  // nothing: the packet is cut before it
 
 Layer after_header(Bytes bytes, std::size_t type_at, std::size_t header) {
     if (bytes.size() < header) return std::nullopt;
-    return Network{u16(bytes, type_at), bytes.subspan(header)};
+    return Network{be16_at(bytes, type_at), bytes.subspan(header)};
 }
 
 /// Removes VLAN tags (802.1Q, 802.1ad and the older 0x9100).
@@ -59,7 +53,7 @@ Layer raw_ip(Bytes bytes) {
     return Network{version == 4 ? kIpv4 : other, bytes};
 }
 
-/// Both loopback headers are an address family; the packet itself says the version more reliably.
+/// Both loopback headers are an address family; the version in the packet is more reliable.
 Layer loopback(Bytes bytes) {
     if (bytes.size() < 4) return std::nullopt;
     return raw_ip(bytes.subspan(4));
@@ -107,22 +101,22 @@ Content decode_ipv4(Bytes bytes, std::size_t on_wire, Segment& segment, Fragment
                     IpPayload& payload) {
     if (bytes.size() < kIpv4Header) return Content::cut;
     const std::size_t header = (bytes[0] & 0x0FU) * 4U;
-    const std::size_t total = u16(bytes, 2) == 0 ? on_wire : u16(bytes, 2);
+    const std::size_t total = be16_at(bytes, 2) == 0 ? on_wire : be16_at(bytes, 2);
     if (header < kIpv4Header || total < header) return Content::malformed;
     if (bytes[9] != kTcp) return Content::not_tcp;
     if (bytes.size() < header) return Content::cut;
     const auto source = ipv4_address(bytes.subspan(12, 4));
     const auto destination = ipv4_address(bytes.subspan(16, 4));
-    if (const auto place = u16(bytes, 6) & 0x3FFFU; place != 0) {
+    if (const auto place = be16_at(bytes, 6) & 0x3FFFU; place != 0) {
         fragment = {.source = source,
                     .destination = destination,
-                    .identification = u16(bytes, 4),
+                    .identification = be16_at(bytes, 4),
                     .protocol = kTcp,
                     .offset = (place & 0x1FFFU) * 8,
                     .more = (place & 0x2000U) != 0};
         return fragment_of(bytes, header, total, fragment);
     }
-    segment.identification = u16(bytes, 4);
+    segment.identification = be16_at(bytes, 4);
     segment.source.address = source;
     segment.destination.address = destination;
     payload = {bytes.subspan(header, std::min(bytes.size(), total) - header), total - header};
@@ -137,8 +131,8 @@ Content skip_extensions(Bytes bytes, std::uint8_t& next, std::size_t& at, Fragme
         const bool is_fragment = next == 44;
         if (!is_options && !is_fragment && next != 51) return Content::segment;
         if (bytes.size() < at + 8) return Content::cut;
-        if (const auto place = is_fragment ? u16(bytes, at + 2) & 0xFFF9U : 0U; place != 0) {
-            fragment.identification = u32(bytes, at + 4);
+        if (const auto place = is_fragment ? be16_at(bytes, at + 2) & 0xFFF9U : 0U; place != 0) {
+            fragment.identification = be32_at(bytes, at + 4);
             fragment.protocol = bytes[at];
             fragment.offset = place & 0xFFF8U;
             fragment.more = (place & 1U) != 0;
@@ -157,7 +151,7 @@ Content skip_extensions(Bytes bytes, std::uint8_t& next, std::size_t& at, Fragme
 Content decode_ipv6(Bytes bytes, std::size_t on_wire, Segment& segment, Fragment& fragment,
                     IpPayload& payload) {
     if (bytes.size() < kIpv6Header) return Content::cut;
-    std::size_t total = kIpv6Header + u16(bytes, 4);
+    std::size_t total = kIpv6Header + be16_at(bytes, 4);
     if (total == kIpv6Header) total = on_wire;
     std::uint8_t next = bytes[6];
     std::size_t at = kIpv6Header;
@@ -182,10 +176,10 @@ Content decode_tcp(const IpPayload& ip, Segment& segment) {
     if (ip.bytes.size() < kTcpHeader) return ip.length < kTcpHeader ? Content::malformed : Content::cut;
     const std::size_t header = (ip.bytes[12] >> 4U) * 4U;
     if (header < kTcpHeader || header > ip.length) return Content::malformed;
-    segment.source.port = u16(ip.bytes, 0);
-    segment.destination.port = u16(ip.bytes, 2);
-    segment.sequence = u32(ip.bytes, 4);
-    segment.acknowledged = u32(ip.bytes, 8);
+    segment.source.port = be16_at(ip.bytes, 0);
+    segment.destination.port = be16_at(ip.bytes, 2);
+    segment.sequence = be32_at(ip.bytes, 4);
+    segment.acknowledged = be32_at(ip.bytes, 8);
     const std::uint8_t flags = ip.bytes[13];
     segment.fin = (flags & 0x01U) != 0;
     segment.syn = (flags & 0x02U) != 0;

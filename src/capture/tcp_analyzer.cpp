@@ -2,29 +2,20 @@
 #include "takt/capture/tcp_analyzer.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <list>
 #include <unordered_map>
 #include <utility>
 
 #include "connection.hpp"
+#include "hash.hpp"
 
 namespace takt::capture {
 namespace {
 
 struct KeyHash {
     std::size_t operator()(const ConnectionKey& key) const {
-        std::uint64_t hash = 0x9E3779B97F4A7C15U;
-        const auto mix = [&hash](std::uint64_t value) {
-            hash = (hash ^ value) * 0xBF58476D1CE4E5B9U;
-            hash ^= hash >> 31U;
-        };
-        for (const auto* end : {&key.low, &key.high}) {
-            std::uint64_t words[2];
-            std::memcpy(words, end->address.bytes.data(), sizeof words);
-            mix(words[0]);
-            mix(words[1] ^ end->port);
-        }
+        std::uint64_t hash = kFirstHash;
+        for (const auto* end : {&key.low, &key.high}) hash = mixed(mixed(hash, end->address), end->port);
         return hash;
     }
 };

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "big_endian.hpp"
+
 namespace takt::capture {
 namespace {
 
@@ -10,14 +12,8 @@ constexpr std::uint16_t kDissectorName = 12;
 constexpr std::size_t kTag = 4;
 
 void put_tag(std::string& out, std::uint16_t tag, std::size_t length) {
-    for (const std::size_t number : {std::size_t{tag}, length}) {
-        out += static_cast<char>(number >> 8U);
-        out += static_cast<char>(number & 0xFFU);
-    }
-}
-
-std::uint16_t number_at(Bytes bytes, std::size_t at) {
-    return static_cast<std::uint16_t>(bytes[at] << 8U | bytes[at + 1]);
+    put_be16(out, tag);
+    put_be16(out, length);
 }
 
 }  // namespace
@@ -36,8 +32,8 @@ std::string upper_pdu(std::string_view dissector, std::string_view payload) {
 std::optional<UpperPdu> decode_upper_pdu(Bytes packet) {
     UpperPdu result;
     while (packet.size() >= kTag) {
-        const auto tag = number_at(packet, 0);
-        const std::size_t length = number_at(packet, 2);
+        const auto tag = be16_at(packet, 0);
+        const std::size_t length = be16_at(packet, 2);
         packet = packet.subspan(kTag);
         if (length > packet.size()) return std::nullopt;
         if (tag == kEnd) {
