@@ -34,7 +34,7 @@ std::string words_of(const Exchange& exchange) {
     return wire::describe_response(unit, exchange.response, request ? &*request : nullptr);
 }
 
-/// What is to be said of an exchange beside its words.
+/// The outcome of an exchange and its peculiarities, behind its words.
 std::string remarks(const Texts& texts, const Exchange& exchange) {
     std::string text;
     const auto add = [&](const std::string& remark) { text += "; " + remark; };

@@ -6,7 +6,7 @@
 namespace takt::report {
 namespace {
 
-constexpr Duration kTimeout = std::chrono::seconds(1);  // a response after it belongs to no request
+constexpr Duration kTimeout = std::chrono::seconds(1);  // a repeated write after it is a request
 constexpr std::size_t kMostSources = 4096;              // of forgotten generations too
 
 /// The address of the server of a TCP line, where it is an address and not that of all interfaces.

@@ -67,7 +67,7 @@ public:
 
     [[nodiscard]] const std::optional<CaptureError>& error() const { return error_; }
     [[nodiscard]] std::uint64_t packets() const { return packets_; }
-    /// Packets that were lost when the capture was made, as its statistics say (pcapng).
+    /// Packets that were lost when the capture was made, by its statistics (pcapng).
     [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
 private:

@@ -38,10 +38,10 @@ struct CapturedFrame {
 /// A frame is a segment of a TCP connection to port 502 in an IP packet without a link layer, with the real
 /// addresses where they are known. The sequence numbers are those of a connection that lost nothing. A frame
 /// of a serial line has the header of Modbus TCP in place of its address and checksum: the dissector for RTU
-/// cannot tell the request from the response of a single write, and there is none for ASCII. Its own bytes
-/// are in the comment of the packet. Its transaction identifier is that of the last request to the unit with
-/// its function, so that a late response has the one of its request, else that of the last request to the
-/// unit.
+/// cannot distinguish the request of a single write from its response, and there is none for ASCII. Its own
+/// bytes are in the comment of the packet. Its transaction identifier is that of the last request to the unit
+/// with its function, so that a late response has the one of its request, else that of the last request to
+/// the unit.
 ///
 /// Bytes that were dropped are a packet of link type upper_pdu, which Wireshark shows as data.
 ///

@@ -36,7 +36,7 @@ protected:
 /// Never allocates. One owner, one thread.
 class MbapStream {
 public:
-    /// @param certain  the port or an option says that this is Modbus. Otherwise a stream without a message
+    /// @param certain  the port or an option shows that this is Modbus. Otherwise a stream without a message
     ///                 in its first kMostForeign bytes is taken for another protocol and ignored.
     explicit MbapStream(bool certain = false) : certain_(certain) {}
     static constexpr std::size_t kMostForeign = 4096;

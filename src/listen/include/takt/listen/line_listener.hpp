@@ -16,7 +16,7 @@ struct ListenConfig {
     Duration timeout = std::chrono::seconds(1);  ///< a request waits so long for its response
 };
 
-/// Follows one line: finds frames, tells requests from responses (capture::SerialPairing), reports exchanges
+/// Follows one line: finds frames, pairs requests with responses (capture::SerialPairing), reports exchanges
 /// to the observer and keeps statistics. Allocates for statistics only, within the bounds of LineStatistics.
 /// One owner, one thread; time must not run backwards.
 class LineListener final : private LineSink {
