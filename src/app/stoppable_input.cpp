@@ -78,8 +78,15 @@ bool StoppableInput::stopped() {
     return g_stopped;
 }
 
+// ppoll() lets no pending signal in while the input is readable.
+bool StoppableInput::is_stopped() const {
+    constexpr timespec kAtOnce{};
+    if (::sigtimedwait(&taken_, nullptr, &kAtOnce) > 0) g_stopped = true;
+    return g_stopped;
+}
+
 Result<bool> StoppableInput::wait(Duration limit) {
-    if (g_stopped) return false;
+    if (is_stopped()) return false;
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(limit);
     const timespec time{.tv_sec = seconds.count(), .tv_nsec = (limit - seconds).count()};
     pollfd waited{.fd = number_, .events = POLLIN, .revents = 0};
@@ -89,7 +96,7 @@ Result<bool> StoppableInput::wait(Duration limit) {
 }
 
 Result<std::size_t> StoppableInput::read(std::span<std::uint8_t> storage) {
-    while (!g_stopped) {
+    while (!is_stopped()) {
         pollfd waited{.fd = number_, .events = POLLIN, .revents = 0};
         if (::ppoll(&waited, 1, nullptr, &before_) < 0) {
             if (errno == EINTR) continue;

@@ -42,6 +42,8 @@ public:
 private:
     StoppableInput(std::string path, os::Descriptor file, int number);
 
+    [[nodiscard]] bool is_stopped() const;
+
     std::string path_;
     os::Descriptor file_;  // none: standard input, or owned by another object
     int number_;

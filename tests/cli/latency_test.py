@@ -84,6 +84,21 @@ def test_a_signal_ends_standard_input_with_the_report():
     assert "0.205" in result.out or "packets 0" in result.out  # the signal may come before the bytes
 
 
+def test_a_signal_ends_a_large_file(tmp_path):
+    """A file is always readable. This one is 400 GB of blocks that are skipped, nearly all of them a hole."""
+    size = 0xFFFFFFFC
+    with open(tmp_path / "large.pcapng", "wb") as file:
+        file.write(source_capture().pcapng())
+        begin = file.tell()
+        for number in range(100):
+            file.seek(begin + number * size)
+            file.write(struct.pack("<II", 0x0BAD, size))
+        file.truncate(begin + 100 * size)
+    with start("latency", tmp_path / "large.pcapng", "--json") as process:
+        until(lambda: process.catches(signal.SIGINT), "the handler")
+        assert process.interrupt(code=7).json["total"]
+
+
 def test_segments_cut_repeated_swapped_and_missing(tmp_path):
     capture = Capture()
     c = Connection(capture)
