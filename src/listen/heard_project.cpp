@@ -155,7 +155,17 @@ model::Device device_of(std::uint8_t unit, const HeardDevice& heard, int stretch
     return device;
 }
 
+bool was_asked(std::uint8_t unit, const HeardDevice& heard) {
+    return heard.requests > 0 && unit != kBroadcast.value;
+}
+
 }  // namespace
+
+bool has_devices(const LineStatistics& statistics) {
+    return std::ranges::any_of(statistics.devices(), [](const auto& entry) {
+        return was_asked(entry.first, entry.second) && entry.first <= kLastUnit;
+    });
+}
 
 // Two significant digits, where they are at most 3 % away; whole seconds from 10 s on.
 Duration nice_period(Duration measured) {
@@ -175,7 +185,7 @@ HeardProject heard_project(const LineStatistics& statistics, const model::Line& 
     project.line.name = "line 1";
     project.line.devices.clear();
     for (const auto& [unit, heard] : statistics.devices()) {
-        if (heard.requests == 0 || unit == kBroadcast.value) continue;
+        if (!was_asked(unit, heard)) continue;
         if (unit > kLastUnit) {
             project.other_units.push_back(unit);
             continue;

@@ -110,7 +110,7 @@ std::string ListenOutput::accepted_project(const report::ListenRun& run) const {
 
 ExitCode ListenOutput::write_project(const report::ListenRun& run) const {
     if (options_.write.empty()) return ExitCode::ok;
-    if (run.statistics.counts().requests == 0) {
+    if (!listen::has_devices(run.statistics)) {
         print_status(texts_("app.listen.no_project", {{"file", options_.write}}) + '\n');
         return ExitCode::ok;
     }

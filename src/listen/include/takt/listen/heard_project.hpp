@@ -30,6 +30,9 @@ inline constexpr std::size_t kMostVariables = 512;  ///< of a device
 [[nodiscard]] HeardProject heard_project(const LineStatistics& statistics, const model::Line& connection,
                                          int stretch = 1);
 
+/// Whether heard_project() has a device.
+[[nodiscard]] bool has_devices(const LineStatistics& statistics);
+
 /// A measured period as a user would have set it: 99.6 ms are 100 ms. At least 1 ms, at most a day.
 [[nodiscard]] Duration nice_period(Duration measured);
 
