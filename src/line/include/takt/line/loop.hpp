@@ -43,7 +43,7 @@ public:
 
     /// Before the loop sleeps, it polls its descriptors for this long, which saves the time of waking up and
     /// takes the processor. If the events come in a steady cycle, it also polls around the instant of the
-    /// next one, until that is late by as much. Not while it runs, but from a callback.
+    /// next one, until that is late by as much. To be called before run(), or from a callback.
     void set_spin(Duration spin);
 
     /// Makes run() and run_until() return after the callback in progress. Any thread.

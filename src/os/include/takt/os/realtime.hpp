@@ -19,7 +19,7 @@ inline constexpr int kMostPriority = 99;
 /// In the order in which they are taken.
 enum class RealtimeStep : std::uint8_t {
     lock_memory,  ///< no page of the process leaves memory: mlockall(2)
-    keep_memory,  ///< stack and heap are present and are not returned to the system
+    keep_memory,  ///< the stack is present, and freed memory stays, except large blocks: mallopt(3)
     idle_states,  ///< processors do not enter slow idle states while the process lives: /dev/cpu_dma_latency
     processor,    ///< the thread runs on one processor: sched_setaffinity(2)
     timer_slack,  ///< its timers are not delayed to expire with others: prctl(2), PR_SET_TIMERSLACK
