@@ -323,6 +323,13 @@ def test_a_port_that_is_lost_is_reported(tmp_path):
     expect_clean(capture)
 
 
+def test_a_port_that_cannot_be_opened_leaves_the_file(tmp_path):
+    (tmp_path / "line.pcapng").write_bytes(b"before")
+    for source in (["rtu:///dev/takt-none"], ["--interface", "takt-none"]):
+        takt("capture", *source, "-o", tmp_path / "line.pcapng", code=3)
+        assert (tmp_path / "line.pcapng").read_bytes() == b"before"
+
+
 def test_only_a_serial_line_is_overheard(tmp_path):
     result = takt("capture", "tcp://127.0.0.1", "-o", tmp_path / "a.pcapng", code=2)
     assert "tcp://127.0.0.1" in result.err and "--interface" in result.err and "rtu:///dev" in result.err, result

@@ -98,9 +98,10 @@ public:
         Overhearing overhearing(line, *observer, [&](bool up) { note_link(line.port, up); });
         auto source = console::tap_source(tap);
         source.overheard = true;
+        // The port comes first: a capture of before is not overwritten if it cannot be opened.
+        TAKT_TRY(const auto driver, line::open_line(work_loop_.loop(), line, overhearing));
         TAKT_TRY(const auto log,
                  console::CaptureLog::open(options_.file, std::move(source), note_lost_output));
-        TAKT_TRY(const auto driver, line::open_line(work_loop_.loop(), line, overhearing));
         print_status(texts_("app.latency.listening", {{"interface", driver->name()}}) + '\n');
         work_loop_.work(options_.run_for);
         frames_ = overhearing.frames();
