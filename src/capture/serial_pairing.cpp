@@ -7,7 +7,7 @@
 namespace takt::capture {
 namespace {
 
-// A unit responds within this multiple of its longest response time so far, but not less than kLeastWait.
+// A unit responds within this multiple of its usual response time, but not less than kLeastWait.
 constexpr std::int64_t kWaitFactor = 10;
 constexpr std::int64_t kLeastWait = 100'000'000;  // ns
 
@@ -19,14 +19,17 @@ void erase(Vector& values, std::size_t index) {
 
 }  // namespace
 
-SerialPairing::SerialPairing(Duration timeout) : timeout_(timeout.count()) {
-    longest_.fill(kUnknown);
-}
+SerialPairing::SerialPairing(Duration timeout) : timeout_(timeout.count()) {}
 
 std::int64_t SerialPairing::longest_wait(std::uint8_t unit) const {
-    const auto longest = longest_[unit];
-    if (longest == kUnknown) return timeout_;
-    return std::min(timeout_, std::max(kWaitFactor * std::min(longest, timeout_), kLeastWait));
+    const auto usual = usual_.of(unit);
+    return usual ? std::min(timeout_, std::max(kWaitFactor * *usual, kLeastWait)) : timeout_;
+}
+
+bool SerialPairing::is_due(const Waiting& waiting, std::int64_t time_ns) const {
+    constexpr std::int64_t kMargin = 2;
+    const auto usual = usual_.of(waiting.unit);
+    return usual && time_ns - waiting.time_ns <= kMargin * *usual;
 }
 
 bool SerialPairing::answers(const Waiting& waiting, std::int64_t time_ns, std::uint8_t unit, Bytes pdu,
@@ -40,14 +43,15 @@ bool SerialPairing::answers(const Waiting& waiting, std::int64_t time_ns, std::u
 }
 
 // The oldest request whose response is still due; else the newest one that the frame answers.
-std::size_t SerialPairing::answered_by(std::int64_t time_ns, std::uint8_t unit, Bytes pdu,
-                                       Sender sender) const {
-    std::size_t found = order_.size();
+std::optional<SerialPairing::Answered> SerialPairing::answered_by(std::int64_t time_ns, std::uint8_t unit,
+                                                                  Bytes pdu, Sender sender) const {
+    std::optional<Answered> found;
+    bool due = false;
     for (std::size_t i = 0; i < order_.size(); ++i) {
         const auto& waiting = slots_[order_[i]];
         if (!answers(waiting, time_ns, unit, pdu, sender)) continue;
-        found = i;
-        if (time_ns - waiting.time_ns <= 2 * longest_[unit]) return i;
+        found = {due ? found->index : i, !found};
+        due = due || is_due(waiting, time_ns);
     }
     return found;
 }
@@ -55,8 +59,7 @@ std::size_t SerialPairing::answered_by(std::int64_t time_ns, std::uint8_t unit, 
 // A response with the bytes of its request may be a repetition: it teaches no response time.
 void SerialPairing::learn(const Waiting& waiting, std::int64_t time_ns, Bytes pdu) {
     if (std::ranges::equal(waiting.bytes.pdu(), pdu)) return;
-    auto& longest = longest_[waiting.unit];
-    longest = std::max(longest, time_ns - waiting.time_ns);
+    usual_.add(waiting.unit, std::clamp<std::int64_t>(time_ns - waiting.time_ns, 0, timeout_));
 }
 
 void SerialPairing::give_up(std::size_t index, Outcome& outcome) {
@@ -70,7 +73,7 @@ void SerialPairing::give_up_before(std::int64_t time_ns, std::uint8_t unit, Byte
         const auto& waiting = slots_[order_[i]];
         const auto age = time_ns - waiting.time_ns;
         const bool same = waiting.unit == unit && std::ranges::equal(waiting.bytes.pdu(), pdu);
-        if (age < longest_[waiting.unit]) outcome.overlaps = true;
+        if (age < usual_.of(waiting.unit)) outcome.overlaps = true;
         outcome.repeats = outcome.repeats || same;
         if (same || age > longest_wait(waiting.unit))
             give_up(i, outcome);
@@ -92,11 +95,11 @@ SerialPairing::Slot SerialPairing::free_slot(const Outcome& outcome) const {
 SerialPairing::Outcome SerialPairing::on_frame(std::int64_t time_ns, std::uint8_t unit, Bytes pdu,
                                                Sender sender) {
     Outcome outcome;
-    if (const auto index = answered_by(time_ns, unit, pdu, sender); index < order_.size()) {
+    if (const auto answered = answered_by(time_ns, unit, pdu, sender)) {
         outcome.role = Role::response;
-        outcome.slot = order_[index];
-        learn(slots_[outcome.slot], time_ns, pdu);
-        erase(order_, index);
+        outcome.slot = order_[answered->index];
+        if (answered->only) learn(slots_[outcome.slot], time_ns, pdu);
+        erase(order_, answered->index);
         return outcome;
     }
     const bool response_only =

@@ -100,6 +100,23 @@ TEST(SerialPairing, TheNewestRequestOfAMasterThatGaveUpGetsTheResponse) {
     EXPECT_EQ(line.text, "Q A1 Q Q A3 ");
 }
 
+// One slow response, and later a lost one: the master has given its request up.
+TEST(SerialPairing, ALostResponseDoesNotShiftThoseAfterIt) {
+    for (const Duration slow : {Duration(5ms), Duration(900ms), Duration(40s)}) {
+        Line line;
+        line.frame(1, "03 0000 0001", 0ms);
+        line.frame(1, "03 02 0001", slow);
+        for (int i = 0; i < 20; ++i) {
+            const auto at = slow + 100ms * (i + 1);
+            line.frame(1, i % 2 == 0 ? "03 0001 0001" : "03 0002 0001", at);
+            if (i != 10) line.frame(1, "03 02 0001", at + 5ms);
+        }
+        line.end();
+        EXPECT_NE(line.text.find("A21 "), std::string::npos) << line.text;
+        EXPECT_EQ(line.text.find("A12 "), std::string::npos) << "the lost one: " << line.text;
+    }
+}
+
 TEST(SerialPairing, ARepetitionIsARequest) {
     Line line;
     line.frame(1, "03 0000 0001", 0ms);

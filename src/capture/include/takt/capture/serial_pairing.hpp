@@ -4,10 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "takt/base/inplace_vector.hpp"
 #include "takt/base/time.hpp"
 #include "takt/capture/serial_packet.hpp"
+#include "takt/capture/usual_times.hpp"
 #include "takt/wire/prepared_request.hpp"
 
 namespace takt::capture {
@@ -76,13 +78,16 @@ private:
         std::int64_t time_ns = 0;
         wire::PreparedRequest bytes;
     };
-    static constexpr std::int64_t kUnknown = -1;
-
     [[nodiscard]] bool answers(const Waiting& waiting, std::int64_t time_ns, std::uint8_t unit, Bytes pdu,
                                Sender sender) const;
-    [[nodiscard]] std::size_t answered_by(std::int64_t time_ns, std::uint8_t unit, Bytes pdu,
-                                          Sender sender) const;
+    struct Answered {
+        std::size_t index = 0;  ///< in order_
+        bool only = true;       ///< no other request could be answered
+    };
+    [[nodiscard]] std::optional<Answered> answered_by(std::int64_t time_ns, std::uint8_t unit, Bytes pdu,
+                                                      Sender sender) const;
     [[nodiscard]] std::int64_t longest_wait(std::uint8_t unit) const;
+    [[nodiscard]] bool is_due(const Waiting& waiting, std::int64_t time_ns) const;
     void learn(const Waiting& waiting, std::int64_t time_ns, Bytes pdu);
     void give_up(std::size_t index, Outcome& outcome);
     void give_up_before(std::int64_t time_ns, std::uint8_t unit, Bytes pdu, Outcome& outcome);
@@ -90,8 +95,8 @@ private:
 
     std::int64_t timeout_;
     std::array<Waiting, kSlots> slots_;
-    Slots order_;                            // those that wait, the oldest first
-    std::array<std::int64_t, 256> longest_;  // response time of each unit
+    Slots order_;  // those that wait, the oldest first
+    UsualTimes usual_;
 };
 
 }  // namespace takt::capture
