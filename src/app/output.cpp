@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "takt/report/word_wrap.hpp"
+#include "takt/text/catalogue.hpp"
 #include "takt/text/escape.hpp"
 
 namespace takt::app {
@@ -59,6 +60,21 @@ void note_stdout_error(int number) {
 
 void note_lost_output(const std::string& path, int number) {
     if (number != 0 && g_lost_output.number == 0) g_lost_output = {path, number};
+}
+
+// The reader of a pipe that is closed has read enough.
+console::FileReports file_reports(const Texts& texts) {
+    return {
+        .on_failed =
+            [texts](const Error& error) {
+                if (error.numbers[0] == EPIPE) return;
+                print_error(texts("app.frames.failed", {{"why", texts.describe(error)}}));
+            },
+        .on_not_rotated =
+            [texts](const Error& error) {
+                print_error(texts("app.frames.not_rotated", {{"why", text::what(texts.language(), error)}}));
+            },
+        .on_lost = note_lost_output};
 }
 
 const LostOutput& lost_output() {

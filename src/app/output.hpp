@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <string>
 
+#include "takt/console/file_reports.hpp"
 #include "takt/console/messages.hpp"
 #include "takt/report/panel.hpp"
+#include "texts.hpp"
 
 namespace takt::app {
 
@@ -44,6 +46,9 @@ struct LostOutput {
 
 /// Records a failed write to another file than stdout. 0 is ignored; the first failure is kept.
 void note_lost_output(const std::string& path, int number);
+
+/// Reports a failing file when it fails, and keeps it for note_lost_output() at the end.
+[[nodiscard]] console::FileReports file_reports(const Texts& texts);
 
 /// The failure that note_lost_output() kept; number 0: none.
 [[nodiscard]] const LostOutput& lost_output();

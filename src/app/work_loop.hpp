@@ -23,7 +23,11 @@ public:
     /// @param traffic  file for the frames; "-": stderr; empty: none
     /// @param reload   what SIGHUP asks for; empty: it stops as the other signals do
     /// @returns what Loop::create(), Loop::on_signals() and TrafficLog::open() return
-    [[nodiscard]] Result<void> begin(const std::string& traffic, std::function<void()> reload);
+    /// @param reports  of the file for the frames
+    [[nodiscard]] Result<void> begin(const std::string& traffic, std::function<void()> reload,
+                                     console::FileReports reports);
+    /// Without a file for frames.
+    [[nodiscard]] Result<void> begin() { return begin({}, {}, {}); }
 
     /// @param limit  nothing: until stopped
     void work(std::optional<Duration> limit);

@@ -5,11 +5,11 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <filesystem>
 #include <utility>
 
 #include "takt/os/open.hpp"
+#include "takt/os/rotation.hpp"
 
 namespace takt::console {
 namespace {
@@ -28,7 +28,8 @@ Result<void> CaptureFile::begin() {
     TAKT_TRY(file_, os::open_anew(options_.path));
     struct stat status{};
     regular_ = ::fstat(file_.get(), &status) == 0 && S_ISREG(status.st_mode);
-    size_ = 0;
+    std::error_code unknown;  // is no link
+    if (!regular_ || std::filesystem::is_symlink(options_.path, unknown)) limit_ = UINT64_MAX;
     return {};
 }
 
@@ -40,19 +41,16 @@ std::string CaptureFile::numbered(const std::string& path, unsigned number) {
 }
 
 Result<void> CaptureFile::rotate() {
-    for (unsigned number = options_.files - 1; number-- > 0;) {
-        const auto from = numbered(options_.path, number);
-        const bool renamed = std::rename(from.c_str(), numbered(options_.path, number + 1).c_str()) == 0;
-        if (renamed || number > 0) continue;
-        regular_ = false;  // the folder does not allow it: the file grows instead of losing frames
-        return {};
-    }
-    file_.reset();
-    return begin();
+    auto next = os::begin_next_file(file_.get(), options_.files - 1,
+                                    [this](unsigned number) { return numbered(options_.path, number); });
+    limit_ = options_.file_bytes + (next ? 0 : size_);
+    if (!next) return std::unexpected(next.error());
+    file_ = *std::move(next);
+    size_ = 0;
+    return {};
 }
 
 Result<void> CaptureFile::write(std::string_view blocks) {
-    if (!file_) TAKT_CHECK(begin());
     if (!rest_.empty()) {
         const auto done = write_some(rest_);
         rest_.erase(0, done.bytes);
@@ -63,10 +61,10 @@ Result<void> CaptureFile::write(std::string_view blocks) {
         size_ += blocks.size();
         return {};
     }
-    const auto whole = static_cast<::off_t>(size_);
-    if (regular_ && done.bytes > 0 && ::ftruncate(file_.get(), whole) == 0)
-        (void)::lseek(file_.get(), whole, SEEK_SET);
-    if (regular_ || done.bytes == 0) return fail(Code::io_failed, options_.path, done.error);
+    if (regular_ || done.bytes == 0) {
+        if (done.bytes > 0) (void)::ftruncate(file_.get(), static_cast<::off_t>(size_));
+        return fail(Code::io_failed, options_.path, done.error);
+    }
     rest_ = blocks.substr(done.bytes);  // a reader has the begin of a block
     return {};
 }

@@ -20,17 +20,9 @@ std::int64_t wall_offset_ns() {
 
 }  // namespace
 
-Result<std::unique_ptr<CaptureLog>> CaptureLog::open(const CaptureFileOptions& options, TapSource source,
-                                                     TrafficLog::OnLost on_lost) {
-    TAKT_TRY(auto file, CaptureFile::open(options));
-    return std::unique_ptr<CaptureLog>(
-        new CaptureLog(std::move(file), options.path, std::move(source), std::move(on_lost)));
-}
-
-CaptureLog::CaptureLog(CaptureFile file, std::string path, TapSource source, TrafficLog::OnLost on_lost)
-    : path_(std::move(path)),
-      source_(std::move(source)),
-      on_lost_(std::move(on_lost)),
+CaptureLog::CaptureLog(CaptureFile file, TapSource source, FileReports reports)
+    : source_(std::move(source)),
+      reports_(std::move(reports)),
       file_(std::move(file)),
       capture_(source_.line_of, source_.overheard) {
     capture_.frames().begin_file(blocks_);
@@ -39,7 +31,7 @@ CaptureLog::CaptureLog(CaptureFile file, std::string path, TapSource source, Tra
 
 CaptureLog::~CaptureLog() {
     thread_.reset();
-    if (on_lost_ && error_ != 0) on_lost_(path_, error_);
+    if (reports_.on_lost && error_ != 0) reports_.on_lost(file_.path(), error_);
 }
 
 void CaptureLog::turn(bool ending) {
@@ -86,19 +78,25 @@ void CaptureLog::add(const host::TrafficRecord& record) {
 void CaptureLog::rotate() {
     capture_.frames().end_file(last_ns_, blocks_);
     flush();
-    if (const auto rotated = file_.rotate(); !rotated) note(rotated.error());
+    const auto rotated = file_.rotate();
+    const bool failed_before = std::exchange(rotation_failed_, !rotated);
+    if (!rotated && !failed_before && reports_.on_not_rotated) reports_.on_not_rotated(rotated.error());
     blocks_.clear();
     in_file_ = 0;
     capture_.frames().begin_file(blocks_);
 }
 
-// Interfaces are lost with the packets: after a failure the file goes on with another section.
+// Interfaces are lost with the packets: after a failure the file goes on with another section. That it fits
+// does not end the failure.
 void CaptureLog::flush() {
     if (blocks_.empty()) return;
     const auto written = file_.write(blocks_);
     blocks_.clear();
     const auto frames = std::exchange(frames_, 0);
-    if (written) return;
+    if (written) {
+        failing_ = failing_ && frames == 0;
+        return;
+    }
     note(written.error());
     capture_.frames().begin_file(blocks_);
     capture_.frames().add_loss(frames);
@@ -106,6 +104,7 @@ void CaptureLog::flush() {
 
 void CaptureLog::note(const Error& error) {
     if (error_ == 0) error_ = static_cast<int>(error.numbers[0]);
+    if (!std::exchange(failing_, true) && reports_.on_failed) reports_.on_failed(error);
 }
 
 }  // namespace takt::console

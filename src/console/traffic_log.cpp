@@ -21,31 +21,41 @@ std::string gap_line(std::uint64_t missed) {
     return fmt::format("[{} frames were not written: the disk is full or too slow]\n", missed);
 }
 
-Result<std::unique_ptr<os::Sink>> sink_of(const std::string& path, std::size_t file_bytes) {
-    TAKT_TRY(auto file, os::open_anew(path));
+Result<std::unique_ptr<os::Sink>> sink_of(const std::string& path, std::size_t file_bytes,
+                                          FileReports::OnError on_not_rotated) {
     struct stat status{};
-    if (::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode))
+    if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
+        TAKT_TRY(auto file, os::open_anew(path));
         return std::make_unique<os::DescriptorSink>(std::move(file));
-    return os::RotatingFile::open(path, {.file_bytes = file_bytes, .old_files = kOldFiles});
+    }
+    return os::RotatingFile::open(path, {.file_bytes = file_bytes,
+                                         .old_files = kOldFiles,
+                                         .anew = true,
+                                         .on_not_rotated = std::move(on_not_rotated)});
 }
 
 }  // namespace
 
-Result<std::unique_ptr<TrafficLog>> TrafficLog::open(const std::string& path, OnLost on_lost,
+Result<std::unique_ptr<TrafficLog>> TrafficLog::open(const std::string& path, FileReports reports,
                                                      std::size_t file_bytes) {
     if (path == "-") return std::make_unique<TrafficLog>(std::make_unique<os::DescriptorSink>(STDERR_FILENO));
-    TAKT_TRY(auto sink, sink_of(path, file_bytes));
-    auto log = std::make_unique<TrafficLog>(std::move(sink));
-    log->path_ = path;
-    log->on_lost_ = std::move(on_lost);
-    return log;
+    TAKT_TRY(auto sink, sink_of(path, file_bytes, std::move(reports.on_not_rotated)));
+    return std::unique_ptr<TrafficLog>(new TrafficLog(std::move(sink), path, std::move(reports)));
 }
 
-TrafficLog::TrafficLog(std::unique_ptr<os::Sink> sink) : output_(std::move(sink), {.gap_line = gap_line}) {}
+TrafficLog::TrafficLog(std::unique_ptr<os::Sink> sink) : TrafficLog(std::move(sink), {}, {}) {}
+
+TrafficLog::TrafficLog(std::unique_ptr<os::Sink> sink, std::string path, FileReports reports)
+    : path_(std::move(path)),
+      reports_(std::move(reports)),
+      output_(std::move(sink), {.gap_line = gap_line, .on_failure = [this](int error) {
+                                    if (!reports_.on_failed) return;
+                                    reports_.on_failed(fail(Code::io_failed, path_, error).error());
+                                }}) {}
 
 TrafficLog::~TrafficLog() {
     output_.finish();
-    if (on_lost_ && output_.error() != 0) on_lost_(path_, output_.error());
+    if (reports_.on_lost && output_.error() != 0) reports_.on_lost(path_, output_.error());
 }
 
 void TrafficLog::put(std::string_view line) {

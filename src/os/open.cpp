@@ -1,6 +1,7 @@
 #include "takt/os/open.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -73,6 +74,20 @@ bool is_errno(const Result<Descriptor>& opened, int number) {
     return !opened && opened.error().code == Code::cannot_open && opened.error().numbers[0] == number;
 }
 
+/// A file of any type, not through a link.
+Result<Descriptor> open_or_create(const std::string& path, int flags, ::mode_t mode) {
+    if (path.find('\0') != std::string::npos) return fail(Code::cannot_open, path, ENOENT);
+    auto file = open_path(path, flags | O_NOFOLLOW);
+    if (file) return file;
+    if (errno != ENOENT) return fail(Code::cannot_open, path, errno);
+    auto created = create(path, flags, mode);
+    if (!is_errno(created, EEXIST)) return created;
+    // Another program has created it meanwhile.
+    file = open_path(path, flags | O_NOFOLLOW);
+    if (!file) return fail(Code::cannot_open, path, errno);
+    return file;
+}
+
 }  // namespace
 
 Result<Descriptor> open_for_reading(const std::string& path) {
@@ -97,11 +112,16 @@ Result<Descriptor> open_for_append(const std::string& path, ::mode_t mode) {
 }
 
 Result<Descriptor> open_anew(const std::string& path, ::mode_t mode) {
-    if (path.find('\0') != std::string::npos) return fail(Code::cannot_open, path, ENOENT);
-    auto file = open_path(path, O_WRONLY | O_TRUNC | O_NOFOLLOW);
-    if (file) return file;
-    if (errno != ENOENT) return fail(Code::cannot_open, path, errno);
-    return create(path, O_WRONLY, mode);
+    TAKT_TRY(auto file, open_or_create(path, O_WRONLY | O_APPEND, mode));
+    struct stat status{};
+    if (::fstat(file.get(), &status) != 0) return fail(Code::cannot_open, path, errno);
+    if (!S_ISREG(status.st_mode)) return file;
+    // Any other error is of a file system without locks.
+    if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return fail(Code::busy, path);
+    // The program that had the lock may have renamed the file meanwhile.
+    if (!is_at(file.get(), path)) return fail(Code::busy, path);
+    if (::ftruncate(file.get(), 0) != 0) return fail(Code::io_failed, path, errno);
+    return file;
 }
 
 Result<Descriptor> create_file(const std::string& path, ::mode_t mode) {

@@ -6,8 +6,14 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
+
+#include "takt/os/rotation.hpp"
 
 namespace takt::os {
+
+RotatingFile::RotatingFile(std::string path, const Options& options)
+    : path_(std::move(path)), options_(options), limit_(options.file_bytes) {}
 
 Result<std::unique_ptr<RotatingFile>> RotatingFile::open(const std::string& path, const Options& options) {
     auto opened = std::unique_ptr<RotatingFile>(new RotatingFile(path, options));
@@ -16,22 +22,39 @@ Result<std::unique_ptr<RotatingFile>> RotatingFile::open(const std::string& path
 }
 
 Result<void> RotatingFile::reopen() {
-    TAKT_TRY(file_, open_for_append(path_, options_.mode));
+    TAKT_TRY(file_, options_.anew ? open_anew(path_, options_.mode) : open_for_append(path_, options_.mode));
     struct stat status{};
     if (::fstat(file_.get(), &status) != 0) return fail(Code::io_failed, path_, errno);
     size_ = static_cast<std::size_t>(status.st_size);
     return {};
 }
 
+std::string RotatingFile::numbered(unsigned number) const {
+    return number == 0 ? path_ : path_ + "." + std::to_string(number);
+}
+
+// A file whose successor cannot begin goes on.
+void RotatingFile::begin_next() {
+    auto next = begin_next_file(file_.get(), options_.old_files, [this](unsigned i) { return numbered(i); });
+    limit_ = options_.file_bytes + (next ? 0 : size_);
+    const bool failed_before = std::exchange(rotation_failed_, !next);
+    if (!next) {
+        if (!failed_before && options_.on_not_rotated) options_.on_not_rotated(next.error());
+        return;
+    }
+    file_ = *std::move(next);
+    size_ = 0;
+}
+
 void RotatingFile::rotate() {
     std::error_code unknown;  // is no link
     if (std::filesystem::is_symlink(path_, unknown)) return;
+    if (options_.anew) return begin_next();
     if (options_.old_files == 0) {
         if (::ftruncate(file_.get(), 0) == 0) size_ = 0;
         return;
     }
     file_.reset();
-    const auto numbered = [this](unsigned i) { return i == 0 ? path_ : path_ + "." + std::to_string(i); };
     for (unsigned i = options_.old_files; i-- > 0;)
         (void)std::rename(numbered(i).c_str(), numbered(i + 1).c_str());
     (void)reopen();  // write() tries again
@@ -58,7 +81,7 @@ Sink::Written RotatingFile::failed(std::string_view text, std::size_t done, int 
 Sink::Written RotatingFile::write(std::string_view text) {
     std::size_t done = 0;
     while (done < text.size()) {
-        if (file_ && size_ > 0 && size_ + (text.size() - done) > options_.file_bytes) rotate();
+        if (file_ && size_ > 0 && size_ + (text.size() - done) > limit_) rotate();
         if (!file_) {
             if (const auto opened = reopen(); !opened)
                 return failed(text, done, static_cast<int>(opened.error().numbers[0]));

@@ -154,6 +154,30 @@ def test_a_full_disk_ends_in_an_error_and_polling_goes_on(tmp_path):
     assert result.code == 3 and "/dev/full" in result.err, result
 
 
+@pytest.mark.parametrize("option", ["--capture", "--traffic"])
+def test_a_full_disk_is_reported_while_it_is_full(tmp_path, option):
+    with start("run", project(tmp_path, line("rs485-1", "Boiler", 16)), "--quiet", option, "/dev/full") as run:
+        until(lambda: any("no space left" in text and "Frames are lost" in text for text in run.err), "the report")
+        result = run.interrupt(code=3)
+    assert result.err.count("Frames are lost") == 1 and result.err.count("no space left") == 2, result
+
+
+@pytest.mark.parametrize("option", ["--capture", "--traffic"])
+def test_a_file_of_frames_is_of_one_program(tmp_path, option):
+    file, path, port = tmp_path / "frames", project(tmp_path, line("rs485-1", "Boiler", 16)), free_port()
+    file.write_text("of an ended program")
+    with start("serve", "--listen", f"127.0.0.1:{port}", option, file) as first:
+        wait_listening(port, first)
+        kept = until(lambda: option == "--traffic" or file.read_bytes(), "the beginning of the capture")
+        for command in (["serve", "--listen", "127.0.0.1:0"], ["run", path, "--for", "1s"]):
+            result = takt(*command, option, file, code=3)
+            assert f"{file}: used by another program" in result.err and "Boiler" not in result.out, result
+        assert kept is True or file.read_bytes() == kept
+        first.interrupt()
+    takt("run", path, "--for", "200ms", "--quiet", option, file)
+    assert b"Boiler" in file.read_bytes()
+
+
 @pytest.mark.parametrize("options, words", [(["--capture", "/none/a.pcapng"], "/none/a.pcapng"), (["--capture-size", "1M"], "--capture"),
                                             (["--capture", "a", "--capture-size", "5"], "10k"), (["--capture", "a", "--capture-size", "10x"], "10k"),
                                             (["--capture", "a", "--capture-files", "0"], "1")])

@@ -89,7 +89,7 @@ public:
     SerialCapture(const Texts& texts, const CaptureOptions& options) : texts_(texts), options_(options) {}
 
     Result<void> run() {
-        TAKT_CHECK(work_loop_.begin({}, {}));
+        TAKT_CHECK(work_loop_.begin());
         TAKT_TRY(const auto target, line::parse_target(options_.target));
         auto line = target.as_line();
         line.rs485 = model::Rs485::none;  // the driver stays off
@@ -100,8 +100,8 @@ public:
         source.overheard = true;
         // The port comes first: a capture of before is not overwritten if it cannot be opened.
         TAKT_TRY(const auto driver, line::open_line(work_loop_.loop(), line, overhearing));
-        TAKT_TRY(const auto log,
-                 console::CaptureLog::open(options_.file, std::move(source), note_lost_output));
+        TAKT_TRY(auto file, console::CaptureFile::open(options_.file));
+        const console::CaptureLog log(std::move(file), std::move(source), file_reports(texts_));
         print_status(texts_("app.latency.listening", {{"interface", driver->name()}}) + '\n');
         work_loop_.work(options_.run_for);
         frames_ = overhearing.frames();
@@ -181,12 +181,15 @@ private:
                       .data = {reinterpret_cast<const char*>(packet.data.data()), packet.data.size()},
                       .original_length = packet.length});
     }
-    // Packets that are larger than a file have one of their own.
+    // Packets that are larger than a file have one of their own. A file that cannot be rotated goes on with
+    // another section.
     Result<void> flush(console::CaptureFile& file, os::PacketSocket& socket) {
         if (in_file_ > 0 && file.is_full(blocks_.size())) {
             const auto dropped = socket.dropped();
             TAKT_CHECK(end_file(file, dropped));
-            TAKT_CHECK(file.rotate());
+            const auto rotated = file.rotate();
+            const bool failed_before = std::exchange(rotation_failed_, !rotated);
+            if (!rotated && !failed_before) file_reports(texts_).on_not_rotated(rotated.error());
             TAKT_CHECK(begin_file(file, dropped));
         }
         TAKT_CHECK(file.write(blocks_));
@@ -203,6 +206,7 @@ private:
     std::uint64_t packets_ = 0;
     std::uint64_t dropped_before_ = 0;  // the file began
     std::int64_t last_ns_ = 0;          // of the last packet
+    bool rotation_failed_ = false;      // the last one
 };
 
 void print_done(const Texts& texts, const CaptureOptions& options, std::uint64_t frames) {

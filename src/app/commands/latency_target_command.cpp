@@ -49,7 +49,7 @@ public:
                    .microsecond_buckets = options.histogram}) {}
 
     ExitCode run() {
-        if (const auto begun = work_loop_.begin({}, {}); !begun) return ended_by(texts_, begun.error());
+        if (const auto begun = work_loop_.begin(); !begun) return ended_by(texts_, begun.error());
         const auto steps = begin_realtime(options_.load.realtime, work_loop_.loop());
         print_realtime(texts_, options_.load.realtime, steps, false);
         load_.emplace(work_loop_.loop(), load_options_, report_);

@@ -77,7 +77,7 @@ private:
     [[nodiscard]] model::Line& connection() { return choice_.connection; }
 
     Result<void> open() {
-        TAKT_CHECK(work_loop_.begin({}, {}));
+        TAKT_CHECK(work_loop_.begin());
         has_settings_ = !line::is_pseudo_terminal(connection().port);
         if (choice_.search && has_settings_)
             search_ = std::make_unique<listen::SettingSearch>();

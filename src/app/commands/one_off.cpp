@@ -14,10 +14,10 @@ constexpr Duration kLongestLateWait = std::chrono::seconds(5);
 
 }  // namespace
 
-Result<std::unique_ptr<OneOff>> OneOff::open(const ClientOptions& options) {
+Result<std::unique_ptr<OneOff>> OneOff::open(const Texts& texts, const ClientOptions& options) {
     TAKT_CHECK(line::parse_target(options.target));  // a bad target makes no traffic log
     auto one_off = std::make_unique<OneOff>();
-    TAKT_CHECK(one_off->loop_.begin(options.traffic, {}));
+    TAKT_CHECK(one_off->loop_.begin(options.traffic, {}, file_reports(texts)));
     auto& loop = one_off->loop_;
     client::Options patient = options;
     if (!options.reconnect) patient.late_wait = std::clamp(options.timeout, kLeastLateWait, kLongestLateWait);

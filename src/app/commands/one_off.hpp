@@ -18,7 +18,8 @@ namespace takt::app {
 class OneOff {
 public:
     /// @returns what Client::open() and WorkLoop::begin() return
-    [[nodiscard]] static Result<std::unique_ptr<OneOff>> open(const ClientOptions& options);
+    [[nodiscard]] static Result<std::unique_ptr<OneOff>> open(const Texts& texts,
+                                                              const ClientOptions& options);
 
     [[nodiscard]] client::Client& device() { return *client_; }
     [[nodiscard]] line::Loop& loop() { return loop_.loop(); }

@@ -24,7 +24,7 @@ void print_findings(const Texts& texts, const ProbeOptions& options, const disco
 
 ExitCode probe_target(const Texts& texts, const ProbeOptions& options) {
     const auto start = line::now();
-    const auto one_off = OneOff::open(options);
+    const auto one_off = OneOff::open(texts, options);
     if (!one_off) return ended_by(texts, one_off.error());
     auto& device = (*one_off)->device();
     Progress progress(texts, start);

@@ -23,9 +23,10 @@ struct Reading {
     Result<void> ended;
 };
 
-Reading read_once(const ReadOptions& options, const client::ReadSpec& spec, report::ClientRun& run) {
+Reading read_once(const Texts& texts, const ReadOptions& options, const client::ReadSpec& spec,
+                  report::ClientRun& run) {
     Reading reading;
-    const auto one_off = OneOff::open(options);
+    const auto one_off = OneOff::open(texts, options);
     if (!one_off) {
         reading.ended = std::unexpected(one_off.error());
         return reading;
@@ -59,7 +60,7 @@ ExitCode read_all_types(const Texts& texts, const ReadOptions& options) {
     if (!options.count_given) spec.count = kRegistersOfLongestType;
     if (is_beyond(texts, spec.start, spec.items())) return ExitCode::usage;
     auto run = run_of(options);
-    const auto [values, ended] = read_once(options, spec, run);
+    const auto [values, ended] = read_once(texts, options, spec, run);
     std::vector<std::uint16_t> registers;
     for (const auto& read : values)
         registers.push_back(static_cast<std::uint16_t>(std::get<std::uint64_t>(read.value)));
@@ -78,7 +79,7 @@ ExitCode read(const CommonOptions& common, const ReadOptions& options) {
     if (is_beyond(texts, spec.start, spec.items())) return ExitCode::usage;
     if (options.watch) return watch(common, options);
     auto run = run_of(options);
-    const auto [values, ended] = read_once(options, spec, run);
+    const auto [values, ended] = read_once(texts, options, spec, run);
     print(options.json ? report::read_json(texts, run, spec, values, ended).dump() + '\n'
                        : report::read_text(spec.type(), values));
     return end_of_read(texts, run, values, ended);
@@ -99,7 +100,7 @@ ExitCode raw(const CommonOptions& common, const RawOptions& options) {
         print_error(report::ended_text(texts, run, error));
         return exit_code(run, error);
     };
-    const auto one_off = OneOff::open(options);
+    const auto one_off = OneOff::open(texts, options);
     if (!one_off) return failed(one_off.error());
     auto& device = (*one_off)->device();
     const UnitId unit{options.unit};

@@ -39,10 +39,14 @@ public:
     /// @param token  of the page's API; empty: none
     Result<void> begin(const model::Project& project, const plan::Plan& plan, const PrepareDevices& prepare,
                        const std::string& token) {
-        TAKT_CHECK(work_loop_.begin(options_.traffic, [this] { reload(); }));
+        TAKT_CHECK(work_loop_.begin(options_.traffic, [this] { reload(); }, file_reports(texts_)));
+        std::optional<console::CaptureFile> capture;  // a file that cannot be written starts no line
+        if (!options_.capture.path.empty()) {
+            TAKT_TRY(capture, console::CaptureFile::open(options_.capture));
+        }
         TAKT_TRY(host_, host::ProjectHost::start(project, plan, host_options(prepare)));
         print_realtime(texts_, options_.realtime, realtime_.get_future().get(), options_.json);
-        TAKT_CHECK(begin_capture());
+        if (capture) TAKT_CHECK(begin_capture(*std::move(capture)));
         TAKT_CHECK(begin_outputs(project));
         console_.emplace(
             texts_,
@@ -72,12 +76,10 @@ public:
     }
 
 private:
-    Result<void> begin_capture() {
-        if (options_.capture.path.empty()) return {};
+    Result<void> begin_capture(console::CaptureFile file) {
         TAKT_TRY(auto session,
                  host_->open_session({.events = false, .traffic = true, .from_beginning = true}));
-        TAKT_TRY(capture_, console::CaptureLog::open(
-                               options_.capture, console::tap_source(std::move(session)), note_lost_output));
+        capture_.emplace(std::move(file), console::tap_source(std::move(session)), file_reports(texts_));
         return {};
     }
 
@@ -180,7 +182,7 @@ private:
     WorkLoop work_loop_;
     std::promise<std::vector<os::RealtimeResult>> realtime_;  // kept by the I/O thread
     std::unique_ptr<host::ProjectHost> host_;
-    std::unique_ptr<console::CaptureLog> capture_;
+    std::optional<console::CaptureLog> capture_;
     std::mutex outputs_mutex_;  // of the optional itself
     std::optional<publish::Outputs> outputs_;
     std::optional<console::HostConsole> console_;

@@ -29,7 +29,7 @@ public:
     }
 
     ExitCode run() {
-        if (const auto begun = work_loop_.begin({}, {}); !begun) return ended_by(texts_, begun.error());
+        if (const auto begun = work_loop_.begin(); !begun) return ended_by(texts_, begun.error());
         const auto done = measure_on_thread();
         progress_.clear();
         if (!done) return ended_by(texts_, done.error());

@@ -41,10 +41,13 @@ public:
     Result<void> begin(Specs specs) {
         (void)line::raise_descriptor_limit();
         const bool has_rules = !options_.access.empty() || endpoint::has_access_rules(specs);
-        TAKT_CHECK(work_loop_.begin(options_.traffic, [this, has_rules] {
-            if (has_rules) return reload_rules();
-            print_status(texts_("app.serve.no_rules") + '\n');
-        }));
+        TAKT_CHECK(work_loop_.begin(
+            options_.traffic,
+            [this, has_rules] {
+                if (has_rules) return reload_rules();
+                print_status(texts_("app.serve.no_rules") + '\n');
+            },
+            file_reports(texts_)));
         TAKT_CHECK(begin_taps());
         auto& loop = work_loop_.loop();
         const auto devices = std::make_shared<console::ServedDevices>();
@@ -84,8 +87,8 @@ private:
         tap_.emplace();
         if (auto* const log = work_loop_.traffic()) logger_.emplace(*log, console::tap_source(*tap_));
         if (options_.capture.path.empty()) return {};
-        TAKT_TRY(capture_,
-                 console::CaptureLog::open(options_.capture, console::tap_source(*tap_), note_lost_output));
+        TAKT_TRY(auto file, console::CaptureFile::open(options_.capture));
+        capture_.emplace(std::move(file), console::tap_source(*tap_), file_reports(texts_));
         return {};
     }
 
@@ -145,7 +148,7 @@ private:
     WorkLoop work_loop_;
     std::optional<host::TrafficTap> tap_;
     std::optional<console::TapLogger> logger_;
-    std::unique_ptr<console::CaptureLog> capture_;
+    std::optional<console::CaptureLog> capture_;
     std::unique_ptr<console::ControlServer> control_;
     std::optional<console::InputCommands> input_;
     std::optional<endpoint::LocalValues> values_;

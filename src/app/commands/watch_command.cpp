@@ -37,7 +37,7 @@ public:
           terminal_(!options.json && ::isatty(STDOUT_FILENO) != 0) {}
 
     ExitCode run() {
-        auto opened = OneOff::open(options_);
+        auto opened = OneOff::open(texts_, options_);
         if (!opened) {
             if (options_.json) print(report::watch_error_json(texts_, opened.error()).dump() + '\n');
             return ended_by(texts_, opened.error());

@@ -36,7 +36,7 @@ ExitCode write(const CommonOptions& common, const WriteOptions& options) {
     if (is_beyond(texts, spec.start, items)) return ExitCode::usage;
     auto run = run_of(options);
     report::WriteRun write{.start = spec.start, .wanted = items, .written = {}};
-    const auto one_off = OneOff::open(options);
+    const auto one_off = OneOff::open(texts, options);
     if (one_off) {
         auto& device = (*one_off)->device();
         const Instant begin = line::now();

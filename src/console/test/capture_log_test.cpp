@@ -2,13 +2,18 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
+#include <thread>
 #include <vector>
 
 #include "folder.hpp"
@@ -54,6 +59,15 @@ std::uint64_t packets_in(const std::string& path) {
     return counter.packets;
 }
 
+/// The frames in a capture that is being written.
+int frames_in(const std::string& path) {
+    const auto content = content_of(path);
+    const std::string_view frame(reinterpret_cast<const char*>(kRaw.data()), kRaw.size());
+    int count = 0;
+    for (std::size_t at = 0; (at = content.find(frame, at)) != std::string::npos; at += frame.size()) ++count;
+    return count;
+}
+
 struct CaptureLogTest : testing::Test {
     std::shared_ptr<host::TrafficTap> tap = std::make_shared<host::TrafficTap>();
     std::shared_ptr<wire::TrafficObserver> observer = tap->factory()(line());
@@ -61,6 +75,8 @@ struct CaptureLogTest : testing::Test {
     Folder folder;
     std::string path = folder / "capture.pcapng";
     int lost = 0;
+    std::atomic<int> failures = 0;
+    std::atomic<int> not_rotated = 0;
 
     static model::Line line() {
         model::Line line;
@@ -69,10 +85,18 @@ struct CaptureLogTest : testing::Test {
         return line;
     }
     std::unique_ptr<CaptureLog> open(const CaptureFileOptions& options) {
-        auto log =
-            CaptureLog::open(options, source, [this](const std::string&, int number) { lost = number; });
-        EXPECT_TRUE(log);
-        return log ? *std::move(log) : nullptr;
+        auto file = CaptureFile::open(options);
+        EXPECT_TRUE(file);
+        if (!file) return nullptr;
+        return std::make_unique<CaptureLog>(
+            *std::move(file), source,
+            FileReports{.on_failed = [this](const Error&) { ++failures; },
+                        .on_not_rotated = [this](const Error&) { ++not_rotated; },
+                        .on_lost = [this](const std::string&, int number) { lost = number; }});
+    }
+    template <class Condition>
+    static void wait_for(Condition condition) {
+        while (!condition()) std::this_thread::yield();  // the test's time limit is the check
     }
     void request(int at) {
         observer->on_frame(Instant(Duration(at)), wire::Direction::received, UnitId{17}, kPdu, kRaw);
@@ -114,17 +138,79 @@ TEST_F(CaptureLogTest, LostFramesAreInTheCapture) {
     EXPECT_NE(content_of(path).find(comment), std::string::npos);
 }
 
-TEST_F(CaptureLogTest, AFullDiskIsReportedAtTheEnd) {
+TEST_F(CaptureLogTest, AFullDiskIsReportedOnceAndAtTheEnd) {
     auto log = open({.path = "/dev/full"});
     request(1);
+    wait_for([&] { return failures > 0; });
+    EXPECT_EQ(lost, 0);
+    for (int i = 2; i <= 100; ++i) request(i);
     log.reset();
+    EXPECT_EQ(failures, 1);
     EXPECT_EQ(lost, ENOSPC);
 }
 
-TEST_F(CaptureLogTest, CannotBeOpenedBelowAFile) {
-    const auto log = CaptureLog::open({.path = "/dev/null/x.pcapng"}, source, {});
-    ASSERT_FALSE(log);
-    EXPECT_EQ(log.error().code, Code::cannot_open);
+// A limit of the file size stands for a full disk.
+TEST_F(CaptureLogTest, AFailureAfterWrittenFramesIsReportedAgain) {
+    ASSERT_NE(::signal(SIGXFSZ, SIG_IGN), SIG_ERR);
+    rlimit limit{};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+    auto log = open({.path = path});
+    for (int period = 1; period <= 2; ++period) {
+        const auto size = std::filesystem::file_size(path);
+        const rlimit full{.rlim_cur = size, .rlim_max = limit.rlim_max};
+        ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &full), 0);
+        request(2'000'000 * period);
+        wait_for([&] { return failures == period; });
+        ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+        request(2'000'000 * period + 1'000'000);
+        wait_for([&] { return frames_in(path) == period; });
+    }
+    log.reset();
+    EXPECT_EQ(failures, 2);
+    EXPECT_EQ(lost, EFBIG);
+    EXPECT_EQ(packets_in(path), 2u);
+}
+
+TEST_F(CaptureLogTest, GrowsAndReportsThatOnceWhereTheNextFileCannotBegin) {
+    std::filesystem::create_directory(folder / "capture.1.pcapng");
+    auto log = open({.path = path, .file_bytes = 10'000, .files = 2});
+    const int many = 1000;
+    for (int i = 0; i < many; ++i) request(i);
+    log.reset();
+    EXPECT_EQ(packets_in(path), static_cast<std::uint64_t>(many));
+    EXPECT_EQ(not_rotated, 1);
+    EXPECT_EQ(failures, 0);
+    EXPECT_EQ(lost, 0) << "it is complete";
+}
+
+TEST(CaptureFile, CannotBeOpenedBelowAFile) {
+    EXPECT_EQ(CaptureFile::open({.path = "/dev/null/x.pcapng"}).error().code, Code::cannot_open);
+}
+
+TEST(CaptureFile, IsOfOneProgramAlsoWhileItIsRotated) {
+    const Folder folder;
+    const std::string path = folder / "capture.pcapng";
+    auto file = CaptureFile::open({.path = path, .files = 3});
+    ASSERT_TRUE(file);
+    for (const char* const blocks : {"first", "second"}) {
+        EXPECT_TRUE(file->write(blocks));
+        EXPECT_EQ(CaptureFile::open({.path = path}).error(), (Error{Code::busy, std::string_view(path)}));
+        EXPECT_EQ(content_of(path), blocks);
+        EXPECT_TRUE(file->rotate());
+    }
+    EXPECT_EQ(content_of(folder / "capture.2.pcapng"), "first");
+    EXPECT_EQ(content_of(folder / "capture.1.pcapng"), "second");
+}
+
+// It would rename the link of the system: the tests may run as root.
+TEST(CaptureFile, NeverRotatesALinkOfTheSystem) {
+    const Folder folder;
+    const os::Descriptor target(::open((folder / "target").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+    const std::string path = folder / "link";
+    std::filesystem::create_symlink("/dev/fd/" + std::to_string(target.get()), path);
+    const auto file = CaptureFile::open({.path = path, .file_bytes = 10});
+    ASSERT_TRUE(file);
+    EXPECT_FALSE(file->is_full(1000));
 }
 
 TEST(CaptureFile, APipeGetsWholeBlocksAlsoAfterItsReaderStalled) {

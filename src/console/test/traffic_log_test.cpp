@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cerrno>
+#include <thread>
+
 #include "folder.hpp"
 #include "support.hpp"
 #include "takt/console/clock_text.hpp"
@@ -137,16 +141,49 @@ TEST(TrafficLogFile, IsRotated) {
 TEST(TrafficLogFile, ReportsThatItIsIncomplete) {
     std::string lost;
     int number = 0;
+    std::atomic<int> failures = 0;
     {
-        const auto log = TrafficLog::open("/dev/full", [&](const std::string& path, int why) {
-            lost = path;
-            number = why;
-        });
+        const auto log = TrafficLog::open("/dev/full", {.on_failed =
+                                                            [&](const Error& error) {
+                                                                EXPECT_EQ(error.subject.view(), "/dev/full");
+                                                                EXPECT_EQ(error.numbers[0], ENOSPC);
+                                                                ++failures;
+                                                            },
+                                                        .on_lost =
+                                                            [&](const std::string& path, int why) {
+                                                                lost = path;
+                                                                number = why;
+                                                            }});
         ASSERT_TRUE(log);
         (*log)->put("frame");
+        while (failures == 0) std::this_thread::yield();  // the test's time limit is the check
+        EXPECT_EQ(lost, "");
+        for (int i = 0; i < 10; ++i) (*log)->put("frame");
     }
+    EXPECT_EQ(failures, 1);
     EXPECT_EQ(lost, "/dev/full");
     EXPECT_EQ(number, ENOSPC);
+}
+
+TEST(TrafficLogFile, IsOfOneProgram) {
+    const takt::test::Folder folder;
+    const auto log = TrafficLog::open(folder / "traffic.log");
+    ASSERT_TRUE(log);
+    EXPECT_EQ(TrafficLog::open(folder / "traffic.log").error().code, Code::busy);
+}
+
+TEST(TrafficLogFile, ReportsOnceThatItIsNotRotated) {
+    const takt::test::Folder folder;
+    for (const char* number : {"1", "2", "3"}) folder.write("traffic.log." + std::string(number) + "/x", "");
+    std::atomic<int> reports = 0;
+    {
+        const auto log =
+            TrafficLog::open(folder / "traffic.log", {.on_not_rotated = [&](const Error&) { ++reports; }}, 8);
+        ASSERT_TRUE(log);
+        for (const char* frame : {"frame 1", "frame 2", "frame 3"}) (*log)->put(frame);
+    }
+    EXPECT_EQ(folder.read("traffic.log"), "frame 1\nframe 2\nframe 3\n");
+    EXPECT_EQ(reports, 1);
 }
 
 }  // namespace

@@ -198,6 +198,30 @@ TEST(LineWriter, CountsTheLinesOfAFailedWriteAndGoesOn) {
     EXPECT_EQ(text, "3\ngap 2\n") << "the report is delayed after a failure";
 }
 
+TEST(LineWriter, ReportsTheFirstFailureOfARow) {
+    struct Scripted final : Sink {
+        explicit Scripted(std::vector<int> results) : errors(std::move(results)) {}
+        Written write(std::string_view text) override {
+            if (text.starts_with("gap") || errors.empty()) return {.bytes = text.size()};
+            const int error = errors.front();
+            errors.erase(errors.begin());
+            return {.bytes = error == 0 ? text.size() : 0, .error = error};
+        }
+        std::vector<int> errors;
+    };
+    std::vector<int> reported;
+    {
+        const std::vector<int> results{ENOSPC, EDQUOT, 0, EFBIG, ENOSPC};
+        LineWriter out(std::make_unique<Scripted>(results),
+                       {.gap_line = gap, .on_failure = [&](int error) { reported.push_back(error); }});
+        for (std::size_t i = 0; i < results.size(); ++i) {
+            out.put("x\n");
+            while (out.full(WriterOptions{}.limit)) std::this_thread::yield();  // one record in each write
+        }
+    }
+    EXPECT_EQ(reported, (std::vector{ENOSPC, EFBIG}));
+}
+
 // A disk that is full at the end: the shorter report of what was lost may fit.
 TEST(LineWriter, KeepsTheErrorOfALineThatIsLostAtTheEnd) {
     struct NearlyFull final : Sink {

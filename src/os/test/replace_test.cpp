@@ -240,6 +240,21 @@ TEST(OpenFile, BeginsAnewWithAnExistingFile) {
     EXPECT_EQ(open_anew(folder / "fifo").error().numbers[0], ENXIO) << "does not wait for a reader";
 }
 
+TEST(OpenFile, OneProgramAtATimeBeginsAFileAnew) {
+    const Folder folder;
+    folder.write("frames", "of an ended program\n");
+    {
+        const auto first = open_anew(folder / "frames");
+        ASSERT_TRUE(first && write_all(first->get(), "frames of the first\n"));
+        EXPECT_EQ(open_anew(folder / "frames").error(),
+                  (Error{Code::busy, std::string_view(folder / "frames")}));
+        EXPECT_EQ(folder.read("frames"), "frames of the first\n");
+    }
+    EXPECT_TRUE(open_anew(folder / "frames"));
+    EXPECT_EQ(folder.read("frames"), "");
+    EXPECT_TRUE(open_anew("/dev/null") && open_anew("/dev/null")) << "a device is shared";
+}
+
 TEST(OpenFile, RejectsWhatIsNotARegularFileWithoutWaiting) {
     const Folder folder;
     ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);

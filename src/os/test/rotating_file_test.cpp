@@ -76,6 +76,32 @@ TEST(RotatingFile, TruncatesWithoutOldFiles) {
     EXPECT_EQ(folder.read("log"), "two\n");
 }
 
+TEST(RotatingFile, BeginsAnewAndLocked) {
+    const Folder folder;
+    folder.write("log", "old\n");
+    const auto file = RotatingFile::open(folder / "log", {.file_bytes = 8, .old_files = 1, .anew = true});
+    ASSERT_TRUE(file);
+    for (const char* line : {"one\n", "two\n", "three\n"}) {
+        EXPECT_EQ((*file)->write(line).error, 0);
+        EXPECT_EQ(open_anew(folder / "log").error().code, Code::busy);
+    }
+    EXPECT_EQ(folder.read("log.1"), "one\ntwo\n");
+    EXPECT_EQ(folder.read("log"), "three\n");
+}
+
+TEST(RotatingFile, GrowsWhereTheNextFileCannotBegin) {
+    const Folder folder;
+    std::filesystem::create_directory(folder / "log.1");
+    const auto file = RotatingFile::open(folder / "log", {.file_bytes = 4, .old_files = 1, .anew = true});
+    ASSERT_TRUE(file);
+    for (const char* line : {"one\n", "two\n"}) EXPECT_EQ((*file)->write(line).error, 0);
+    EXPECT_EQ(folder.read("log"), "one\ntwo\n");
+    std::filesystem::remove(folder / "log.1");
+    EXPECT_EQ((*file)->write("six\n").error, 0);
+    EXPECT_EQ(folder.read("log.1"), "one\ntwo\n");
+    EXPECT_EQ(folder.read("log"), "six\n");
+}
+
 TEST(RotatingFile, CreatesFilesWithTheGivenMode) {
     const Folder folder;
     const auto opened = RotatingFile::open(folder / "log", {.mode = 0600});

@@ -19,8 +19,9 @@ struct CaptureFileOptions {
 };
 
 /// Writes whole pcapng blocks. When the next ones do not fit, PATH becomes PATH with ".1" before its
-/// extension, ".1" becomes ".2", and so on; the oldest is removed. An existing PATH is overwritten; older
-/// files are left until a new one takes their name. A FIFO or device grows without rotation.
+/// extension, ".1" becomes ".2", and so on; the oldest is removed. An existing PATH is overwritten, unless
+/// another program has it locked; older files are left until a new one takes their name. A FIFO, a device and
+/// a file behind a link of the system (/dev/stdout) grow without rotation.
 ///
 /// A failed write leaves no part of a block behind, and does not close the file: the next write tries again.
 /// A pipe whose reader takes nothing for 2 s is a failure; the rest of what it has in part comes first
@@ -30,24 +31,25 @@ public:
     /// @returns as os::open_anew()
     [[nodiscard]] static Result<CaptureFile> open(const CaptureFileOptions& options);
 
-    /// Whether a rotation must come before that many bytes more.
-    [[nodiscard]] bool is_full(std::size_t bytes) const {
-        return regular_ && size_ + bytes > options_.file_bytes;
-    }
+    [[nodiscard]] const std::string& path() const { return options_.path; }
 
-    /// Begins the next file. Where the folder does not allow renaming, the file grows beyond its size.
-    /// @returns as os::open_anew(); then write() tries again to open it
+    /// Whether a rotation must come before that many bytes more.
+    [[nodiscard]] bool is_full(std::size_t bytes) const { return size_ + bytes > limit_; }
+
+    /// Begins the next file.
+    /// @returns as os::begin_next_file(); then the file goes on, and is full again after `file_bytes` more
     [[nodiscard]] Result<void> rotate();
 
     /// @param blocks  whole blocks
-    /// @returns io_failed (the system's error number); as os::open_anew()
+    /// @returns io_failed (the system's error number)
     [[nodiscard]] Result<void> write(std::string_view blocks);
 
     /// "a.pcapng", 2 becomes "a.2.pcapng"; 0 is the path itself.
     [[nodiscard]] static std::string numbered(const std::string& path, unsigned number);
 
 private:
-    explicit CaptureFile(CaptureFileOptions options) : options_(std::move(options)) {}
+    explicit CaptureFile(CaptureFileOptions options)
+        : options_(std::move(options)), limit_(options_.file_bytes) {}
     struct Done {
         std::size_t bytes = 0;
         int error = 0;  // why not all was written
@@ -59,7 +61,8 @@ private:
     os::Descriptor file_;
     bool regular_ = true;
     std::uint64_t size_ = 0;
-    std::string rest_;  // of blocks that a pipe has in part
+    std::uint64_t limit_;  // of the size
+    std::string rest_;     // of blocks that a pipe has in part
 };
 
 }  // namespace takt::console

@@ -2,15 +2,14 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "takt/base/result.hpp"
 #include "takt/console/capture_file.hpp"
+#include "takt/console/file_reports.hpp"
 #include "takt/console/tap_thread.hpp"
-#include "takt/console/traffic_log.hpp"
 #include "takt/host/traffic.hpp"
 #include "takt/report/traffic_capture.hpp"
 
@@ -21,19 +20,13 @@ namespace takt::console {
 /// capture has their number as a comment of the next packet and in its interface statistics.
 class CaptureLog {
 public:
-    /// @param on_lost  is called at the end if a write failed
-    /// @returns as os::open_anew()
-    [[nodiscard]] static Result<std::unique_ptr<CaptureLog>> open(const CaptureFileOptions& options,
-                                                                  TapSource source,
-                                                                  TrafficLog::OnLost on_lost);
+    CaptureLog(CaptureFile file, TapSource source, FileReports reports);
     /// Writes what the source still has, and the end of the file.
     ~CaptureLog();
     CaptureLog(const CaptureLog&) = delete;
     CaptureLog& operator=(const CaptureLog&) = delete;
 
 private:
-    CaptureLog(CaptureFile file, std::string path, TapSource source, TrafficLog::OnLost on_lost);
-
     void turn(bool ending);
     void take_all();
     void add(const host::TrafficRecord& record);
@@ -42,9 +35,8 @@ private:
     void rotate();
     void note(const Error& error);
 
-    std::string path_;
     TapSource source_;
-    TrafficLog::OnLost on_lost_;
+    FileReports reports_;
     CaptureFile file_;  // of the thread, as all up to error_
     report::TrafficCapture capture_;
     std::vector<host::TrafficRecord> pending_;  // an earlier frame may still come before them
@@ -55,6 +47,8 @@ private:
     std::uint64_t missed_ = 0;                  // of the source, up to now
     std::int64_t last_ns_ = 0;                  // of the last frame
     int error_ = 0;                             // of the first write that failed
+    bool failing_ = false;                      // no frame was written since a write failed
+    bool rotation_failed_ = false;              // the last one
     std::optional<TapThread> thread_;
 };
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "takt/base/result.hpp"
+#include "takt/console/file_reports.hpp"
 #include "takt/console/tap_thread.hpp"
 #include "takt/host/traffic.hpp"
 #include "takt/line/traffic_factory.hpp"
@@ -30,16 +31,12 @@ class TrafficLog {
 public:
     static constexpr std::size_t kFileBytes = 50 << 20;  ///< some 400,000 frames
 
-    /// Reports at the end that the file is incomplete.
-    /// @param number  errno of the write that failed
-    using OnLost = std::function<void(const std::string& path, int number)>;
-
-    /// @param path        "-": stderr; an existing file is overwritten
+    /// @param path        "-": stderr; an existing file is overwritten, unless another program has it locked
     /// @param file_bytes  a file is rotated at this size (os::RotatingFile), with three old ones; > 0. A FIFO
     ///                    or device is not
     /// @returns as os::open_anew()
     [[nodiscard]] static Result<std::unique_ptr<TrafficLog>> open(const std::string& path,
-                                                                  OnLost on_lost = {},
+                                                                  FileReports reports = {},
                                                                   std::size_t file_bytes = kFileBytes);
     /// Writes to any sink.
     explicit TrafficLog(std::unique_ptr<os::Sink> sink);
@@ -54,8 +51,10 @@ public:
     void put_lost(std::uint64_t count);
 
 private:
+    TrafficLog(std::unique_ptr<os::Sink> sink, std::string path, FileReports reports);
+
     std::string path_;  // empty: not a file
-    OnLost on_lost_;
+    FileReports reports_;
     os::LineWriter output_;
 };
 

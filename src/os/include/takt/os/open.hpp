@@ -39,9 +39,11 @@ constexpr ::mode_t kStateFileMode = 0640;
 /// Opens a file for appending, and creates it with `mode` (less the umask) where there is none.
 [[nodiscard]] Result<Descriptor> open_for_append(const std::string& path, ::mode_t mode = kStateFileMode);
 
-/// Makes a file empty and opens it for writing. It is created with `mode` (less the umask) where there is
-/// none. An existing FIFO, terminal or device is opened as it is.
-/// @returns cannot_open, also for a FIFO without a reader
+/// Makes a file empty and opens it for appending. It is created with `mode` (less the umask) where there is
+/// none. One program at a time has it: it is locked (flock, exclusive) before it is made empty, for as long
+/// as the descriptor or a duplicate is open. A file system without locks does without. An existing FIFO,
+/// terminal or device is opened as it is.
+/// @returns cannot_open, also for a FIFO without a reader; busy (path): another program has it; io_failed
 [[nodiscard]] Result<Descriptor> open_anew(const std::string& path, ::mode_t mode = kStateFileMode);
 
 /// Creates a file for reading and writing with `mode` (less the umask).

@@ -25,6 +25,9 @@ struct WriterOptions {
     std::function<std::string(std::uint64_t dropped)> gap_line;
     /// Least distance of two such lines.
     std::chrono::milliseconds gap_interval{0};
+    /// Reports a write that failed: the first one, or the first one after records were written. Called by the
+    /// writing thread with the system's error number. It must not call the writer.
+    std::function<void(int error)> on_failure;
 };
 
 /// A bounded queue of records before a Sink, emptied by a thread of its own.
@@ -207,6 +210,7 @@ private:
             if (closed_) return;
         }
         const Sink::Written written = sink_->write(text);
+        report(written.error, reported > 0);
         const std::lock_guard lock(mutex_);
         closed_ = closed_ || written.closed;
         // At the end a record that is lost stays an error, also when the shorter report of it fits.
@@ -220,6 +224,14 @@ private:
             dropped_ += static_cast<std::uint64_t>(std::count(end_of_written, text.end(), '\n'));
         else if (!ending_)  // at the end the report is tried once
             dropped_ += reported;
+    }
+
+    // A short report of drops may fit where no record does: it does not end a failure.
+    void report(int error, bool of_drops) {
+        if (error == 0 && of_drops) return;
+        const bool begins = error != 0 && !failing_;
+        failing_ = error != 0;
+        if (begins && options_.on_failure) options_.on_failure(error);
     }
 
     const std::unique_ptr<Sink> sink_;
@@ -241,6 +253,7 @@ private:
 
     std::vector<Entry> batch_;  // the writing thread's, as text_
     std::string text_;
+    bool failing_ = false;
 
     Worker worker_;  // last: its thread uses the other members
 };

@@ -29,10 +29,15 @@ public:
         std::size_t file_bytes = 10 << 20;  ///< > 0
         unsigned old_files = 5;             ///< 0: the file is truncated when it is full
         ::mode_t mode = kStateFileMode;     ///< of new files, less the umask
+        /// The file is made empty at the beginning, and locked against other programs, as by open_anew().
+        bool anew = false;
+        /// With `anew`: reports that a full file goes on because the next one cannot begin, once until one
+        /// begins. Called by write() with an error of begin_next_file().
+        std::function<void(const Error&)> on_not_rotated = {};
     };
 
-    /// Opens or creates the file; it is appended to.
-    /// @returns cannot_open, unsupported as open_for_append()
+    /// Opens or creates the file; without `anew` it is appended to.
+    /// @returns as open_for_append() or open_anew()
     [[nodiscard]] static Result<std::unique_ptr<RotatingFile>> open(const std::string& path,
                                                                     const Options& options);
 
@@ -40,9 +45,11 @@ public:
     Written write(std::string_view text) override;
 
 private:
-    RotatingFile(std::string path, const Options& options) : path_(std::move(path)), options_(options) {}
+    RotatingFile(std::string path, const Options& options);
+    [[nodiscard]] std::string numbered(unsigned number) const;
     [[nodiscard]] Result<void> reopen();
     void rotate();
+    void begin_next();
     [[nodiscard]] std::size_t piece_end(std::string_view text, std::size_t begin) const;
     Written failed(std::string_view text, std::size_t done, int error);
 
@@ -50,6 +57,8 @@ private:
     Options options_;
     Descriptor file_;
     std::size_t size_ = 0;
+    bool rotation_failed_ = false;
+    std::size_t limit_;  // of the current file; it is larger after a rotation that failed
 };
 
 }  // namespace takt::os
