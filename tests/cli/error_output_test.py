@@ -253,6 +253,8 @@ def test_a_project_with_a_peer_that_is_not_modbus(project):
     (["serve", "--listen", "plc:502"], "ports: 0..65535"),
     (["serve", "--listen", "127.0.0.1:0", "--limit", "holding:0..9=5..1"], "the least value first"),
     (["serve", "--listen", "127.0.0.1:0", "--fault", "exception=300"], "exception=1..255"),
+    (["serve", "--listen", "127.0.0.1:1", "--listen", "127.0.0.1:2"],
+     "--listen: given 2 times (127.0.0.1:1, 127.0.0.1:2), allowed: once"),
 ], ids=lambda a: "-".join(map(str, a)) if isinstance(a, list) else "")
 def test_errors_suggest_the_right_word(arguments, words):
     assert words in takt(*arguments, code=2).err
@@ -270,6 +272,7 @@ def test_in_other_languages(language, words):
     ["serve", "--listen", "127.0.0.1:99999"],
     ["serve", "--max-connections", 0], ["plan", "a.yaml", "b.yaml"], ["probe", "tcp://127.0.0.1:1", "--area", "x"],
     ["convert", "a.csv", "--encoding", "x"], ["table", "build", "a.yaml", "-o", "b", "--profile", "x"], [], ["table"],
+    ["serve", "--listen", "127.0.0.1:1", "--listen", "127.0.0.1:2"],
 ], ids=lambda a: "-".join(map(str, a))[:40])
 @pytest.mark.parametrize("language, letters", [("ru", "[а-яё]"), ("uk", "[а-яіїєґ]")])
 def test_rejected_options_are_in_the_language(arguments, language, letters):

@@ -141,6 +141,24 @@ OptionError extras_error(const CLI::App& app) {
     return {"app.option.unknown", {{"value", name}, {"nearest", nearest_option(*command, name)}}};
 }
 
+/// An option of `app` or of a chosen command below it that has more values than it takes; nullptr: none.
+const CLI::Option* find_excess(const CLI::App& app) {
+    for (const auto* option : app.get_options())
+        if (static_cast<int>(option->count()) > std::max(1, option->get_items_expected_max())) return option;
+    for (const auto* command : app.get_subcommands())
+        if (const auto* option = find_excess(*command)) return option;
+    return nullptr;
+}
+
+OptionError excess_error(const CLI::Option& option) {
+    const auto greatest = std::max(1, option.get_items_expected_max());
+    return {greatest == 1 ? "app.option.repeated" : "app.option.too_many",
+            {{"option", option.get_name()},
+             {"count", std::to_string(option.count())},
+             {"values", CLI::detail::join(option.results(), ", ")},
+             {"greatest", std::to_string(greatest)}}};
+}
+
 // Replaces the codes of messages by the messages, of all commands below `app` too.
 void put_into_words(CLI::App& app, const Texts& texts) {
     for (const char* label : {"Usage", "Positionals", "OPTIONS", "SUBCOMMAND", "REQUIRED"})
@@ -357,6 +375,9 @@ CommandLine::Parsed CommandLine::parse(std::vector<std::string> arguments,
         return {Asked::nothing_valid, {}, rejected.error(), {}};
     } catch (const CLI::ExtrasError&) {
         return {Asked::nothing_valid, {}, extras_error(*app_), {}};
+    } catch (const CLI::ArgumentMismatch& mismatch) {
+        const auto* const option = find_excess(*app_);
+        return {Asked::nothing_valid, {}, option ? excess_error(*option) : option_error(mismatch.what()), {}};
     } catch (const CLI::ParseError& failure) {
         auto error = option_error(failure.what());
         if (error.code != "app.option.no_command") return {Asked::nothing_valid, {}, std::move(error), {}};

@@ -462,6 +462,28 @@ TEST(Options, ArgumentsThatNoCommandTakesAreNamed) {
     EXPECT_EQ(parse("table build p.yaml --outptu t -o t").error, unknown("--outptu", "--output"));
 }
 
+TEST(Options, AnOptionOfOneValueIsGivenOnce) {
+    const auto repeated = [](const std::string& option, const std::string& count, const std::string& values) {
+        return OptionError{"app.option.repeated",
+                           {{"option", option}, {"count", count}, {"values", values}, {"greatest", "1"}}};
+    };
+    EXPECT_EQ(parse("serve --listen 127.0.0.1:1 --listen 127.0.0.1:2").error,
+              repeated("--listen", "2", "127.0.0.1:1, 127.0.0.1:2"));
+    EXPECT_EQ(parse("run p.yaml --capture a --capture b --capture c").error,
+              repeated("--capture", "3", "a, b, c"));
+    EXPECT_EQ(parse("table build p.yaml -o t --output u").error, repeated("--output", "2", "t, u"));
+    EXPECT_EQ(parse("read tcp://h holding 0 --timeout 1s --timeout 2s").error,
+              repeated("--timeout", "2", "1s, 2s"));
+    EXPECT_FALSE(parse("check p.yaml --json --json").error) << "that has one meaning";
+    std::string many = "scan";
+    for (int i = 0; i < 65; ++i) many += " tcp://h";
+    const auto too_many = parse(many).error;
+    ASSERT_TRUE(too_many);
+    EXPECT_EQ(too_many->code, "app.option.too_many");
+    EXPECT_EQ(too_many->arguments[1].second, "65");
+    EXPECT_EQ(too_many->arguments[3].second, "64");
+}
+
 TEST(Options, AServerIdIsNotLongerThanItsResponse) {
     EXPECT_EQ(options_of<ServeOptions>("serve --server-id " + std::string(248, 'x')).blank.server_id.size(),
               248U);
