@@ -1,8 +1,20 @@
 #include "takt/capture/analysis.hpp"
 
 #include "fragments.hpp"
+#include "takt/base/numbers.hpp"
+#include "takt/capture/serial_packet.hpp"
 
 namespace takt::capture {
+namespace {
+
+constexpr std::size_t kUnit = 6;  // in a message of Modbus TCP
+
+bool is_serial_broadcast(const Packet& packet, const Segment& segment) {
+    return segment.payload.size() > kUnit && segment.payload[kUnit] == kBroadcast.value &&
+           SerialPacket(packet).sender() == Sender::master;
+}
+
+}  // namespace
 
 Analysis::Analysis(const TcpAnalyzerConfig& tcp, Duration timeout, ExchangeSink& sink)
     : fragments_(std::make_unique<FragmentTable>()), tcp_(tcp, sink), serial_(timeout, sink) {}
@@ -26,7 +38,7 @@ void Analysis::on_packet(const Packet& packet) {
     if (content == Content::fragment) content = reassemble(packet, fragment, segment);
     if (content != Content::segment) return count_other(packet, content);
     ++packets_.segments;
-    tcp_.on_segment(segment, {packet.number, packet.time_ns});
+    tcp_.on_segment(segment, {packet.number, packet.time_ns, is_serial_broadcast(packet, segment)});
 }
 
 // A datagram has the packet that completed it, as the receiver had it then.

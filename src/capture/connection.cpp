@@ -184,7 +184,8 @@ void Connection::on_request(const Adu& adu) {
                                         .packet = adu.packet,
                                         .retransmissions = retransmissions()};
     sink_.on_request(observed(request));
-    if (framing_ != wire::Framing::tcp && adu.unit == kBroadcast.value)
+    const bool on_serial_line = framing_ != wire::Framing::tcp || adu.packet.serial_broadcast;
+    if (on_serial_line && adu.unit == kBroadcast.value)
         return sink_.on_no_response(observed(request), NoResponse::broadcast);
     if (waiting_.push(request)) ++counts_.repeated_ids;
 }

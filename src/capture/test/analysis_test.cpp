@@ -8,6 +8,9 @@
 #include <string>
 
 #include "capture_bytes.hpp"
+#include "takt/capture/capture_reader.hpp"
+#include "takt/capture/frame_capture.hpp"
+#include "takt/wire/frame.hpp"
 
 namespace takt::capture {
 namespace {
@@ -27,7 +30,8 @@ struct Kept final : ExchangeSink {
         retransmissions += response.retransmissions;
     }
     void on_no_response(const ObservedRequest& request, NoResponse why) override {
-        text += (why == NoResponse::end ? 'E' : 'U') + std::to_string(request.packet.number) + ' ';
+        text += why == NoResponse::end ? 'E' : why == NoResponse::broadcast ? 'B' : 'U';
+        text += std::to_string(request.packet.number) + ' ';
     }
 };
 
@@ -406,6 +410,38 @@ TEST(Analysis, FindsRtuAndAsciiFramesOnAnyPort) {
                 EXPECT_EQ(wire.kept.requests.size(), 2u);
                 EXPECT_EQ(wire.analysis.tcp().serial_framing, 1u);
             }
+}
+
+// Takt writes frames of serial lines as segments of Modbus TCP.
+TEST(Analysis, ABroadcastOfASerialLineNeedsNoResponse) {
+    const Octets pdu = hex("06 0005 1234");
+    const auto rtu_of = [&](std::uint8_t unit) {
+        Octets frame{unit};
+        frame.insert(frame.end(), pdu.begin(), pdu.end());
+        const auto sum = wire::crc16(frame);
+        frame.push_back(static_cast<std::uint8_t>(sum & 0xFFU));
+        frame.push_back(static_cast<std::uint8_t>(sum >> 8U));
+        return frame;
+    };
+    const auto broadcast = rtu_of(0);
+    const auto write = rtu_of(16);
+    FrameCapture capture;
+    std::string file;
+    capture.begin_file(file);
+    const auto add = [&](const CapturedFrame& frame) { capture.add(frame, file); };
+    using wire::Framing;
+    add({.framing = Framing::rtu, .request = true, .unit = 16, .pdu = pdu, .raw = write});
+    add({.wall_ns = 1, .framing = Framing::rtu, .unit = 16, .pdu = pdu, .raw = write});
+    add({.wall_ns = 2, .framing = Framing::rtu, .request = true, .pdu = pdu, .raw = broadcast});
+    add({.wall_ns = 3, .line = 1, .framing = Framing::tcp, .request = true, .pdu = pdu});
+    Kept kept;
+    Analysis analysis({}, 1s, kept);
+    CaptureReader reader(analysis);
+    std::ranges::copy(file, reader.space().begin());
+    EXPECT_TRUE(reader.filled(file.size()));
+    reader.end();
+    analysis.end();
+    EXPECT_EQ(kept.text, "1-2 B3 E4 ");
 }
 
 TEST(Analysis, OtherProtocolsAreCounted) {

@@ -55,6 +55,8 @@ protected:
 struct PacketRef {
     std::uint64_t number = 0;
     std::int64_t time_ns = 0;
+    /// A segment that Takt made of a broadcast on a serial line (FrameCapture): it has no response.
+    bool serial_broadcast = false;
     friend constexpr bool operator==(const PacketRef&, const PacketRef&) = default;
 };
 
