@@ -150,6 +150,7 @@ Json listen_json(const ListenRun& run) {
     auto object = Json::object();
     object.set("event", "summary");
     object.set("port", run.port);
+    if (!run.line.empty()) object.set("line", run.line);
     object.set("framing", std::string(wire::name(run.connection.framing)));
     object.set("baud", setting(format.baud));
     object.set("parity", setting(model::kParities[static_cast<std::size_t>(format.parity)]));

@@ -1,10 +1,13 @@
 // The project file of a heard line.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "project_text.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/listen_report.hpp"
+#include "takt/text/escape.hpp"
 
 namespace takt::report {
 namespace {
@@ -55,17 +58,20 @@ std::string device_yaml(const Texts& texts, const model::Device& device, std::si
     return text;
 }
 
-}  // namespace
+// Names are unique in a project.
+void number_names(model::Line& line, std::size_t number) {
+    line.name = "line " + std::to_string(number);
+    if (line.transport == model::Transport::serial) line.port = "/dev/ttyUSB" + std::to_string(number - 1);
+    for (auto& device : line.devices) {
+        device.name = line.name + ' ' + device.name;
+        for (auto& variable : device.variables)
+            variable.name = "line" + std::to_string(number) + '_' + variable.name;
+    }
+}
 
-std::string listen_project(const Texts& texts, const ListenRun& run, int stretch) {
-    const auto project = listen::heard_project(run.statistics, run.connection, stretch);
-    auto text = fmt::format("# {}\n", texts("app.listen.project_head"));
-    if (!run.has_settings) text += fmt::format("# {}\n", texts("app.listen.project_settings"));
-    if (stretch > 1)
-        text += fmt::format("# {}\n",
-                            texts("app.listen.project_stretched", {{"factor", std::to_string(stretch)}}));
-    text += fmt::format("takt: 1\nlines:\n  - name: {}\n{}    devices:\n", project.line.name,
-                        connection_yaml(project.line));
+std::string line_yaml(const Texts& texts, const listen::HeardProject& project) {
+    auto text =
+        fmt::format("  - name: {}\n{}    devices:\n", project.line.name, connection_yaml(project.line));
     for (std::size_t i = 0; i < project.line.devices.size(); ++i)
         text += device_yaml(texts, project.line.devices[i], project.left_out[i]);
     std::string others;
@@ -73,6 +79,27 @@ std::string listen_project(const Texts& texts, const ListenRun& run, int stretch
         others += fmt::format("{}{}", others.empty() ? "" : ", ", unit);
     if (!others.empty())
         text += fmt::format("# {}\n", texts("app.listen.project_units", {{"units", others}}));
+    return text;
+}
+
+}  // namespace
+
+std::string listen_project(const Texts& texts, std::span<const ListenRun> runs, int stretch) {
+    auto text = fmt::format("# {}\n", texts("app.listen.project_head"));
+    if (std::ranges::any_of(runs, [](const ListenRun& run) { return !run.has_settings; }))
+        text += fmt::format("# {}\n", texts("app.listen.project_settings"));
+    if (stretch > 1)
+        text += fmt::format("# {}\n",
+                            texts("app.listen.project_stretched", {{"factor", std::to_string(stretch)}}));
+    text += "takt: 1\nlines:\n";
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+        auto project = listen::heard_project(runs[i].statistics, runs[i].connection, stretch);
+        if (runs.size() > 1) {
+            number_names(project.line, i + 1);
+            text += "  # " + text::escape_line(runs[i].line) + '\n';
+        }
+        text += line_yaml(texts, project);
+    }
     return text;
 }
 

@@ -172,10 +172,12 @@ double busy_share(const listen::LineCounts& counts) {
 
 std::string line_head(const Texts& texts, const ListenRun& run) {
     const auto& counts = run.statistics.counts();
-    std::string text =
-        texts("app.listen.heading", {{"port", run.port},
-                                     {"setting", line_setting_text(run.connection, run.has_settings)},
-                                     {"time", seconds_text(counts.last - counts.first)}});
+    std::string text = texts(
+        "app.listen.heading",
+        {{"port", run.one_of_several ? texts("app.listen.of_line", {{"file", run.port}, {"line", run.line}})
+                                     : run.port},
+         {"setting", line_setting_text(run.connection, run.has_settings)},
+         {"time", seconds_text(counts.last - counts.first)}});
     if (run.has_settings)
         text += ", " + texts("app.listen.busy", {{"share", percent_text(busy_share(counts))}});
     text += '\n' + texts("app.listen.counts", {{"requests", std::to_string(counts.requests)},

@@ -182,6 +182,28 @@ def test_a_capture_of_takt_run(tmp_path, project, framing):
     assert "poll_period: 50ms" in heard.read_text()
 
 
+def test_all_lines_of_a_capture_are_heard(tmp_path, project):
+    capture, heard = tmp_path / "run.pcapng", tmp_path / "heard.yaml"
+    line = CAPTURED.replace("FRAMING", "rtu").split("\n", 3)[3]
+    other = line.replace("rs485", "other").replace("rtu", "ascii").replace("Boiler", "Pump").replace("Level", "Speed").replace("50ms", "30ms")
+    plant = project("takt: 1\nlines:\n" + line + other)
+    takt("run", plant, "--for", "2s", "--quiet", "--capture", capture)
+    result = takt("listen", capture, "--json", "--project", plant, "--write", heard)
+    lines = [json.loads(text) for text in result.lines]
+    summaries = {s["line"]: s for s in lines if s["event"] == "summary"}
+    assert {name: s["framing"] for name, s in summaries.items()} == {"rs485": "rtu", "other": "ascii"}
+    for name, device in (("rs485", "Boiler"), ("other", "Pump")):
+        exchanges = [e for e in lines if e["event"] == "exchange" and e["line"] == name]
+        assert {e["device"] for e in exchanges} == {device} and len(exchanges) == summaries[name]["requests"] > 20
+        assert summaries[name]["answered"] >= summaries[name]["requests"] - 1
+    assert takt("check", heard).code == 0
+    assert "# rs485" in heard.read_text() and "# other" in heard.read_text()
+    text = takt("listen", capture, "--quiet").out
+    assert "run.pcapng, line rs485: RTU" in text and "run.pcapng, line other: ASCII" in text
+    named = takt("listen", capture).lines
+    assert any("  rs485  unit 5 read" in each for each in named) and any("  other  unit 5 read" in each for each in named)
+
+
 def test_a_capture_of_takt_capture(tmp_path):
     capture = tmp_path / "line.pcapng"
     with Bus(["master", "listener"]) as bus, start("capture", f"rtu://{bus.ports['listener']}?baud=115200", "-o", capture) as listener:

@@ -1,9 +1,11 @@
 #include "commands/listen_capture.hpp"
 
 #include <algorithm>
+#include <deque>
 #include <filesystem>
-#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "capture_input.hpp"
 #include "commands/listen_output.hpp"
@@ -19,15 +21,40 @@
 namespace takt::app {
 namespace {
 
-/// A line of a capture. Sections and rotated files number their interfaces from 0, and Takt writes two
-/// interfaces for a line: the name is the same.
-struct CapturedLine {
-    std::string name;
-    std::uint32_t interface = 0;
+constexpr std::size_t kMostLines = 64;
 
-    [[nodiscard]] bool has(const capture::Packet& packet) const {
-        return name.empty() ? packet.interface == interface : packet.interface_name == name;
+/// The name of the line of a packet: that of its interface, or its number. Sections and rotated files number
+/// their interfaces from 0, and Takt writes two interfaces for a line: the name is the same.
+std::string line_name(const capture::Packet& packet) {
+    return packet.interface_name.empty() ? std::to_string(packet.interface)
+                                         : std::string(packet.interface_name);
+}
+
+/// A line of a capture.
+struct HeardLine {
+    HeardLine(ListenOutput::CapturedLine captured, Duration timeout, ListenOutput& output)
+        : line(std::move(captured)), listener({.timeout = timeout}, output) {}
+
+    void take(const capture::Packet& packet, const capture::SerialPacket& serial) {
+        last = std::max(last, Instant(Duration(packet.time_ns)));
+        if (serial.kind() == capture::SerialPacket::Kind::damaged)
+            return listener.on_captured_damage(last, serial.bytes());
+        is_ascii = is_ascii || serial.bytes()[0] == ':';
+        listener.on_captured(last, serial.bytes(), serial.sender());
     }
+
+    [[nodiscard]] model::Line connection() const {
+        model::Line connection{.port = "/dev/ttyUSB0"};
+        if (!is_ascii) return connection;
+        connection.framing = wire::Framing::ascii;
+        connection.format.data_bits = 7;
+        return connection;
+    }
+
+    ListenOutput::CapturedLine line;
+    listen::LineListener listener;
+    bool is_ascii = false;
+    Instant last = Instant::min();
 };
 
 class ListenCapture final : private capture::PacketSink {
@@ -38,7 +65,6 @@ public:
           name_(std::filesystem::path(options.port).filename().string()),
           output_(texts, options, name_,
                   [](Instant t) { return report::local_time_text(t.time_since_epoch().count()); }),
-          listener_({.timeout = options.timeout}, output_),
           reader_(*this) {}
 
     ExitCode run() {
@@ -49,58 +75,68 @@ public:
         output_.progress().clear();
         if (reader_.error()) print_error(report::capture_error_text(texts_, options_.port, *reader_.error()));
         if (reader_.error() && reader_.packets() == 0) return ExitCode::usage;
-        const auto code = line_ ? finish() : no_frames();
+        const auto code = lines_.empty() ? no_frames() : finish();
         const bool whole = !reader_.error() && !StoppableInput::stopped();
         return code == ExitCode::ok && !whole ? ExitCode::partly : code;
     }
 
 private:
     void show_progress(const report::Done& done) {
-        const auto& counts = listener_.statistics().counts();
+        std::uint64_t requests = 0;
+        std::uint64_t damaged = 0;
+        for (const auto& line : lines_) {
+            requests += line.listener.statistics().counts().requests;
+            damaged += line.listener.statistics().counts().damaged;
+        }
+        const auto connection = lines_.empty() ? model::Line() : lines_.front().connection();
         output_.progress().show(
             line::now(), done,
             texts_("app.listen.progress", {{"port", name_},
-                                           {"setting", report::line_setting_text(connection(), false)},
-                                           {"requests", std::to_string(counts.requests)},
-                                           {"damaged", std::to_string(counts.damaged)}}));
+                                           {"setting", report::line_setting_text(connection, false)},
+                                           {"requests", std::to_string(requests)},
+                                           {"damaged", std::to_string(damaged)}}));
     }
 
     void on_packet(const capture::Packet& packet) override {
         const capture::SerialPacket serial(packet);
         const auto kind = packet.timed ? serial.kind() : capture::SerialPacket::Kind::none;
-        if (!line_ && kind == capture::SerialPacket::Kind::frame) choose(packet);
-        if (!line_ && kind == capture::SerialPacket::Kind::damaged) damaged_bytes_ += serial.bytes().size();
-        if (!line_ || !line_->has(packet) || kind == capture::SerialPacket::Kind::none) {
+        auto* const line = kind == capture::SerialPacket::Kind::none ? nullptr : line_of(packet, kind);
+        if (!line) {
+            if (kind == capture::SerialPacket::Kind::damaged) damaged_bytes_ += serial.bytes().size();
             ++left_out_;
             return;
         }
-        last_ = std::max(last_, Instant(Duration(packet.time_ns)));
-        if (kind == capture::SerialPacket::Kind::damaged)
-            return listener_.on_captured_damage(last_, serial.bytes());
-        is_ascii_ = is_ascii_ || serial.bytes()[0] == ':';
-        listener_.on_captured(last_, serial.bytes(), serial.sender());
+        output_.use_line(line->line, lines_.size() > 1);
+        line->take(packet, serial);
     }
 
-    void choose(const capture::Packet& packet) {
-        line_.emplace(std::string(packet.interface_name), packet.interface);
-        output_.use_line(line_->name);
-    }
-
-    [[nodiscard]] model::Line connection() const {
-        model::Line connection{.port = "/dev/ttyUSB0"};
-        if (!is_ascii_) return connection;
-        connection.framing = wire::Framing::ascii;
-        connection.format.data_bits = 7;
-        return connection;
+    /// A frame begins a line. nullptr: none.
+    HeardLine* line_of(const capture::Packet& packet, capture::SerialPacket::Kind kind) {
+        const auto name = line_name(packet);
+        const auto known = std::ranges::find(lines_, name, [](const auto& line) { return line.line.name; });
+        if (known != lines_.end()) return &*known;
+        if (kind != capture::SerialPacket::Kind::frame || lines_.size() == kMostLines) return nullptr;
+        return &lines_.emplace_back(output_.line_of(name), options_.timeout, output_);
     }
 
     ExitCode finish() {
-        listener_.end();
+        std::vector<report::ListenRun> runs;
+        for (auto& line : lines_) {
+            output_.use_line(line.line, lines_.size() > 1);
+            line.listener.end();
+            runs.push_back({.port = name_,
+                            .connection = line.connection(),
+                            .has_settings = false,
+                            .statistics = line.listener.statistics(),
+                            .names = line.line.names,
+                            .line = line.line.name,
+                            .one_of_several = lines_.size() > 1});
+        }
         if (left_out_ > 0)
             print_status(texts_("app.listen.other_interfaces",
                                 {{"file", name_}, {"count", std::to_string(left_out_)}}) +
                          '\n');
-        return output_.finish(listener_.statistics(), connection(), false, 0);
+        return output_.finish(runs);
     }
 
     [[nodiscard]] ExitCode no_frames() const {
@@ -115,13 +151,10 @@ private:
     const ListenOptions& options_;
     std::string name_;
     ListenOutput output_;
-    listen::LineListener listener_;
     capture::CaptureReader reader_;
-    std::optional<CapturedLine> line_;  // of the first frame
-    std::uint64_t left_out_ = 0;        // packets
-    std::uint64_t damaged_bytes_ = 0;   // before the first frame
-    bool is_ascii_ = false;
-    Instant last_ = Instant::min();
+    std::deque<HeardLine> lines_;      // in the order of their first frames
+    std::uint64_t left_out_ = 0;       // packets
+    std::uint64_t damaged_bytes_ = 0;  // before the first frame of their line
 };
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <filesystem>
 #include <utility>
@@ -37,57 +39,81 @@ bool ListenOutput::prepare() {
     if (options_.project.empty()) return true;
     project_ = load_to_run(texts_, options_.project);
     if (!project_) return false;
-    names_ = report::HeardNames(project_->project, port_);
-    if (!names_.has_line())
+    port_line_ = line_of({});
+    if (!port_line_.names.has_line())
         print_error(texts_("app.listen.no_line", {{"file", options_.project}, {"port", port_}}));
-    return names_.has_line();
+    return port_line_.names.has_line();
 }
 
-void ListenOutput::use_line(const std::string& name) {
-    if (project_) names_ = report::HeardNames(project_->project, port_, name);
+ListenOutput::CapturedLine ListenOutput::line_of(const std::string& name) const {
+    if (!project_) return {name, {}};
+    return {name, report::HeardNames(project_->project, port_, name)};
+}
+
+void ListenOutput::use_line(const CapturedLine& line, bool several) {
+    line_ = &line;
+    several_ = several;
+}
+
+std::string ListenOutput::place_text(const std::string& time) const {
+    return several_ ? time + "  " + line_->name : time;
 }
 
 void ListenOutput::emit(const std::function<file::Json()>& json, const std::function<std::string()>& text) {
     if (options_.quiet) return;
     progress_.clear();
-    print((options_.json ? json().dump() : text()) + '\n');
+    if (!options_.json) return print(text() + '\n');
+    auto object = json();
+    if (!line_->name.empty()) object.set("line", line_->name);
+    print(object.dump() + '\n');
 }
 
 void ListenOutput::on_exchange(const listen::Exchange& exchange) {
     const auto time = time_text_(exchange.request.begin);
-    emit([&] { return report::exchange_json(names_, time, exchange); },
-         [&] { return report::exchange_line(texts_, names_, time, exchange); });
+    emit([&] { return report::exchange_json(line_->names, time, exchange); },
+         [&] { return report::exchange_line(texts_, line_->names, place_text(time), exchange); });
 }
 
 void ListenOutput::on_stray(const listen::LineFrame& frame) {
     const auto time = time_text_(frame.begin);
     emit([&] { return report::stray_json(time, frame); },
-         [&] { return report::stray_line(texts_, names_, time, frame); });
+         [&] { return report::stray_line(texts_, line_->names, place_text(time), frame); });
 }
 
 void ListenOutput::on_damaged(const listen::DamagedBytes& damaged) {
     const auto time = time_text_(damaged.begin);
     emit([&] { return report::damaged_json(time, damaged); },
-         [&] { return report::damaged_line(texts_, time, damaged); });
+         [&] { return report::damaged_line(texts_, place_text(time), damaged); });
 }
 
 ExitCode ListenOutput::finish(const listen::LineStatistics& statistics, const model::Line& connection,
                               bool has_settings, std::uint64_t faulty_characters) {
-    const auto& counts = statistics.counts();
-    const report::ListenRun run{.port = port_,
-                                .connection = connection,
-                                .has_settings = has_settings,
-                                .statistics = statistics,
-                                .names = names_,
-                                .faulty_characters = faulty_characters};
+    return finish(std::array{report::ListenRun{.port = port_,
+                                               .connection = connection,
+                                               .has_settings = has_settings,
+                                               .statistics = statistics,
+                                               .names = port_line_.names,
+                                               .faulty_characters = faulty_characters}});
+}
+
+ExitCode ListenOutput::finish(std::span<const report::ListenRun> runs) {
     progress_.clear();
-    if (options_.json)
-        print(report::listen_json(run).dump() + '\n');
-    else
-        print((options_.quiet ? "" : "\n") + report::listen_summary(texts_, run, columns_of(STDOUT_FILENO)));
-    const auto written = write_project(run);
+    std::uint64_t frames = 0;
+    std::uint64_t damaged_bytes = 0;
+    for (const auto& run : runs) {
+        print_summary(run);
+        frames += run.statistics.counts().frames;
+        damaged_bytes += run.statistics.counts().damaged_bytes;
+    }
+    const auto written = write_project(runs);
     if (written != ExitCode::ok) return written;
-    return counts.frames > 0 ? ExitCode::ok : nothing_heard(counts.damaged_bytes);
+    return frames > 0 ? ExitCode::ok : nothing_heard(damaged_bytes);
+}
+
+void ListenOutput::print_summary(const report::ListenRun& run) const {
+    if (options_.json) return print(report::listen_json(run).dump() + '\n');
+    const bool apart = !options_.quiet || run.one_of_several;
+    print((apart ? "\n" : "") + report::listen_summary(texts_, run, columns_of(STDOUT_FILENO)));
 }
 
 ExitCode ListenOutput::nothing_heard(std::uint64_t bytes) const {
@@ -98,23 +124,23 @@ ExitCode ListenOutput::nothing_heard(std::uint64_t bytes) const {
 
 // Takt plans with more time for a response than devices need. Where it cannot hold the periods that were
 // heard, they are lengthened until `takt check` accepts the project.
-std::string ListenOutput::accepted_project(const report::ListenRun& run) const {
+std::string ListenOutput::accepted_project(std::span<const report::ListenRun> runs) const {
     constexpr int kMostStretched = 64;
     for (int stretch = 1;; stretch *= 2) {
-        auto text = report::listen_project(texts_, run, stretch);
+        auto text = report::listen_project(texts_, runs, stretch);
         auto loaded = host::load_project_text(options_.write, text);
         if (!loaded.has_errors()) host::add_findings(loaded, host::prove(loaded, false, false));
         if (!loaded.has_errors() || stretch >= kMostStretched) return text;
     }
 }
 
-ExitCode ListenOutput::write_project(const report::ListenRun& run) const {
+ExitCode ListenOutput::write_project(std::span<const report::ListenRun> runs) const {
     if (options_.write.empty()) return ExitCode::ok;
-    if (!listen::has_devices(run.statistics)) {
+    if (std::ranges::none_of(runs, [](const auto& run) { return listen::has_devices(run.statistics); })) {
         print_status(texts_("app.listen.no_project", {{"file", options_.write}}) + '\n');
         return ExitCode::ok;
     }
-    const auto written = file::write_file(options_.write, accepted_project(run), options_.force);
+    const auto written = file::write_file(options_.write, accepted_project(runs), options_.force);
     if (!written) {
         print_error(report::unwritten_text(texts_, options_.write, written.error()));
         return ExitCode::partly;

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "commands/listen_command.hpp"
@@ -25,8 +26,16 @@ public:
     /// written. @returns false: the reason was printed
     [[nodiscard]] bool prepare();
 
-    /// The names of the line of a capture, if the project has a line of that name.
-    void use_line(const std::string& name);
+    /// A line of a capture.
+    struct CapturedLine {
+        std::string name;
+        report::HeardNames names;
+    };
+    /// The line with the names of the project's line of that name, if there is one.
+    [[nodiscard]] CapturedLine line_of(const std::string& name) const;
+    /// What is reported from now on is of that line, which must outlive the reports.
+    /// @param several  the texts name the line
+    void use_line(const CapturedLine& line, bool several);
 
     void on_exchange(const listen::Exchange& exchange) override;
     void on_stray(const listen::LineFrame& frame) override;
@@ -36,6 +45,8 @@ public:
     /// @param faulty_characters  that the port reported
     [[nodiscard]] ExitCode finish(const listen::LineStatistics& statistics, const model::Line& connection,
                                   bool has_settings, std::uint64_t faulty_characters);
+    /// The same for the lines of a capture: a summary for each, and the project of all.
+    [[nodiscard]] ExitCode finish(std::span<const report::ListenRun> runs);
     /// No frame can be expected of the line.
     [[nodiscard]] ExitCode nothing_heard(std::uint64_t bytes) const;
 
@@ -44,8 +55,10 @@ public:
 private:
     [[nodiscard]] bool may_write() const;
     void emit(const std::function<file::Json()>& json, const std::function<std::string()>& text);
-    [[nodiscard]] std::string accepted_project(const report::ListenRun& run) const;
-    [[nodiscard]] ExitCode write_project(const report::ListenRun& run) const;
+    [[nodiscard]] std::string place_text(const std::string& time) const;
+    void print_summary(const report::ListenRun& run) const;
+    [[nodiscard]] std::string accepted_project(std::span<const report::ListenRun> runs) const;
+    [[nodiscard]] ExitCode write_project(std::span<const report::ListenRun> runs) const;
 
     Texts texts_;
     const ListenOptions& options_;
@@ -53,7 +66,9 @@ private:
     std::function<std::string(Instant)> time_text_;
     Progress progress_;
     std::optional<host::LoadedProject> project_;
-    report::HeardNames names_;
+    CapturedLine port_line_;  // of a port; without a name
+    const CapturedLine* line_ = &port_line_;
+    bool several_ = false;  // lines
 };
 
 }  // namespace takt::app

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
 
 #include "hex.hpp"
@@ -106,7 +107,7 @@ TEST_F(ListenReport, TheProjectCanBeLoaded) {
     exchange(4s, 2, "06 0001 0000", "06 0001 0000");
     for (const auto language :
          {text::Language::english, text::Language::russian, text::Language::ukrainian}) {
-        const auto text = listen_project(Texts(language), run());
+        const auto text = listen_project(Texts(language), std::array{run()});
         const auto loaded = host::load_project_text("test", text);
         ASSERT_FALSE(loaded.has_errors()) << text;
         const auto& devices = loaded.project.lines.at(0).devices;
@@ -121,8 +122,23 @@ TEST_F(ListenReport, TheProjectCanBeLoaded) {
         EXPECT_EQ(devices[1].variables.at(0).write, wire::Function::write_single_register);
         EXPECT_NE(text.find(": 250"), std::string::npos) << "the unit that no device may have";
     }
-    const auto slow = host::load_project_text("test", listen_project(events.texts, run(), 4));
+    const auto slow = host::load_project_text("test", listen_project(events.texts, std::array{run()}, 4));
     EXPECT_EQ(slow.project.lines.at(0).devices[0].poll_period, 400ms);
+}
+
+TEST_F(ListenReport, TheProjectOfACaptureHasAllItsLines) {
+    for (int i = 0; i < 20; ++i) exchange(i * 100ms, 1, "03 0000 0001", "03 02 0000");
+    auto first = run();
+    first.line = "heating";
+    auto second = run();
+    second.line = "two\nlines";
+    const auto text = listen_project(events.texts, std::array{first, second});
+    const auto loaded = host::load_project_text("test", text);
+    ASSERT_FALSE(loaded.has_errors()) << text;
+    ASSERT_EQ(loaded.project.lines.size(), 2U);
+    EXPECT_EQ(loaded.project.lines[1].devices.at(0).name, "line 2 unit 1");
+    EXPECT_EQ(loaded.project.lines[1].devices[0].variables.at(0).name, "line2_unit1_holding_0");
+    EXPECT_NE(text.find("  # heating\n"), std::string::npos) << text;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "takt/file/json.hpp"
@@ -21,6 +22,8 @@ struct ListenRun {
     const listen::LineStatistics& statistics;
     const HeardNames& names;
     std::uint64_t faulty_characters = 0;  ///< that the port reported
+    std::string line = {};                ///< of a capture: its name
+    bool one_of_several = false;          ///< lines of the capture
 };
 
 /// "9600 8N1, RTU"; without known settings "RTU".
@@ -45,7 +48,8 @@ struct ListenRun {
 [[nodiscard]] std::string listen_summary(const Texts& texts, const ListenRun& run, std::size_t most);
 [[nodiscard]] file::Json listen_json(const ListenRun& run);
 
-/// The project of what was heard (listen::heard_project()).
-[[nodiscard]] std::string listen_project(const Texts& texts, const ListenRun& run, int stretch = 1);
+/// The project of what was heard on one line or several (listen::heard_project()).
+[[nodiscard]] std::string listen_project(const Texts& texts, std::span<const ListenRun> runs,
+                                         int stretch = 1);
 
 }  // namespace takt::report
