@@ -131,15 +131,26 @@ bool LoadConnection::may_answer(const Flight& flight, std::uint16_t wire_id) con
 
 void LoadConnection::on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) {
     if (direction == wire::Direction::sent || timed_out_.empty()) return;
-    if (!numbered_) return received_.assign(pdu);
-    if (raw.size() < 2 || unit.value != load_.options_.target.unit || pdu.empty() ||
+    if (unit.value != load_.options_.target.unit || pdu.empty() ||
         wire::requested_function(pdu[0]) != load_.options_.request.function())
         return;
+    if (!numbered_) {
+        if (received_.full()) received_.drop_front(1);
+        received_.push_back({t, {}});
+        return received_.back().pdu.assign(pdu);
+    }
+    if (raw.size() < 2) return;
     const auto wire_id = static_cast<std::uint16_t>(raw[0] << 8U | raw[1]);
     const auto flight = take_first(timed_out_, [&](const Flight& each) { return may_answer(each, wire_id); });
     if (!flight) return;
     ++late_;
     answered_late(*flight, t, pdu);
+}
+
+// Several frames of one read have the same time. Of them the oldest is the response to the oldest request.
+wire::Pdu LoadConnection::take_received(Instant at) {
+    const auto received = take_first(received_, [at](const Received& each) { return each.at == at; });
+    return received ? received->pdu : wire::Pdu();
 }
 
 // On a serial line a late response belongs to the oldest request that has none. Another frame may have
@@ -148,7 +159,8 @@ void LoadConnection::take_late() {
     while (const auto late = engine_.take_late()) {
         if (numbered_) continue;
         const auto flight = take_first(timed_out_, [](const Flight&) { return true; });
-        if (flight) answered_late(*flight, late->at, received_.span());
+        const auto pdu = take_received(late->at);
+        if (flight) answered_late(*flight, late->at, pdu.span());
     }
 }
 

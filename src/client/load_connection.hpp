@@ -46,12 +46,17 @@ public:
 
 private:
     static constexpr std::size_t kMostTimedOut = 256;
+    static constexpr std::size_t kMostReceived = 8;
     struct Flight {
         std::uint64_t number = 0;
         Instant intended;
         Instant sent_at{};
         Instant request_end{};
         std::uint16_t wire_id = 0;
+    };
+    struct Received {
+        Instant at;
+        wire::Pdu pdu;
     };
 
     void on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) override;
@@ -62,6 +67,7 @@ private:
     void answered_late(const Flight& flight, Instant end, Bytes pdu);
     void no_response(const Flight& flight, capture::NoResponse why);
     void take_late();
+    [[nodiscard]] wire::Pdu take_received(Instant at);
     [[nodiscard]] bool may_answer(const Flight& flight, std::uint16_t wire_id) const;
     void compare(Bytes pdu);
 
@@ -71,9 +77,9 @@ private:
     std::unique_ptr<line::Driver> driver_;
     std::optional<Error> link_error_;
     InplaceVector<Flight, bus::kMaxInFlight> flights_;
-    InplaceVector<Flight, kMostTimedOut> timed_out_;  // may be answered late
-    std::uint64_t late_ = 0;                          // Framing::tcp: recognised late responses
-    wire::Pdu received_;                              // serial line: the last frame
+    InplaceVector<Flight, kMostTimedOut> timed_out_;   // may be answered late
+    std::uint64_t late_ = 0;                           // Framing::tcp: recognised late responses
+    InplaceVector<Received, kMostReceived> received_;  // serial line: the last frames, the oldest first
 };
 
 }  // namespace takt::client

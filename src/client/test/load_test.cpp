@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "takt/line/tcp_server.hpp"
+#include "takt/wire/frame.hpp"
 #include "takt/wire/pdu.hpp"
 
 namespace takt::client {
@@ -209,6 +210,63 @@ TEST_F(LoadTest, RecordsALateException) {
     EXPECT_EQ(total.answered, 40U);
     EXPECT_EQ(load->counts().timed_out, 1U);
     EXPECT_EQ(total.exceptions, (std::map<std::uint8_t, std::uint64_t>{{6, 1}}));
+}
+
+/// Answers the first two requests of RTU (8 bytes each) in one write, so long after the second one; then at
+/// once. The exceptions to the first two differ.
+class LatePairSession final : public line::Session, private Engine {
+public:
+    explicit LatePairSession(Duration delay) : delay_(delay) {}
+    Engine& engine() override { return *this; }
+    Instant last_received() const override { return line::now(); }
+
+private:
+    void on_link(Instant, bool) override {}
+    void on_bytes(Instant t, Bytes bytes) override {
+        for (bytes_ += bytes.size(); bytes_ >= 8; bytes_ -= 8) {
+            ++requests_;
+            if (requests_ <= 2) add({17, 0x83, static_cast<std::uint8_t>(requests_ == 1 ? 2 : 6)});
+            if (requests_ > 2) add({17, 0x03, 2, 0, 7});
+            if (requests_ >= 2) at_ = requests_ == 2 ? t + delay_ : t;
+        }
+    }
+    void on_tick(Instant) override {}
+    Bytes transmit(Instant t) override {
+        if (t < at_) return {};
+        at_ = kNever;
+        sent_.swap(output_);
+        output_.clear();
+        return sent_;
+    }
+    Instant next_wakeup() const override { return at_; }
+
+    void add(std::vector<std::uint8_t> frame) {
+        const auto sum = wire::crc16(frame);
+        frame.push_back(static_cast<std::uint8_t>(sum & 0xFFU));
+        frame.push_back(static_cast<std::uint8_t>(sum >> 8U));
+        output_.insert(output_.end(), frame.begin(), frame.end());
+    }
+
+    Duration delay_;
+    std::size_t bytes_ = 0;
+    std::size_t requests_ = 0;
+    Instant at_ = kNever;
+    std::vector<std::uint8_t> output_, sent_;
+};
+
+TEST_F(LoadTest, LateResponsesInOneReadKeepTheirOwnContents) {
+    server = *line::TcpServer::listen(*loop, {"127.0.0.1", 0}, [](Instant, std::string_view) {
+        return std::make_unique<LatePairSession>(150ms);
+    });
+    options.target.target = "rtu+tcp://127.0.0.1:" + std::to_string(server->port());
+    options.target.unit = 17;
+    options.target.timeout = 50ms;
+    options.rate = Rate{2, 1s};
+    options.count = 5;
+    const auto& total = measure();
+    EXPECT_EQ(load->counts().timed_out, 2U);
+    EXPECT_EQ(total.exceptions, (std::map<std::uint8_t, std::uint64_t>{{2, 1}, {6, 1}}));
+    EXPECT_EQ(total.answered, 5U);
 }
 
 // More late responses at a time than the engine remembers, the last request first.
