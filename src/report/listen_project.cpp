@@ -94,6 +94,7 @@ std::string listen_project(const Texts& texts, std::span<const ListenRun> runs, 
     text += "takt: 1\nlines:\n";
     for (std::size_t i = 0; i < runs.size(); ++i) {
         auto project = listen::heard_project(runs[i].statistics, runs[i].connection, stretch);
+        if (project.line.devices.empty()) continue;
         if (runs.size() > 1) {
             number_names(project.line, i + 1);
             text += "  # " + text::escape_line(runs[i].line) + '\n';
