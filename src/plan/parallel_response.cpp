@@ -104,6 +104,7 @@ private:
     Microseconds longest_frame_ = 0;
     Microseconds longest_failure_ = 0;
     std::int64_t least_lane_ = 1;
+    bool has_alone_ = false;
 };
 
 ParallelAnalysis::ParallelAnalysis(std::span<const Task> tasks, const Connection& connection,
@@ -119,6 +120,7 @@ ParallelAnalysis::ParallelAnalysis(std::span<const Task> tasks, const Connection
     for (std::size_t i = 0; i < tasks.size(); ++i) {
         Entry& entry = entries_[i];
         entry.alone = i < connection.alone.size() && connection.alone[i];
+        has_alone_ = has_alone_ || entry.alone;
         entry.free = failures.rate() == 0 && tasks[i].burst == 1 && entry.frames <= 1 && !entry.alone;
         longest_frame_ = std::max(longest_frame_, entry.frame);
         longest_failure_ = std::max(longest_failure_, tasks[i].failure);
@@ -323,7 +325,9 @@ WideTime ParallelAnalysis::all_busy(std::size_t task, WideTime turns) const {
     }
 }
 
-// A failed attempt ends the share of its task, so that lower priorities may go before it again.
+// A failed attempt ends the share of its task, so that lower priorities may go before it again. Where a
+// request goes alone, the other slots may be idle for the whole attempt: while it fails itself, or while it
+// waits for a failing one to end. Afterwards it waits again until nothing is in flight.
 std::optional<WideTime> ParallelAnalysis::bound(std::size_t task) const {
     const Task& it = tasks_[task];
     const Entry& entry = entries_[task];
@@ -333,10 +337,12 @@ std::optional<WideTime> ParallelAnalysis::bound(std::size_t task) const {
         std::min<WideTime>(WideTime{entry.response} + longest_failure_, kLongestBusyPeriod));
     const WideTime failures = failures_.within(failure_window);
     const WideTime turns = WideTime{earlier + 1} * entry.frames + lanes.turns + failures;
-    const bool shared = entry.lanes.empty() && !entry.alone;
-    const std::int64_t least = entry.alone ? 1 : shared ? slots_ : least_lane_;
+    const bool shared = entry.lanes.empty();
+    const std::int64_t least = has_alone_ ? 1 : shared ? slots_ : least_lane_;
+    const WideTime again = has_alone_ ? longest_frame_ : 0;
     const WideTime failure =
-        std::max<WideTime>(it.failure, (WideTime{longest_failure_} + least - 1) / least) + connection_.pause;
+        std::max<WideTime>(it.failure, (WideTime{longest_failure_} + least - 1) / least) + again +
+        connection_.pause;
     return it.jitter + entry.job + entry.demand.most(earlier) + all_busy(task, turns) + lanes.full +
            turns * lanes.lower + failures * failure +
            (turns + WideTime{earlier + 1} * entry.frames) * connection_.pause;
