@@ -180,6 +180,8 @@ TEST(ParallelResponse, NorWithADeadDevice) {
         const Case made = random_case(random, kinds()[static_cast<std::size_t>(round) % kinds().size()]);
         const auto bounds = parallel_response_times_with_dead_device(made.tasks, made.connection);
         for (std::uint32_t device = 0; device < 3; ++device) {
+            // Where no device is dead, the plain bounds count.
+            if (std::ranges::count(made.tasks, device, &Task::device) == 0) continue;
             auto tasks = made.tasks;
             for (auto& task : tasks) {
                 if (task.device != device) continue;
