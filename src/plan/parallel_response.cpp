@@ -88,6 +88,11 @@ private:
     [[nodiscard]] std::int64_t releases(std::size_t task, Microseconds window, Microseconds before) const {
         return tasks_[task].burst + (window + before) / tasks_[task].period;
     }
+    /// Whether a request that goes alone goes before the task. While it waits, requests that go before it may
+    /// start, one after the other, and the other slots are idle: their time is not shared.
+    [[nodiscard]] bool waits_for_alone(std::size_t task) const {
+        return std::ranges::any_of(before_, [&](std::size_t i) { return i != task && entries_[i].alone; });
+    }
     [[nodiscard]] WideTime held_up(std::size_t task, std::int64_t jobs) const {
         return WideTime{jobs} * (WideTime{entries_[task].job} + entries_[task].frames * longest_frame_);
     }
@@ -204,6 +209,7 @@ WideTime ParallelAnalysis::busy_of_free(std::size_t task, std::int64_t own, Micr
     WideTime held = 0;
     std::int64_t frames = slots_ + 1 + own;  // each may be followed by a pause
     std::vector<WideTime> in_flight;
+    const bool one_by_one = waits_for_alone(task);
     for (const auto i : before_) {
         if (i == task) continue;
         const Entry& entry = entries_[i];
@@ -212,6 +218,10 @@ WideTime ParallelAnalysis::busy_of_free(std::size_t task, std::int64_t own, Micr
         frames += entry.frames * jobs;
         if (entry.alone) {
             held += held_up(i, all);
+            continue;
+        }
+        if (one_by_one) {
+            held += entry.demand.most(all);
             continue;
         }
         const WideTime started_work = std::min(entry.demand.most(jobs), most);
@@ -293,12 +303,15 @@ WideTime ParallelAnalysis::all_busy(std::size_t task, WideTime turns) const {
     WideTime held = 0;
     std::int64_t frames = 0;
     std::vector<WideTime> works;
+    const bool one_by_one = waits_for_alone(task);
     for (const auto i : before_) {
         if (i == task) continue;
         const std::int64_t jobs = active(i, whole);
         frames += jobs * entries_[i].frames;
         if (entries_[i].alone)
             held += held_up(i, jobs);
+        else if (one_by_one)
+            held += entries_[i].demand.most(jobs);
         else
             works.push_back(entries_[i].demand.most(jobs));
     }

@@ -167,7 +167,7 @@ TEST(ParallelResponse, NorWithFailedAttempts) {
             [&](const Case& made) {
                 return parallel_response_times_with_faults(made.tasks, made.connection, faults);
             },
-            2, 60, &faults);
+            2, 90, &faults);
         EXPECT_EQ(seen.exceeded, 0U) << &kind - kinds().data();
         EXPECT_GT(seen.compared, 100U);
     }
