@@ -108,7 +108,6 @@ private:
     Tasks lower_;
     Microseconds longest_frame_ = 0;
     Microseconds longest_failure_ = 0;
-    std::int64_t least_lane_ = 1;
     bool has_alone_ = false;
 };
 
@@ -120,8 +119,7 @@ ParallelAnalysis::ParallelAnalysis(std::span<const Task> tasks, const Connection
       effort_(effort),
       limit_(effort.spent + effort.most),
       slots_(connection.in_flight),
-      entries_(tasks.begin(), tasks.end()),
-      least_lane_(connection.in_flight) {
+      entries_(tasks.begin(), tasks.end()) {
     for (std::size_t i = 0; i < tasks.size(); ++i) {
         Entry& entry = entries_[i];
         entry.alone = i < connection.alone.size() && connection.alone[i];
@@ -131,7 +129,6 @@ ParallelAnalysis::ParallelAnalysis(std::span<const Task> tasks, const Connection
         longest_failure_ = std::max(longest_failure_, tasks[i].failure);
     }
     for (std::size_t lane = 0; lane < connection.lanes.size(); ++lane) {
-        least_lane_ = std::min<std::int64_t>(least_lane_, connection.lanes[lane].in_flight);
         for (const auto task : connection.lanes[lane].tasks) {
             entries_[task].lanes.push_back(lane);
             entries_[task].free = false;
@@ -338,9 +335,9 @@ WideTime ParallelAnalysis::all_busy(std::size_t task, WideTime turns) const {
     }
 }
 
-// A failed attempt ends the share of its task, so that lower priorities may go before it again. Where a
-// request goes alone, the other slots may be idle for the whole attempt: while it fails itself, or while it
-// waits for a failing one to end. Afterwards it waits again until nothing is in flight.
+// A failed attempt ends the share of its task, so that lower priorities may go before it again. Its time is
+// not shared: where other tasks use one slot each for the whole time, one more unit of work in the last slot
+// makes this time longer by one. Where a request goes alone, it waits again until nothing is in flight.
 std::optional<WideTime> ParallelAnalysis::bound(std::size_t task) const {
     const Task& it = tasks_[task];
     const Entry& entry = entries_[task];
@@ -350,12 +347,8 @@ std::optional<WideTime> ParallelAnalysis::bound(std::size_t task) const {
         std::min<WideTime>(WideTime{entry.response} + longest_failure_, kLongestBusyPeriod));
     const WideTime failures = failures_.within(failure_window);
     const WideTime turns = WideTime{earlier + 1} * entry.frames + lanes.turns + failures;
-    const bool shared = entry.lanes.empty();
-    const std::int64_t least = has_alone_ ? 1 : shared ? slots_ : least_lane_;
     const WideTime again = has_alone_ ? longest_frame_ : 0;
-    const WideTime failure =
-        std::max<WideTime>(it.failure, (WideTime{longest_failure_} + least - 1) / least) + again +
-        connection_.pause;
+    const WideTime failure = WideTime{longest_failure_} + again + connection_.pause;
     return it.jitter + entry.job + entry.demand.most(earlier) + all_busy(task, turns) + lanes.full +
            turns * lanes.lower + failures * failure +
            (turns + WideTime{earlier + 1} * entry.frames) * connection_.pause;

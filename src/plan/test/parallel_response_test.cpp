@@ -152,7 +152,7 @@ const std::vector<Kind>& kinds() {
 
 TEST(ParallelResponse, NoSimulatedResponseExceedsItsBound) {
     for (const Kind& kind : kinds()) {
-        const auto seen = simulated(kind, plain, 1, 60);
+        const auto seen = simulated(kind, plain, 1, 90);
         EXPECT_EQ(seen.exceeded, 0U) << &kind - kinds().data();
         EXPECT_GT(seen.compared, 300U);
         EXPECT_GT(seen.tightest, 0.4);
