@@ -22,8 +22,8 @@ public:
 
     /// @param traffic  file for the frames; "-": stderr; empty: none
     /// @param reload   what SIGHUP asks for; empty: it stops as the other signals do
-    /// @returns what Loop::create(), Loop::on_signals() and TrafficLog::open() return
     /// @param reports  of the file for the frames
+    /// @returns what Loop::create(), Loop::on_signals() and TrafficLog::open() return
     [[nodiscard]] Result<void> begin(const std::string& traffic, std::function<void()> reload,
                                      console::FileReports reports);
     /// Without a file for frames.

@@ -21,8 +21,7 @@ using NumberedName = std::function<std::string(unsigned number)>;
 /// @param current    the full file, of open_anew()
 /// @param old_files  0: the full file is made empty
 /// @returns replaced (another file has the name), io_failed (path, system's error number), as open_anew();
-/// the
-///          full file can still be written
+///          then the full file can still be written
 [[nodiscard]] Result<Descriptor> begin_next_file(int current, unsigned old_files, const NumberedName& name);
 
 }  // namespace takt::os
