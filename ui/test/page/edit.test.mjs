@@ -182,6 +182,7 @@ test('the rows of a table and of a template are taken over, edited and saved', a
   await page.getByText(/Volts/).first().waitFor();
   assert.equal(await page.getByRole('button', { name: 'Add', exact: true }).count(), 0);
   await page.getByRole('button', { name: 'Take the table into the project' }).click();
+  await page.getByRole('button', { name: 'Add', exact: true }).waitFor(); // the rows can be edited now
   await page.getByRole('gridcell', { name: 'Amps', exact: true }).dblclick();
   await page.locator('.cell-editor').fill('Current');
   await page.keyboard.press('Enter');
