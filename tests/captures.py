@@ -37,24 +37,31 @@ class Capture:
 
     def add(self, time_ns, source, target, sequence, acknowledged, flags, data=b""):
         addresses = b"".join(bytes(map(int, end[0].split("."))) for end in (source, target))
-        tcp = struct.pack(">HHIIBBHHH", source[1], target[1], sequence & 0xFFFFFFFF, acknowledged & 0xFFFFFFFF, 5 << 4, flags, 65535, 0, 0) + data
+        tcp = struct.pack(">HHIIBBHHH", source[1], target[1], sequence & 0xFFFFFFFF,
+                          acknowledged & 0xFFFFFFFF, 5 << 4, flags, 65535, 0, 0) + data
         check = sum16(addresses + struct.pack(">HH", 6, len(tcp)) + tcp)
         tcp = tcp[:16] + struct.pack(">H", check) + tcp[18:]
         self._identification = self._identification % 65535 + 1
-        head = struct.pack(">BBHHHBBH", 0x45, 0, 20 + len(tcp), self._identification, 0x4000, 64, 6, 0) + addresses
+        head = struct.pack(">BBHHHBBH", 0x45, 0, 20 + len(tcp), self._identification, 0x4000, 64, 6,
+                           0) + addresses
         head = head[:10] + struct.pack(">H", sum16(head)) + head[12:]
         self.packets.append((START + time_ns, head + tcp))
 
     def pcap(self, link="raw", nanoseconds=True, order="<", packets=None):
         kind, header = LINKS[link]
-        parts = [struct.pack(order + "IHHiIII", 0xA1B23C4D if nanoseconds else 0xA1B2C3D4, 2, 4, 0, 0, 65535, kind)]
+        parts = [
+            struct.pack(order + "IHHiIII", 0xA1B23C4D if nanoseconds else 0xA1B2C3D4, 2, 4, 0, 0, 65535, kind)
+        ]
         for time_ns, packet in packets or self.packets:
             seconds, rest = divmod(time_ns, 1_000_000_000)
             size = len(header) + len(packet)
-            parts.append(struct.pack(order + "IIII", seconds, rest if nanoseconds else rest // 1000, size, size) + header + packet)
+            parts.append(
+                struct.pack(order + "IIII", seconds, rest if nanoseconds else rest // 1000, size, size) +
+                header + packet)
         return b"".join(parts)
 
     def pcapng(self, link="raw", resolution=9, order="<", sections=1):
+
         def block(kind, body):
             body += b"\0" * (-len(body) % 4)
             size = struct.pack(order + "I", len(body) + 12)
@@ -67,7 +74,7 @@ class Capture:
                 parts.append(block(0x0A0D0D0A, struct.pack(order + "IHHq", 0x1A2B3C4D, 1, 0, -1)))
                 option = struct.pack(order + "HHB3xHH", 9, 1, resolution, 0, 0)
                 parts.append(block(1, struct.pack(order + "HHI", kind, 0, 0) + option))
-            ticks = time_ns // 10 ** (9 - resolution)
+            ticks = time_ns // 10**(9 - resolution)
             size = len(header) + len(packet)
             head = struct.pack(order + "IIIII", 0, ticks >> 32, ticks & 0xFFFFFFFF, size, size)
             parts.append(block(6, head + header + packet))
@@ -99,7 +106,8 @@ class Connection:
         self._packet(at, side, self.next[side] - before - len(data), PSH | ACK, data)
 
     def _packet(self, at, side, sequence, flags, data):
-        self._capture.add(round(at * 1000), self._ends[side], self._ends[1 - side], sequence, self.next[1 - side] if flags & ACK else 0, flags, data)
+        self._capture.add(round(at * 1000), self._ends[side], self._ends[1 - side], sequence,
+                          self.next[1 - side] if flags & ACK else 0, flags, data)
 
     def _send(self, at, side, flags, data=b"", captured=True):
         if captured:

@@ -16,10 +16,12 @@ def pytest_sessionfinish(session, exitstatus):
 @pytest.fixture
 def project(tmp_path):
     """Writes a project's text to a file and gives its path."""
+
     def write(text, name="project.yaml"):
         path = tmp_path / name
         path.write_text(text, encoding="utf-8")
         return path
+
     return write
 
 

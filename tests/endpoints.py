@@ -36,10 +36,12 @@ def free_port():
 
 def wait_listening(port, process=None):
     """Returns when a server accepts connections on `port`."""
+
     def connects():
         assert process is None or process.process.poll() is None, f"ended before it listened\n{process!r}"
         with socket.socket() as s:
             return s.connect_ex(("127.0.0.1", port)) == 0
+
     until(connects, f"a listener on port {port}")
 
 
@@ -48,7 +50,8 @@ class SerialPair:
     socat's own record."""
 
     def __init__(self, folder):
-        self.a, self.b, self._log = (str(pathlib.Path(folder) / name) for name in ("line-a", "line-b", "line.log"))
+        self.a, self.b, self._log = (str(pathlib.Path(folder) / name)
+                                     for name in ("line-a", "line-b", "line.log"))
         with open(self._log, "w") as log:
             self._socat = subprocess.Popen(
                 ["socat", "-x", f"pty,raw,echo=0,link={self.a}", f"pty,raw,echo=0,link={self.b}"],
@@ -99,10 +102,12 @@ def wait_slave(port, unit, framing="rtu", process=None):
     import serial  # only here: most tests need no serial port
     probe = request(framing, unit, "03 00 00 00 01")
     with serial.Serial(port, timeout=0.2) as line:
+
         def answers():
             assert process is None or process.process.poll() is None, f"ended before it answered\n{process!r}"
             line.write(probe)
             return line.read(1)
+
         until(answers, f"an answer of unit {unit} on {port}")
         while line.read(256):
             pass

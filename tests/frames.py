@@ -26,7 +26,8 @@ def request(framing, unit, pdu):
 
 TRAFFIC = re.compile(
     r"^\[\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d\] TRA : (?P<line>.*?)::(?P<device>.*?):\((?P<port>.*?)\) "
-    r"(?P<way>Tx|Rx): \[(?P<length>\d{4})\] (?P<bytes>[0-9A-F]{2}(?: [0-9A-F]{2})*|:[0-9A-F]+)(?: \| (?P<words>.+))?$")
+    r"(?P<way>Tx|Rx): \[(?P<length>\d{4})\] (?P<bytes>[0-9A-F]{2}(?: [0-9A-F]{2})*|:[0-9A-F]+)(?: \| (?P<words>.+))?$"
+)
 
 
 class Frame:
@@ -35,7 +36,8 @@ class Frame:
     def __init__(self, text):
         match = TRAFFIC.match(text)
         assert match, f"not a traffic line: {text!r}"
-        self.line, self.device, self.port, self.way = match["line"], match["device"], match["port"], match["way"]
+        self.line, self.device, self.port, self.way = match["line"], match["device"], match["port"], match[
+            "way"]
         self.hex, self.words = match["bytes"], match["words"]
         self.bytes = self.hex.encode() + b"\r\n" if self.hex.startswith(":") else bytes.fromhex(self.hex)
         assert len(self.bytes) == int(match["length"]), f"the length does not fit: {text!r}"
@@ -61,7 +63,8 @@ def pcap(link_type, packets):
     """A capture file (classic format) of `packets`, 1 ms apart."""
     parts = [struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, link_type)]
     for number, packet in enumerate(packets):
-        parts.append(struct.pack("<IIII", number // 1000, number % 1000 * 1000, len(packet), len(packet)) + packet)
+        parts.append(
+            struct.pack("<IIII", number // 1000, number % 1000 * 1000, len(packet), len(packet)) + packet)
     return b"".join(parts)
 
 
@@ -84,9 +87,10 @@ class TcpCapture:
 
     def _add(self, side, flags, data=b""):
         acknowledged = self._next[1 - side] if flags & 0x10 else 0
-        tcp = struct.pack(">HHIIBBHHH", self._ports[side], self._ports[1 - side], self._next[side], acknowledged,
-                          5 << 4, flags, 65535, 0, 0)
-        ip = struct.pack(">BBHHHBBH4s4s", 0x45, 0, 20 + len(tcp) + len(data), len(self.packets), 0x4000, 64, 6, 0,
+        tcp = struct.pack(">HHIIBBHHH", self._ports[side], self._ports[1 - side], self._next[side],
+                          acknowledged, 5 << 4, flags, 65535, 0, 0)
+        ip = struct.pack(">BBHHHBBH4s4s", 0x45, 0, 20 + len(tcp) + len(data), len(self.packets), 0x4000, 64,
+                         6, 0,
                          *((b"\x7f\0\0\1", b"\x7f\0\0\2") if side == 0 else (b"\x7f\0\0\2", b"\x7f\0\0\1")))
         self.packets.append(ip + tcp + data)
         self._next[side] += len(data) + (1 if flags & 0x02 else 0)

@@ -62,7 +62,8 @@ def words(unit, function, start, count):
     moment = now_ms()
     made = b""
     for register in range(start, start + count, 2):
-        made += struct.pack(">I", (identity(unit, function, start) | (register - start) // 2) << CLOCK_BITS | moment)
+        made += struct.pack(">I", (identity(unit, function, start) | (register - start) // 2) << CLOCK_BITS
+                            | moment)
     return made[:2 * count]
 
 
@@ -109,7 +110,8 @@ class Field:
             return
         delay = self.lateness.delay(unit)
         self.late += delay > 0
-        begins = max(received, self._unit_free[unit] if self.lateness.order == "in" else 0.0) + TURNAROUND + delay
+        begins = max(received,
+                     self._unit_free[unit] if self.lateness.order == "in" else 0.0) + TURNAROUND + delay
         self._unit_free[unit] = begins
         body = bytes([unit, function, 2 * count]) + words(unit, function, start, count)
         heapq.heappush(self._waiting, (begins, next(self._number), body + crc16(body)))
@@ -210,8 +212,9 @@ class Verdict:
         age = published - (value & ((1 << CLOCK_BITS) - 1)) / 1000 - event["age_ms"] / 1000
         if seen != expected:
             self.wrong += 1
-            self._example(f"{name} at {event['time_ms']:.0f} ms: of unit {seen >> 8}, function {seen >> 5 & 7}, "
-                          f"register {(seen >> 2 & 7) * 100 + 2 * (seen & 3)}")
+            self._example(
+                f"{name} at {event['time_ms']:.0f} ms: of unit {seen >> 8}, function {seen >> 5 & 7}, "
+                f"register {(seen >> 2 & 7) * 100 + 2 * (seen & 3)}")
         elif age > 1.15 * TIMEOUT + 0.05:  # its request has waited so long at most; the rest is the host's
             self.old += 1
             self._example(f"{name} at {event['time_ms']:.0f} ms: read {age * 1000:.0f} ms before")
@@ -229,7 +232,8 @@ def run_field(transport="pty", seconds=4.0, period_ms=50, units=3, shapes="abcde
     with TRANSPORTS[transport](Lateness(**lateness)) as served, tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "field.yaml"
         path.write_text(project_text(served.line, period_ms, UNITS[:units], shapes), encoding="utf-8")
-        result = takt("run", path, "--json", "--for", f"{int(seconds * 1000)}ms", code=None, deadline=seconds + 60)
+        result = takt("run", path, "--json", "--for", f"{int(seconds * 1000)}ms", code=None,
+                      deadline=seconds + 60)
         verdict = Verdict()
         summary = None
         for line in result.lines:
@@ -265,17 +269,28 @@ def main():
     parser.add_argument("--order", nargs="+", default=["in", "out"], choices=["in", "out"])
     parser.add_argument("--late", type=int, nargs="+", default=[1, 3], choices=[0, 1, 2, 3])
     parser.add_argument("--units", type=int, default=3, choices=[1, 2, 3])
-    parser.add_argument("--shapes", default="abcde", help="which requests of each unit: a, b and c look alike")
+    parser.add_argument("--shapes", default="abcde",
+                        help="which requests of each unit: a, b and c look alike")
     parser.add_argument("--transport", nargs="+", default=["pty", "tcp"], choices=list(TRANSPORTS))
     parser.add_argument("--before", metavar="PROGRAM")
     options = parser.parse_args()
     failed = 0
-    for transport, late, order, share, factor in itertools.product(options.transport, options.late, options.order,
-                                                                   options.share, options.factor):
+    for transport, late, order, share, factor in itertools.product(options.transport, options.late,
+                                                                   options.order, options.share,
+                                                                   options.factor):
         name = f"{transport}, {late} late, 1 in {share}, {factor:g} time-outs, {order} order"
-        field = {"transport": transport, "seconds": options.seconds, "period_ms": options.period, "units": options.units,
-                 "shapes": options.shapes, "factor": factor, "share": share, "order": order, "late": late,
-                 "seed": options.seed}
+        field = {
+            "transport": transport,
+            "seconds": options.seconds,
+            "period_ms": options.period,
+            "units": options.units,
+            "shapes": options.shapes,
+            "factor": factor,
+            "share": share,
+            "order": order,
+            "late": late,
+            "seed": options.seed
+        }
         if options.before:
             print(f"{name}: {compare(options.before, field)}", flush=True)
             continue

@@ -61,8 +61,9 @@ class Subscriber:
 
     def __init__(self, broker, log):
         self.log = open(log, "ab")
-        self.process = subprocess.Popen(["mosquitto_sub", "-p", str(broker.port), "-t", "#", "-q", "1", "-F", "%t %p"],
-                                        stdout=self.log)
+        self.process = subprocess.Popen(
+            ["mosquitto_sub", "-p",
+             str(broker.port), "-t", "#", "-q", "1", "-F", "%t %p"], stdout=self.log)
         time.sleep(0.5)  # it does not report that it is subscribed
 
     def stop(self):

@@ -11,7 +11,9 @@ FOLDER = ROOT / "tests/peers/node"
 def node(program, *arguments):
     """That program of tests/peers/node in the background, once it has reported that it is ready."""
     if not (FOLDER / "node_modules" / ".package-lock.json").is_file():
-        pytest.skip("the peers from npm are not installed (tests/peers/node); run tools/setup test where npm can be reached")
+        pytest.skip(
+            "the peers from npm are not installed (tests/peers/node); run tools/setup test where npm can be reached"
+        )
     peer = Running(["node", FOLDER / f"{program}.js", *arguments])
     try:
         peer.wait_line(lambda line: line == "ready", "ready")
@@ -36,6 +38,7 @@ class Client:
     def ask(self, method, *arguments):
         before = len(self._peer.out)
         self._peer.send(json.dumps([method, *arguments]))
-        until(lambda: len(self._peer.out) > before or self._peer.process.poll() is not None, f"an answer of {method}{arguments}")
+        until(lambda: len(self._peer.out) > before or self._peer.process.poll() is not None,
+              f"an answer of {method}{arguments}")
         assert len(self._peer.out) > before, f"ended at {method}{arguments}\n{self._peer!r}"
         return json.loads(self._peer.out[before])

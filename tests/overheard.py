@@ -19,19 +19,22 @@ _kept = []
 
 def tshark(capture, wanted, *options):
     """The packets that pass the display filter `wanted`, a line each."""
-    done = subprocess.run(["tshark", "-n", "-r", str(capture), *OPTIONS, *options, "-Y", wanted], capture_output=True, timeout=60,
-                          text=True, check=False)
+    done = subprocess.run(
+        ["tshark", "-n", "-r", str(capture), *OPTIONS, *options, "-Y", wanted], capture_output=True,
+        timeout=60, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()
 
 
 def judge(capture, units, *options):
     """Fails unless tshark finds exactly `units` frames and complains of none."""
-    known = tshark(capture, "modbus", *options, "-T", "fields", "-e", "mbtcp.unit_id", "-e", "mbrtu.unit_id", "-e", "modbus.func_code")
+    known = tshark(capture, "modbus", *options, "-T", "fields", "-e", "mbtcp.unit_id", "-e", "mbrtu.unit_id",
+                   "-e", "modbus.func_code")
     assert tshark(capture, "tcp.len > 0 && !modbus", *options) == []
     # A line a packet, with a list for each field: a packet may hold several frames, each with a PDU.
     fields = [line.split("\t") for line in known]
-    assert sum(len(f.split(",")) for line in fields for f in line[:2] if f) == units, "each frame is one to tshark"
+    assert sum(len(f.split(",")) for line in fields for f in line[:2]
+               if f) == units, "each frame is one to tshark"
     assert sum(len(line[2].split(",")) for line in fields) == units, "each has a PDU it understands"
     assert tshark(capture, "(mbtcp || mbrtu || modbus) && (_ws.malformed || _ws.expert)", *options) == []
     # A byte count that does not fit is no warning to it: it then shows the registers as undivided data.
@@ -52,7 +55,10 @@ class Connection:
     """The capture of one connection, and the bytes in each direction."""
 
     def __init__(self, server_port):
-        self.capture, self.streams, self.chunks = TcpCapture(next(_clients), server_port), {False: b"", True: b""}, 0
+        self.capture, self.streams, self.chunks = TcpCapture(next(_clients), server_port), {
+            False: b"",
+            True: b""
+        }, 0
 
     def chunk(self, from_server, data):
         self.capture.chunk(from_server, data)
@@ -155,6 +161,7 @@ def judge_what_was_kept(folder):
     if not _kept:
         return False
     capture = folder / "overheard.pcap"
-    capture.write_bytes(pcap(TcpCapture.LINK_TYPE, [p for connection, _ in _kept for p in connection.capture.packets]))
+    capture.write_bytes(
+        pcap(TcpCapture.LINK_TYPE, [p for connection, _ in _kept for p in connection.capture.packets]))
     judge(capture, sum(count for _, count in _kept))
     return True

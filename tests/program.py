@@ -13,7 +13,8 @@ PEERS = pathlib.Path(os.environ.get("TAKT_PEERS", str(ROOT / "build/dev/bin")))
 
 # A limit that only detects hanging programs, never a measure of speed.
 DEADLINE = 30.0
-CRASHES = ("AddressSanitizer", "LeakSanitizer", "runtime error:", "terminate called", "Assertion", "ThreadSanitizer")
+CRASHES = ("AddressSanitizer", "LeakSanitizer", "runtime error:", "terminate called", "Assertion",
+           "ThreadSanitizer")
 
 
 def until(condition, what, deadline=DEADLINE):
@@ -81,8 +82,10 @@ class Running:
         self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                         stderr=subprocess.PIPE, env=environment(**(env or {})), **popen)
         self.out, self.err = [], []
-        self.readers = [threading.Thread(target=self._collect, args=pair, daemon=True)
-                        for pair in ((self.process.stdout, self.out), (self.process.stderr, self.err))]
+        self.readers = [
+            threading.Thread(target=self._collect, args=pair, daemon=True)
+            for pair in ((self.process.stdout, self.out), (self.process.stderr, self.err))
+        ]
         for reader in self.readers:
             reader.start()
 
@@ -104,7 +107,8 @@ class Running:
         self.process.stderr.close()
 
     def __repr__(self):
-        return f"{' '.join(self.command)}\n--- stdout\n" + "\n".join(self.out) + "\n--- stderr\n" + "\n".join(self.err)
+        return f"{' '.join(self.command)}\n--- stdout\n" + "\n".join(self.out) + "\n--- stderr\n" + "\n".join(
+            self.err)
 
     def send(self, line):
         """Writes one line to its standard input."""
@@ -130,11 +134,13 @@ class Running:
         return self._wait(lambda: next((x for x in self.events()[after:] if wanted(x)), None), what, deadline)
 
     def _wait(self, condition, what, deadline):
+
         def seen():
             found = condition()
             assert found or self.process.poll() is None or any(r.is_alive() for r in self.readers), \
                 f"ended before {what}\n{self!r}"
             return found
+
         try:
             return until(seen, what, deadline)
         except AssertionError as missing:
@@ -148,8 +154,8 @@ class Running:
             raise AssertionError(f"still running after {deadline:g} s\n{self!r}") from None
         for reader in self.readers:
             reader.join(DEADLINE)
-        result = refuse_crash(Result(self.command[1:], self.process.returncode, "\n".join(self.out),
-                                     "\n".join(self.err)))
+        result = refuse_crash(
+            Result(self.command[1:], self.process.returncode, "\n".join(self.out), "\n".join(self.err)))
         assert code is None or result.code == code, f"expected exit code {code}\n{result!r}"
         return result
 

@@ -23,9 +23,16 @@ def serial(variables, *, port=UNUSED_PORT, framing="rtu", profile="generic", loc
     `variables` are mappings as in the file, without braces ("name: V1, type: float, …"); without a name they are V1, V2, …
     `line` are further keys of the line, `device` settings of the device, `local` the locals, as mappings too.
     """
-    settings = {"name": "Node1", "address": 16, **QUICK, "group_requests": "true", "strategy": "classic"} | device
-    text = ["takt: 1", f"profile: {profile}", "lines:", "  - name: rs485-1", "    transport: serial", f"    port: {port}",
-            f"    framing: {framing}", "    baud: 115200", "    parity: none"]
+    settings = {
+        "name": "Node1",
+        "address": 16,
+        **QUICK, "group_requests": "true",
+        "strategy": "classic"
+    } | device
+    text = [
+        "takt: 1", f"profile: {profile}", "lines:", "  - name: rs485-1", "    transport: serial",
+        f"    port: {port}", f"    framing: {framing}", "    baud: 115200", "    parity: none"
+    ]
     if framing == "ascii":
         text.append("    data_bits: 7")
     text += [f"    {key}" for key in line.split("\n") if key]
@@ -37,9 +44,16 @@ def serial(variables, *, port=UNUSED_PORT, framing="rtu", profile="generic", loc
 
 def tcp(variables, port, *, local="", **device):
     """A project of one Modbus TCP line to 127.0.0.1 with the device Node1, unit 1."""
-    settings = {"name": "Node1", "address": 1, **QUICK, "group_requests": "true", "strategy": "classic"} | device
-    text = ["takt: 1", "lines:", "  - name: net", "    transport: tcp", "    host: 127.0.0.1", f"    tcp_port: {port}",
-            "    framing: tcp", "    devices:"]
+    settings = {
+        "name": "Node1",
+        "address": 1,
+        **QUICK, "group_requests": "true",
+        "strategy": "classic"
+    } | device
+    text = [
+        "takt: 1", "lines:", "  - name: net", "    transport: tcp", "    host: 127.0.0.1",
+        f"    tcp_port: {port}", "    framing: tcp", "    devices:"
+    ]
     for number, (key, value) in enumerate(settings.items()):
         text.append(f"      {'-' if number == 0 else ' '} {key}: {value}")
     return "\n".join(text) + "\n" + variable_list(variables, "        ") + local_list(local)

@@ -7,15 +7,21 @@ import time
 from frames import crc16
 from peer_base import PtyPeer
 
-BAUDS = {9600: termios.B9600, 19200: termios.B19200, 38400: termios.B38400, 57600: termios.B57600, 115200: termios.B115200}
+BAUDS = {
+    9600: termios.B9600,
+    19200: termios.B19200,
+    38400: termios.B38400,
+    57600: termios.B57600,
+    115200: termios.B115200
+}
 
 
 class Device:
     """The answers of a unit. `registers`: {address: value} for 0x03; `objects`: those of 43/14; `limit`: the longest read;
     `refused`: {address: exception} of registers that exist and cannot be read."""
 
-    def __init__(self, unit, baud=19200, registers=None, objects=None, server_id=None, limit=125, exception=2, delay=0.0,
-                 garble=False, refused=()):
+    def __init__(self, unit, baud=19200, registers=None, objects=None, server_id=None, limit=125, exception=2,
+                 delay=0.0, garble=False, refused=()):
         self.refused = dict(refused)
         self.unit, self.baud, self.limit, self.exception, self.delay = unit, baud, limit, exception, delay
         self.registers = {0: unit} if registers is None else registers

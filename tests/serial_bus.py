@@ -15,7 +15,8 @@ from peer_base import ThreadedPeer
 
 def frame(framing, unit, pdu):
     body = bytes([unit]) + pdu
-    return body + crc16(body) if framing == "rtu" else b":" + (body + bytes([lrc(body)])).hex().upper().encode() + b"\r\n"
+    return body + crc16(body) if framing == "rtu" else b":" + (
+        body + bytes([lrc(body)])).hex().upper().encode() + b"\r\n"
 
 
 def unframed(framing, data):
@@ -125,12 +126,14 @@ class Master(threading.Thread):
 
 
 class PymodbusMaster(Master):
+
     def __init__(self, port, period, reads, framing="rtu"):
         super().__init__(period)
         from pymodbus.client import ModbusSerialClient
         from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer
         framer = ModbusRtuFramer if framing == "rtu" else ModbusAsciiFramer
-        self._client = ModbusSerialClient(port, framer=framer, baudrate=115200, parity="N", timeout=0.2, retries=0)
+        self._client = ModbusSerialClient(port, framer=framer, baudrate=115200, parity="N", timeout=0.2,
+                                          retries=0)
         assert self._client.connect()
         self._reads = reads
 
@@ -149,11 +152,19 @@ class LibmodbusMaster(Master):
         super().__init__(period)
         self._lib = ctypes.CDLL("libmodbus.so.5")
         self._lib.modbus_new_rtu.restype = ctypes.c_void_p
-        self._lib.modbus_new_rtu.argtypes = [ctypes.c_char_p, ctypes.c_int, ctypes.c_char, ctypes.c_int, ctypes.c_int]
-        for name, arguments in {"connect": [], "close": [], "free": [], "flush": [], "set_slave": [ctypes.c_int],
-                                "set_response_timeout": [ctypes.c_uint32, ctypes.c_uint32],
-                                "read_registers": [ctypes.c_int, ctypes.c_int, ctypes.c_void_p],
-                                "write_register": [ctypes.c_int, ctypes.c_uint16]}.items():
+        self._lib.modbus_new_rtu.argtypes = [
+            ctypes.c_char_p, ctypes.c_int, ctypes.c_char, ctypes.c_int, ctypes.c_int
+        ]
+        for name, arguments in {
+                "connect": [],
+                "close": [],
+                "free": [],
+                "flush": [],
+                "set_slave": [ctypes.c_int],
+                "set_response_timeout": [ctypes.c_uint32, ctypes.c_uint32],
+                "read_registers": [ctypes.c_int, ctypes.c_int, ctypes.c_void_p],
+                "write_register": [ctypes.c_int, ctypes.c_uint16]
+        }.items():
             getattr(self._lib, f"modbus_{name}").argtypes = [ctypes.c_void_p, *arguments]
         self._bus = self._lib.modbus_new_rtu(port.encode(), 115200, b"N", 8, 1)
         assert self._lib.modbus_connect(self._bus) == 0

@@ -84,8 +84,8 @@ class Terminal:
         self.screen, self.raw = None, ""
         self.resize(rows, columns)
         self.before = termios.tcgetattr(self.far)
-        self.process = subprocess.Popen([TAKT, *map(str, arguments)], stdin=self.far, stdout=self.far, stderr=self.far,
-                                        env=environment(), start_new_session=True,
+        self.process = subprocess.Popen([TAKT, *map(str, arguments)], stdin=self.far, stdout=self.far,
+                                        stderr=self.far, env=environment(), start_new_session=True,
                                         preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -125,9 +125,11 @@ class Terminal:
 
     def shows(self, condition, what):
         """Waits until the lines of the screen meet the condition, and gives them."""
+
         def seen():
             lines = self.screen.lines()
             return condition(lines) and lines
+
         try:
             return until(seen, what)
         except AssertionError as missing:

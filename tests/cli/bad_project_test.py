@@ -46,8 +46,10 @@ CONTENTS = {
     "many keys": b"takt: 1\n" + b"".join(b"key%d: 1\n" % i for i in range(1000000)),
 }
 # A document that can be read as YAML may also give findings (1), each with its location.
-FINDINGS_WILL_DO = {"a key twice", "an alias", "recursive alias", "billion laughs", "a list", "a word", "empty",
-                    "only spaces", "two documents"}
+FINDINGS_WILL_DO = {
+    "a key twice", "an alias", "recursive alias", "billion laughs", "a list", "a word", "empty",
+    "only spaces", "two documents"
+}
 
 
 @pytest.mark.parametrize("content", CONTENTS, ids=lambda c: c.replace(" ", "-"))
@@ -55,14 +57,15 @@ def test_content(tmp_path, content):
     path = tmp_path / "bad.yaml"
     path.write_bytes(CONTENTS[content])
     result = takt("check", path, code=None)
-    assert result.code in ((1, 2) if content in FINDINGS_WILL_DO else (2,)), repr(result)[:2000]
+    assert result.code in ((1, 2) if content in FINDINGS_WILL_DO else (2, )), repr(result)[:2000]
     seen = result.out + result.err
     assert "bad.yaml" in seen, seen[:2000]
     assert len(seen) < 100_000, "the output is bounded too"
 
 
 @pytest.mark.parametrize("content", ["recursive alias", "binary", "truncated", "deep sequences"])
-@pytest.mark.parametrize("command", [["plan"], ["run", "--for", "1s"], ["serve", "--for", "1s"], ["check", "--json"]],
+@pytest.mark.parametrize("command",
+                         [["plan"], ["run", "--for", "1s"], ["serve", "--for", "1s"], ["check", "--json"]],
                          ids=lambda c: c[0])
 def test_every_command_that_reads_a_project(tmp_path, command, content):
     path = tmp_path / "bad.yaml"

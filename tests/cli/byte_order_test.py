@@ -28,13 +28,31 @@ lines:
 def test_plan_and_check_show_the_permutation(project):
     path = project(PROJECT)
     requests = takt("plan", path, "--json").json["lines"][0]["requests"]
-    orders = {name: order for r in requests for name, order in zip(r["variables"], r["byte_orders"], strict=True)}
+    orders = {
+        name: order
+        for r in requests for name, order in zip(r["variables"], r["byte_orders"], strict=True)
+    }
     assert orders == {"F": "4321", "W": "12", "Q": "21436587", "B": None, "G": "2143"}
     assert "D 4321 (W 12, Q 21436587)" in takt("plan", path).out
-    assert takt("check", path, "--json").json["devices"] == [
-        {"line": "L", "name": "D", "unit": 1, "byte_order": "4321",
-         "variables": [{"name": "W", "byte_order": "12"}, {"name": "Q", "byte_order": "21436587"}]},
-        {"line": "L", "name": "E", "unit": 2, "byte_order": "2143", "variables": []}]
+    assert takt("check", path, "--json").json["devices"] == [{
+        "line": "L",
+        "name": "D",
+        "unit": 1,
+        "byte_order": "4321",
+        "variables": [{
+            "name": "W",
+            "byte_order": "12"
+        }, {
+            "name": "Q",
+            "byte_order": "21436587"
+        }]
+    }, {
+        "line": "L",
+        "name": "E",
+        "unit": 2,
+        "byte_order": "2143",
+        "variables": []
+    }]
 
 
 @pytest.mark.parametrize("headings, heading", [("keys", "byte_order"), ("ru", "Порядок байт"),
@@ -48,7 +66,10 @@ def test_a_table_has_the_permutation(project, tmp_path, headings, heading):
     whole = tmp_path / "whole.yaml"
     takt("convert", table, "-o", whole)
     assert 'byte_order: "4321"' in whole.read_text(encoding="utf-8")
-    orders = [order for r in takt("plan", whole, "--json").json["lines"][0]["requests"] for order in r["byte_orders"]]
+    orders = [
+        order for r in takt("plan", whole, "--json").json["lines"][0]["requests"]
+        for order in r["byte_orders"]
+    ]
     assert sorted(map(str, orders)) == ["12", "2143", "21436587", "4321", "None"]
 
 
@@ -59,16 +80,19 @@ def test_the_words_of_the_ide_are_read(tmp_path):
     assert 'byte_order: "2143"' in takt("convert", table).out
 
 
-@pytest.mark.parametrize("language, part", [("en", "contradicts"), ("ru", "противоречит"), ("uk", "суперечить")])
+@pytest.mark.parametrize("language, part", [("en", "contradicts"), ("ru", "противоречит"),
+                                            ("uk", "суперечить")])
 def test_a_contradiction_is_a_finding(project, language, part):
-    path = project(PROJECT.replace('byte_order: "4321"', 'byte_order: "4321"\n        high_byte_first: false'))
+    path = project(PROJECT.replace('byte_order: "4321"',
+                                   'byte_order: "4321"\n        high_byte_first: false'))
     [finding] = takt("check", path, "--json", "--lang", language, code=1).json["findings"]
     assert (finding["code"], finding["line"], finding["allowed"]) == ("byte_order.contradiction", 9, "true")
     assert part in finding["message"]
 
 
 NAMES = [("ABCD", "4321"), ("CDAB", "2143"), ("BADC", "3412"), ("DCBA", "1234"), ("AB", "21"), ("BA", "12"),
-         ("ABCDEFGH", "87654321"), ("GHEFCDAB", "21436587"), ("BADCFEHG", "78563412"), ("HGFEDCBA", "12345678")]
+         ("ABCDEFGH", "87654321"), ("GHEFCDAB", "21436587"), ("BADCFEHG", "78563412"),
+         ("HGFEDCBA", "12345678")]
 
 
 @pytest.mark.parametrize("letters, digits", NAMES, ids=[n for n, _ in NAMES])
@@ -77,15 +101,20 @@ def test_a_name_is_its_permutation_everywhere(project, tmp_path, letters, digits
     kind = {2: "int", 4: "float", 8: "double"}[len(digits)]
     shown = []
     for order in (letters, digits, letters.lower()):
-        path = project(PROJECT.replace("{name: F, type: float, register: 0, read: 3}",
-                                       f"{{name: F, type: {kind}, register: 20, read: 3, byte_order: {order}}}"))
+        path = project(
+            PROJECT.replace("{name: F, type: float, register: 0, read: 3}",
+                            f"{{name: F, type: {kind}, register: 20, read: 3, byte_order: {order}}}"))
         requests = takt("plan", path, "--json").json["lines"][0]["requests"]
-        shown += [o for r in requests for n, o in zip(r["variables"], r["byte_orders"], strict=True) if n == "F"]
+        shown += [
+            o for r in requests for n, o in zip(r["variables"], r["byte_orders"], strict=True) if n == "F"
+        ]
         table = tmp_path / "t.csv"
         table.write_text(f"name,type,register,read,byte_order\nF,{kind},0,3,{order}\n")
         whole = tmp_path / "whole.yaml"
         takt("convert", table, "-o", whole, "--force")
-        shown += [o for r in takt("plan", whole, "--json").json["lines"][0]["requests"] for o in r["byte_orders"]]
+        shown += [
+            o for r in takt("plan", whole, "--json").json["lines"][0]["requests"] for o in r["byte_orders"]
+        ]
     assert shown == [digits] * 6
 
 
@@ -108,8 +137,10 @@ def test_a_range_in_every_type_and_order():
         for value in result["values"]:
             if value["type"] in ("string", "double", "float"):
                 continue  # NaN differs from itself; the whole numbers show every order
-            alone = takt("read", url, "holding", value["address"], "--type", value["type"], "--order", value["order"], "--json")
-            assert alone.json["values"] == [value["value"]] and value["byte_order"] == dict(NAMES)[value["order"]]
+            alone = takt("read", url, "holding", value["address"], "--type", value["type"], "--order",
+                         value["order"], "--json")
+            assert alone.json["values"] == [value["value"]
+                                            ] and value["byte_order"] == dict(NAMES)[value["order"]]
         text = takt("read", url, "holding", 10, "--type", "all")
         assert max(map(len, text.lines)) <= 80 and "21.5" in text.out and "ABCD 4321" in text.out
         for other in (["--watch"], ["--order", "ABCD"], ["--length", 4]):
@@ -119,8 +150,9 @@ def test_a_range_in_every_type_and_order():
 def test_also_takes_a_type_of_its_own():
     device = Device(dict(enumerate((*words("f", 21.5), *words("i", -70000)), start=10)))
     with TcpSlave(device.over_tcp) as slave:
-        result = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 10, "--watch", "--for", "1ms", "--json",
-                      "--also", "holding:10:float:ABCD", "--also", "input:12:1:int32:4321")
+        result = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 10, "--watch", "--for", "1ms",
+                      "--json", "--also", "holding:10:float:ABCD", "--also", "input:12:1:int32:4321")
         sample = json.loads(result.lines[0])
-        assert [(v["area"], v["address"], v["type"], v["value"]) for v in sample["values"]] == [
-            ("holding", 10, "uint16", 0x41AC), ("holding", 10, "float", 21.5), ("input", 12, "int32", -70000)]
+        assert [(v["area"], v["address"], v["type"], v["value"])
+                for v in sample["values"]] == [("holding", 10, "uint16", 0x41AC),
+                                               ("holding", 10, "float", 21.5), ("input", 12, "int32", -70000)]

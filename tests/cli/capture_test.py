@@ -42,14 +42,16 @@ def project(tmp_path, *lines):
 
 
 def tshark(path, *options):
-    done = subprocess.run(["tshark", "-n", "-r", str(path), *options], capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run(["tshark", "-n", "-r", str(path), *options], capture_output=True, text=True,
+                          timeout=60, check=True)
     warnings = [w for w in done.stderr.splitlines() if "Running as user" not in w]
     assert not warnings, warnings
     return done.stdout
 
 
 def fields(path, *names):
-    rows = tshark(path, "-T", "fields", "-E", "occurrence=f", *(part for name in names for part in ("-e", name))).splitlines()
+    rows = tshark(path, "-T", "fields", "-E", "occurrence=f",
+                  *(part for name in names for part in ("-e", name))).splitlines()
     return [row.split("\t") for row in rows]
 
 
@@ -63,19 +65,23 @@ def expect_clean(path):
 @pytest.mark.parametrize("framing, more", [("rtu", ""), ("ascii", "data_bits: 7")])
 def test_a_serial_line_is_decoded_and_measured(tmp_path, framing, more):
     capture = tmp_path / "run.pcapng"
-    with start("run", project(tmp_path, line("rs485-1", "Boiler", 16, framing, more=more)), "--stdin", "--json", "--capture", capture) as run:
+    with start("run", project(tmp_path, line("rs485-1", "Boiler", 16, framing, more=more)), "--stdin",
+               "--json", "--capture", capture) as run:
         run.wait_event(lambda e: e.get("name") == "Boiler level", "a value")
         run.send("write \"Boiler level\" 1234")
         run.wait_event(lambda e: e.get("outcome") == "done", "the outcome of the write")
         run.send("quit")
         run.finish()
     expect_clean(capture)
-    rows = fields(capture, "frame.interface_name", "modbus.func_code", "mbtcp.unit_id", "modbus.response_time", "frame.comment", "frame.packet_flags_direction")
+    rows = fields(capture, "frame.interface_name", "modbus.func_code", "mbtcp.unit_id",
+                  "modbus.response_time", "frame.comment", "frame.packet_flags_direction")
     assert {(r[0], r[2]) for r in rows} == {("rs485-1", "16")}
     assert {r[1] for r in rows} >= {"3", "6"}
     responses = [r for r in rows if r[3]]
     assert responses and all(float(r[3]) > 0.002 for r in responses)
-    assert {int(r[5], 0) & 3 for r in responses} == {1} and {int(r[5], 0) & 3 for r in rows if not r[3]} == {2}
+    assert {int(r[5], 0) & 3
+            for r in responses} == {1} and {int(r[5], 0) & 3
+                                            for r in rows if not r[3]} == {2}
     start_of_frame = "Boiler | 10 03" if framing == "rtu" else "Boiler | :1003"
     assert rows[0][4].startswith(start_of_frame), rows[0]
     total = takt("latency", capture, "--json").json["total"]
@@ -124,7 +130,8 @@ class Noisy(PtyPeer):
 def test_damaged_bytes_are_in_the_capture(tmp_path):
     capture = tmp_path / "run.pcapng"
     with Noisy() as slave:
-        path = project(tmp_path, line("field", "Pump", 5, transport="serial", more=f"port: {slave.port}; baud: 115200"))
+        path = project(tmp_path,
+                       line("field", "Pump", 5, transport="serial", more=f"port: {slave.port}; baud: 115200"))
         takt("run", path, "--for", "1s", "--quiet", "--capture", capture)
     expect_clean(capture)
     rows = fields(capture, "_ws.col.Protocol", "frame.comment", "data.data", "exported_pdu.exported_pdu")
@@ -137,8 +144,11 @@ def test_damaged_bytes_are_in_the_capture(tmp_path):
 
 def test_files_are_rotated_and_bounded(tmp_path):
     capture = tmp_path / "run.pcapng"
-    lines = [line(f"line-{n}", f"Device{n}", n + 1, more="baud: 115200").replace("50ms", "5ms") for n in range(4)]
-    takt("run", project(tmp_path, *lines), "--for", "2s", "--quiet", "--capture", capture, "--capture-size", "20k", "--capture-files", 3)
+    lines = [
+        line(f"line-{n}", f"Device{n}", n + 1, more="baud: 115200").replace("50ms", "5ms") for n in range(4)
+    ]
+    takt("run", project(tmp_path, *lines), "--for", "2s", "--quiet", "--capture", capture, "--capture-size",
+         "20k", "--capture-files", 3)
     files = sorted(tmp_path.glob("*.pcapng"))
     assert [f.name for f in files] == ["run.1.pcapng", "run.2.pcapng", "run.pcapng"]
     assert all(f.stat().st_size <= 20_000 for f in files)
@@ -149,15 +159,18 @@ def test_files_are_rotated_and_bounded(tmp_path):
 
 
 def test_a_full_disk_ends_in_an_error_and_polling_goes_on(tmp_path):
-    result = takt("run", project(tmp_path, line("rs485-1", "Boiler", 16)), "--for", "400ms", "--capture", "/dev/full", code=None)
+    result = takt("run", project(tmp_path, line("rs485-1", "Boiler", 16)), "--for", "400ms", "--capture",
+                  "/dev/full", code=None)
     assert "Boiler: answering" in result.out
     assert result.code == 3 and "/dev/full" in result.err, result
 
 
 @pytest.mark.parametrize("option", ["--capture", "--traffic"])
 def test_a_full_disk_is_reported_while_it_is_full(tmp_path, option):
-    with start("run", project(tmp_path, line("rs485-1", "Boiler", 16)), "--quiet", option, "/dev/full") as run:
-        until(lambda: any("no space left" in text and "Frames are lost" in text for text in run.err), "the report")
+    with start("run", project(tmp_path, line("rs485-1", "Boiler", 16)), "--quiet", option,
+               "/dev/full") as run:
+        until(lambda: any("no space left" in text and "Frames are lost" in text for text in run.err),
+              "the report")
         result = run.interrupt(code=3)
     assert result.err.count("Frames are lost") == 1 and result.err.count("no space left") == 2, result
 
@@ -178,11 +191,14 @@ def test_a_file_of_frames_is_of_one_program(tmp_path, option):
     assert b"Boiler" in file.read_bytes()
 
 
-@pytest.mark.parametrize("options, words", [(["--capture", "/none/a.pcapng"], "/none/a.pcapng"), (["--capture-size", "1M"], "--capture"),
-                                            (["--capture", "a", "--capture-size", "5"], "10k"), (["--capture", "a", "--capture-size", "10x"], "10k"),
+@pytest.mark.parametrize("options, words", [(["--capture", "/none/a.pcapng"], "/none/a.pcapng"),
+                                            (["--capture-size", "1M"], "--capture"),
+                                            (["--capture", "a", "--capture-size", "5"], "10k"),
+                                            (["--capture", "a", "--capture-size", "10x"], "10k"),
                                             (["--capture", "a", "--capture-files", "0"], "1")])
 def test_wrong_options(tmp_path, options, words):
-    result = takt("run", project(tmp_path, line("rs485-1", "Boiler", 16)), "--for", "100ms", *options, code=None)
+    result = takt("run", project(tmp_path, line("rs485-1", "Boiler", 16)), "--for", "100ms", *options,
+                  code=None)
     assert result.code in (2, 3) and words in result.err, result
 
 
@@ -190,7 +206,8 @@ def test_wrong_options(tmp_path, options, words):
 def test_a_line_of_others_is_overheard_without_a_byte(tmp_path, framing):
     """Both directions of a line reach a third pseudo-terminal, which nothing may come back from."""
     capture = tmp_path / "line.pcapng"
-    requests, answers = (frame(1, f"03 00 0{n} 00 01", framing) for n in range(5)), (frame(1, f"03 02 00 0{n}", framing) for n in range(5))
+    requests, answers = (frame(1, f"03 00 0{n} 00 01", framing)
+                         for n in range(5)), (frame(1, f"03 02 00 0{n}", framing) for n in range(5))
     with Bus() as bus, start("capture", f"{framing}://{bus.port}?baud=115200", "-o", capture) as listener:
         until(lambda: any("listening on" in text for text in listener.err), "listening")
         for request, answer in zip(requests, answers):
@@ -237,7 +254,9 @@ def frame(unit, pdu, framing):
 def test_an_interface_is_recorded(tmp_path, blank_device):
     capture, port = tmp_path / "lo.pcapng", blank_device()
     with start("capture", "--interface", "lo", "-o", capture) as listener:
-        until(lambda: any("listening on lo" in text for text in listener.err) or listener.process.poll() is not None, "listening")
+        until(
+            lambda: any("listening on lo" in text
+                        for text in listener.err) or listener.process.poll() is not None, "listening")
         if listener.process.poll() is not None:
             pytest.skip("needs CAP_NET_RAW")
         with socket.create_connection(("127.0.0.1", port)) as client:
@@ -245,7 +264,8 @@ def test_an_interface_is_recorded(tmp_path, blank_device):
                 client.sendall(adu(number, 1, "03 0000 0002"))
                 assert len(client.recv(100)) == 13
         listener.interrupt()
-    mine = tshark(capture, "-Y", f"tcp.port == {port} and tcp.len > 0", "-d", f"tcp.port=={port},mbtcp").splitlines()
+    mine = tshark(capture, "-Y", f"tcp.port == {port} and tcp.len > 0", "-d",
+                  f"tcp.port=={port},mbtcp").splitlines()
     assert len(mine) == 40
     report = takt("latency", capture, "--port", port, "--json", code=None).json
     assert [s["answered"] for s in report["series"] if s["server"] == f"127.0.0.1:{port}"] == [20]
@@ -265,7 +285,9 @@ def test_each_file_of_an_interface_has_its_own_statistics(tmp_path):
     # Also the first packet, which is larger than a file, follows the begin of one.
     with start("capture", "--interface", "lo", "-o", capture, "--size", "20k", "--files", 1000) as listener, \
             socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        until(lambda: any("listening on lo" in text for text in listener.err) or listener.process.poll() is not None, "listening")
+        until(
+            lambda: any("listening on lo" in text
+                        for text in listener.err) or listener.process.poll() is not None, "listening")
         if listener.process.poll() is not None:
             pytest.skip("needs CAP_NET_RAW")
 
@@ -274,19 +296,21 @@ def test_each_file_of_an_interface_has_its_own_statistics(tmp_path):
         def send_until_rotated():
             sender.sendto(b"\0" * 900, ("127.0.0.1", 9))
             return (tmp_path / "lo.2.pcapng").exists()
+
         until(send_until_rotated, "a third file")
         listener.interrupt()
     for file in tmp_path.glob("*.pcapng"):
         tshark(file)
         packets = sum(kind == 6 for kind, _ in blocks(file))
-        (statistics,) = (body for kind, body in blocks(file) if kind == 5)
+        (statistics, ) = (body for kind, body in blocks(file) if kind == 5)
         received, dropped = (struct.unpack_from("=Q", statistics, at)[0] for at in (16, 28))
         assert packets > 0 and received - dropped == packets, file
 
 
 def test_standard_output_is_a_capture(tmp_path):
-    with Bus() as bus, subprocess.Popen([TAKT, "capture", f"rtu://{bus.port}?baud=115200", "-o", "-"], stdout=subprocess.PIPE,
-                                        stderr=subprocess.PIPE, env=environment()) as listener:
+    with Bus() as bus, subprocess.Popen([TAKT, "capture", f"rtu://{bus.port}?baud=115200", "-o", "-"],
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                        env=environment()) as listener:
         until(lambda: b"listening" in listener.stderr.read1(), "listening")
         bus.pass_on(frame(1, "03 00 00 00 01", "rtu"))
         data = b""
@@ -366,6 +390,8 @@ def test_without_the_right_it_says_so(tmp_path):
     tmp_path.chmod(0o755)
     for parent in list(tmp_path.parents)[:3]:
         parent.chmod(0o755) if str(parent).startswith("/tmp/pytest") else None
-    done = subprocess.run(["setpriv", "--reuid", "65534", "--clear-groups", "--inh-caps=-all", str(copy), "latency", "--interface", "lo"],
-                          capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run([
+        "setpriv", "--reuid", "65534", "--clear-groups", "--inh-caps=-all",
+        str(copy), "latency", "--interface", "lo"
+    ], capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 3 and "CAP_NET_RAW" in done.stderr and "1024" not in done.stderr, done

@@ -51,9 +51,14 @@ def test_ten_mistakes_ten_findings(project):
 
 
 @pytest.mark.parametrize("mark, value, allowed", [
-    ("1 no", "bauds", ["baud"]), ("2 not", "maybe", ["none", "even", "odd"]), ("3 out", "300", ["1", "247"]),
-    ("4 out", "25h", ["24"]), ("5 out", "256", ["1", "255"]), ("6 out", "126", ["2", "125"]),
-    ("7 no", "65536", ["65535"]), ("10 no", "16", ["0", "15"]),
+    ("1 no", "bauds", ["baud"]),
+    ("2 not", "maybe", ["none", "even", "odd"]),
+    ("3 out", "300", ["1", "247"]),
+    ("4 out", "25h", ["24"]),
+    ("5 out", "256", ["1", "255"]),
+    ("6 out", "126", ["2", "125"]),
+    ("7 no", "65536", ["65535"]),
+    ("10 no", "16", ["0", "15"]),
 ])
 def test_a_finding_has_value_and_allowed(project, mark, value, allowed):
     line = next(n for n, text in MISTAKES.items() if text.startswith(mark))
@@ -72,13 +77,17 @@ def test_as_text_each_finding_has_file_and_line(project):
 
 def test_three_languages(project):
     path = project(TEN_MISTAKES)
-    messages = {language: [f["message"] for f in findings(path, "--lang", language)] for language in ("en", "ru", "uk")}
+    messages = {
+        language: [f["message"] for f in findings(path, "--lang", language)]
+        for language in ("en", "ru", "uk")
+    }
     assert all(len(one) == 10 for one in messages.values())
     for en, ru, uk in zip(*messages.values()):
         assert en.isascii() and not ru.isascii() and not uk.isascii()
         assert ru != uk
     cyrillic = " ".join(messages["ru"] + messages["uk"])
-    assert "і" in " ".join(messages["uk"]) and "і" not in " ".join(messages["ru"]), "Ukrainian and Russian are not mixed up"
+    assert "і" in " ".join(messages["uk"]) and "і" not in " ".join(
+        messages["ru"]), "Ukrainian and Russian are not mixed up"
     assert "{}" not in cyrillic, "every placeholder is filled"
 
 
@@ -153,10 +162,20 @@ lines:
 
 @pytest.mark.parametrize("language", ["en", "ru", "uk"])
 @pytest.mark.parametrize("right, wrong", [
-    ("address: 1", "slave_id: 1"), ("address: 1", "unit_id: 1"), ("address: 1", "адрес: 1"), ("address: 1", "адреса: 1"),
-    ("baud: 9600", "speed: 9600"), ("baud: 9600", "скорость: 9600"), ("baud: 9600", "швидкість: 9600"),
-    ("name: N", "name:N"), ("address: 1", "address:1"), ("scale: 0.1", 'scale: "0,1"'), ("scale: 0.1", "scale: 0,1"),
-    ("register: 0", "reg: 0"), ("reference: 40001", "register: 400001"), ("read: 0x03", "function: 0x03"),
+    ("address: 1", "slave_id: 1"),
+    ("address: 1", "unit_id: 1"),
+    ("address: 1", "адрес: 1"),
+    ("address: 1", "адреса: 1"),
+    ("baud: 9600", "speed: 9600"),
+    ("baud: 9600", "скорость: 9600"),
+    ("baud: 9600", "швидкість: 9600"),
+    ("name: N", "name:N"),
+    ("address: 1", "address:1"),
+    ("scale: 0.1", 'scale: "0,1"'),
+    ("scale: 0.1", "scale: 0,1"),
+    ("register: 0", "reg: 0"),
+    ("reference: 40001", "register: 400001"),
+    ("read: 0x03", "function: 0x03"),
     ("turnaround: 20ms", "turnaround: 20"),
 ])
 def test_the_advice_followed_literally_removes_the_finding(project, language, right, wrong):
@@ -166,7 +185,8 @@ def test_the_advice_followed_literally_removes_the_finding(project, language, ri
     assert result.code in (1, 2)
     finding = result.json["findings"][0]
     key, value = right.split(": ")
-    assert finding["severity"] == "error" and (key in finding["advice"] or value in finding["advice"]), finding
+    assert finding["severity"] == "error" and (key in finding["advice"]
+                                               or value in finding["advice"]), finding
 
 
 @pytest.mark.parametrize("scale", ["0,1", '"0,1"'])
@@ -178,7 +198,8 @@ def test_a_decimal_comma(project, scale):
     assert "0.1" in comma["advice"] and comma["line"] == 4
 
 
-@pytest.mark.parametrize("wrong, near", [("regster: 0", "register"), ("write_on_chnage: true", "write_on_change"),
+@pytest.mark.parametrize("wrong, near", [("regster: 0", "register"),
+                                         ("write_on_chnage: true", "write_on_change"),
                                          ("tpye: int16", "type")])
 def test_an_unknown_key_names_the_nearest(project, wrong, near):
     good = "name: V, type: int16, register: 0, read: 0x03"
@@ -201,16 +222,21 @@ EDGES = [
 ]
 
 
-@pytest.mark.parametrize("setting, value, good", [(s, v, True) for s, goods, _ in EDGES for v in goods]
-                         + [(s, v, False) for s, _, bads in EDGES for v in bads])
+@pytest.mark.parametrize("setting, value, good",
+                         [(s, v, True) for s, goods, _ in EDGES
+                          for v in goods] + [(s, v, False) for s, _, bads in EDGES for v in bads])
 def test_edges_of_device_settings(project, setting, value, good):
     settings = {"name": "D", "address": 1, "group_requests": "true", "strategy": "classic"} | {setting: value}
     text = TEN_MISTAKES[:TEN_MISTAKES.index("    bauds")] + "    devices:\n" \
         + "".join(f"      {'- ' if k == 'name' else '  '}{k}: {v}\n" for k, v in settings.items()) \
         + "        variables:\n          - {name: V, type: int16, register: 0, read: 0x03}\n"
     path = project(text)
-    errors = [f for f in takt("check", path, "--json", code=0 if good else 1).json["findings"] if f["severity"] == "error"]
-    at_line = next(n for n, line in enumerate(text.splitlines(), 1) if line.strip(" -").startswith(f"{setting}:"))
+    errors = [
+        f for f in takt("check", path, "--json", code=0 if good else 1).json["findings"]
+        if f["severity"] == "error"
+    ]
+    at_line = next(n for n, line in enumerate(text.splitlines(), 1)
+                   if line.strip(" -").startswith(f"{setting}:"))
     assert [f["line"] for f in errors] == ([] if good else [at_line])
 
 
@@ -222,7 +248,8 @@ def test_a_csv_table_of_variables_is_judged_in_its_own_lines(project):
         == [("table.csv", 3), ("table.csv", 4)]
 
 
-@pytest.mark.parametrize("language, part", [("en", "not supported"), ("ru", "не поддерживается"), ("uk", "не підтримується")])
+@pytest.mark.parametrize("language, part", [("en", "not supported"), ("ru", "не поддерживается"),
+                                            ("uk", "не підтримується")])
 def test_tls_is_an_error_until_it_exists(project, language, part):
     path = project("takt: 1\nlines: [{name: L, transport: tls, host: plc, devices: [{name: D, address: 1, "
                    "variables: [{name: V, type: int, register: 0, read: 3}]}]}]\n")

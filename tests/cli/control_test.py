@@ -39,7 +39,8 @@ def answer(run, command):
     """The answer to a command on the standard input; changes of values are lines of another kind."""
     before = len(run.out)
     run.send(command)
-    return run.wait_line(lambda line: line.split(" ")[0] in ANSWERS, f"an answer to {command!r}", after=before)
+    return run.wait_line(lambda line: line.split(" ")[0] in ANSWERS, f"an answer to {command!r}",
+                         after=before)
 
 
 def held(run, area, address, *more):
@@ -63,7 +64,8 @@ def test_set_of_a_variable_written_on_change(run):
 
 
 @pytest.mark.parametrize("name, value, area, address, kind, expected", [
-    ("Ordered", "1234", "holding", 2, "int16", 1234), ("Ordered", "-1", "holding", 2, "int16", -1),
+    ("Ordered", "1234", "holding", 2, "int16", 1234),
+    ("Ordered", "-1", "holding", 2, "int16", -1),
     ("Ratio", "2.5", "holding", 4, "float", 2.5),
 ])
 def test_write(run, name, value, area, address, kind, expected):
@@ -87,9 +89,27 @@ def test_write_a_coil(run):
 
 
 @pytest.mark.parametrize("command", [
-    "frobnicate", "get", "get Nobody", "set", "set Level", "set Nobody 1", "set count many", "set count 70000",
-    "set count 1.5", "set go 2", "set count 1 2", "write Nobody 1", "write Ordered", "write Ordered 99999", "write Level 1",
-    "write Ratio warm", "GET count", "get count\x00", "set count \u00df", "quit now please", "set count -32769",
+    "frobnicate",
+    "get",
+    "get Nobody",
+    "set",
+    "set Level",
+    "set Nobody 1",
+    "set count many",
+    "set count 70000",
+    "set count 1.5",
+    "set go 2",
+    "set count 1 2",
+    "write Nobody 1",
+    "write Ordered",
+    "write Ordered 99999",
+    "write Level 1",
+    "write Ratio warm",
+    "GET count",
+    "get count\x00",
+    "set count \u00df",
+    "quit now please",
+    "set count -32769",
 ], ids=lambda c: c.replace(" ", "-").replace("\x00", "NUL"))
 def test_bad_commands(run, command):
     said = answer(run, command).split(" ", 2)
@@ -138,21 +158,28 @@ def test_json_answers(project, blank_device):
         running.send("write Ordered 5")
         outcome = running.wait_event(lambda e: e["event"] == "outcome", "an outcome")
         assert (outcome["command"], outcome["name"], outcome["outcome"]) == ("write", "Ordered", "done")
-        value = running.wait_event(lambda e: e["event"] == "value" and e["name"] == "Ordered" and e["value"] == 5,
-                                   "the value as an event")
-        assert set(value) >= {"event", "time_ms", "line", "device", "name", "value", "quality", "reason", "age_ms"}
+        value = running.wait_event(
+            lambda e: e["event"] == "value" and e["name"] == "Ordered" and e["value"] == 5,
+            "the value as an event")
+        assert set(value) >= {
+            "event", "time_ms", "line", "device", "name", "value", "quality", "reason", "age_ms"
+        }
         assert (value["line"], value["device"], value["quality"]) == ("net", "Node1", "good")
         running.send("frobnicate")
-        running.wait_line(lambda line: "error" in json.loads(line) or json.loads(line).get("event") == "error",
-                          "the error as an object")
+        running.wait_line(
+            lambda line: "error" in json.loads(line) or json.loads(line).get("event") == "error",
+            "the error as an object")
         running.send("quit")
         running.finish()
 
 
 def test_a_write_that_cannot_be_done(project, blank_device):
     """Register 65535 and the one beyond it: the device answers exception 2."""
-    path = project(tcp(["name: Edge, type: float, register: 65534, read: 0x03, write: 0x10",
-                        "name: Dead, type: int16, register: 0, read: 0x03, write: 0x06"], blank_device(unit=1), address=2))
+    path = project(
+        tcp([
+            "name: Edge, type: float, register: 65534, read: 0x03, write: 0x10",
+            "name: Dead, type: int16, register: 0, read: 0x03, write: 0x06"
+        ], blank_device(unit=1), address=2))
     with start("run", path, "--stdin", "--json") as running:
         running.send("write Dead 1")
         outcome = running.wait_event(lambda e: e["event"] == "outcome", "an outcome")
@@ -161,8 +188,11 @@ def test_a_write_that_cannot_be_done(project, blank_device):
 
 
 def test_a_write_to_a_host_that_is_not_there_expires(project):
-    with start("run", project(tcp(["name: Ordered, type: int16, register: 0, read: 0x03, write: 0x06"], endpoints.free_port())),
-               "--stdin", "--json") as running:
+    with start(
+            "run",
+            project(
+                tcp(["name: Ordered, type: int16, register: 0, read: 0x03, write: 0x06"],
+                    endpoints.free_port())), "--stdin", "--json") as running:
         running.send("write Ordered 1")
         outcome = running.wait_event(lambda e: e["event"] == "outcome", "an outcome")
         assert outcome["outcome"] == "expired"
@@ -170,6 +200,7 @@ def test_a_write_to_a_host_that_is_not_there_expires(project):
 
 
 # --- the socket
+
 
 def connection(path):
     """A connection to the control socket, once it is there and listens."""

@@ -30,13 +30,15 @@ locals:
 
 def variables(text):
     """The lines of a project's variables."""
-    return [line.strip() for line in text.split("locals:")[0].splitlines() if line.strip().startswith("- {name")]
+    return [
+        line.strip() for line in text.split("locals:")[0].splitlines() if line.strip().startswith("- {name")
+    ]
 
 
 def test_the_table_of_the_ide_becomes_a_project_that_can_be_planned(tmp_path):
     out = tmp_path / "boiler.yaml"
-    result = takt("convert", IDE, "-o", out, "--device", "Котёл", "--unit", 16,
-                  "--target", "rtu:///dev/ttyS1?baud=9600&parity=none")
+    result = takt("convert", IDE, "-o", out, "--device", "Котёл", "--unit", 16, "--target",
+                  "rtu:///dev/ttyS1?baud=9600&parity=none")
     assert result.out == "" and "4" in result.err
     text = out.read_text(encoding="utf-8")
     assert "port: /dev/ttyS1" in text and "baud: 9600" in text and "address: 16" in text
@@ -55,8 +57,9 @@ def test_a_project_may_name_the_table_of_the_ide(project, tmp_path, encoding):
                    "[{name: D, address: 1, variables: boiler.csv}]}]\n")
     findings = takt("check", path, "--json").json["findings"]
     assert [f for f in findings if not f["code"].startswith("guarantee.")] == []
-    assert takt("convert", tmp_path / "boiler.csv").out == takt("convert", tmp_path / "boiler.csv",
-                                                               "--encoding", encoding.replace("-sig", "")).out
+    assert takt("convert", tmp_path / "boiler.csv").out == takt("convert",
+                                                                tmp_path / "boiler.csv", "--encoding",
+                                                                encoding.replace("-sig", "")).out
 
 
 @pytest.mark.parametrize("headings, first", [("en", "Variable name"), ("ru", "Имя переменной"),
@@ -83,9 +86,9 @@ def test_there_and_back(project, tmp_path, headings, first, separator, encoding)
 def test_all_devices_in_one_table(project, tmp_path):
     table = tmp_path / "all.csv"
     takt("convert", project(PROJECT), "-o", table)
-    assert [line.split(",")[:4] for line in table.read_text(encoding="utf-8").splitlines()] == [
-        ["line", "device", "unit_address", "name"], ["rs485-1", "Boiler", "16", "T1"],
-        ["rs485-1", "Boiler", "16", "Насос"], ["rs485-1", "Meter", "17", "P"]]
+    assert [line.split(",")[:4] for line in table.read_text(encoding="utf-8").splitlines()
+            ] == [["line", "device", "unit_address", "name"], ["rs485-1", "Boiler", "16", "T1"],
+                  ["rs485-1", "Boiler", "16", "Насос"], ["rs485-1", "Meter", "17", "P"]]
     whole = tmp_path / "all.yaml"
     takt("convert", table, "-o", whole)
     takt("check", whole)
@@ -96,7 +99,8 @@ def test_all_devices_in_one_table(project, tmp_path):
 
 
 def test_two_lines_there_and_back(project, tmp_path):
-    second = PROJECT.replace("locals:", """\
+    second = PROJECT.replace(
+        "locals:", """\
   - name: net
     host: 10.0.0.5
     devices:
@@ -141,7 +145,8 @@ def test_addresses_from_40001(tmp_path, options, register):
     assert result.err.count("warning: ") == (0 if "reference" in options else 1)
 
 
-@pytest.mark.parametrize("column, names", [("Slave ID", ["plant 1", "plant 2"]), ("Device;Slave ID", ["A", "B"])])
+@pytest.mark.parametrize("column, names", [("Slave ID", ["plant 1", "plant 2"]),
+                                           ("Device;Slave ID", ["A", "B"])])
 def test_a_table_of_several_devices_is_one_project(tmp_path, column, names):
     table, project, again = tmp_path / "plant.csv", tmp_path / "p.yaml", tmp_path / "again.csv"
     rows = [(names[0], 1, "Temp", 0), (names[0], 1, "Only", 1), (names[1], 2, "Temp", 0)]
@@ -152,7 +157,8 @@ def test_a_table_of_several_devices_is_one_project(tmp_path, column, names):
     assert result.err.count("warning: ") == 1 and f"{names[0]}.Temp" in result.err
     line, = json.loads(takt("plan", project, "--json").out)["lines"]
     seen = {(r["device"], r["unit"], v) for r in line["requests"] for v in r["variables"]}
-    assert seen == {(names[0], 1, f"{names[0]}.Temp"), (names[0], 1, "Only"), (names[1], 2, f"{names[1]}.Temp")}
+    assert seen == {(names[0], 1, f"{names[0]}.Temp"), (names[0], 1, "Only"),
+                    (names[1], 2, f"{names[1]}.Temp")}
     takt("convert", project, "-o", again)
     assert takt("convert", again).err.count("warning") == 0
 
@@ -165,8 +171,9 @@ def test_a_project_a_table_and_a_conversion_warn_alike_of_40001(tmp_path):
     table.write_text("name,type,register,read\nA,int,40001,3\n")
     named = tmp_path / "named.yaml"
     named.write_text(f"takt: 1\n{device}t.csv}}]}}]\n")
-    warnings = [[line.split("warning: ")[1] for line in (result.out + result.err).splitlines() if "warning: " in line]
-                for result in (takt("convert", table), *(takt("check", p, "--no-notes") for p in (text, named)))]
+    warnings = [[
+        line.split("warning: ")[1] for line in (result.out + result.err).splitlines() if "warning: " in line
+    ] for result in (takt("convert", table), *(takt("check", p, "--no-notes") for p in (text, named)))]
     assert len(warnings[0]) == 1 and "number 0 of the area holding_register" in warnings[0][0]
     assert warnings[0] == warnings[1] == warnings[2]
     planned = json.loads(takt("plan", named, "--json").out)
@@ -179,14 +186,18 @@ def test_a_project_a_table_and_a_conversion_warn_alike_of_40001(tmp_path):
 def test_errors_name_unrepresentable_characters(project, tmp_path):
     result = takt("convert", project(PROJECT.replace("кВт", "中")), "--encoding", "cp1251", code=1)
     assert result.out == "" and "中" in result.err and "unit" in result.err and ":15:" in result.err
-    texts = {language: takt("convert", project(PROJECT.replace("кВт", "中")), "--encoding", "cp1251", "--lang",
-                           language, code=1).err for language in ("en", "ru", "uk")}
+    texts = {
+        language: takt("convert", project(PROJECT.replace("кВт", "中")), "--encoding", "cp1251", "--lang",
+                       language, code=1).err
+        for language in ("en", "ru", "uk")
+    }
     assert len(set(texts.values())) == 3
 
 
-@pytest.mark.parametrize("content", [b"", b"\0", b"\"", b"\xff\xfe\0n", b"," * 100_000, b"name\n\"", b"sep=;\n",
-                                     b"name,type\n" + b"A," * 100_000, "Имя;Тип\n\x98".encode("utf-8"), b"\x98\xff"],
-                         ids=range(10))
+@pytest.mark.parametrize("content", [
+    b"", b"\0", b"\"", b"\xff\xfe\0n", b"," * 100_000, b"name\n\"", b"sep=;\n",
+    b"name,type\n" + b"A," * 100_000, "Имя;Тип\n\x98".encode("utf-8"), b"\x98\xff"
+], ids=range(10))
 def test_hostile_tables(tmp_path, content):
     table = tmp_path / "t.csv"
     table.write_bytes(content)
@@ -196,9 +207,10 @@ def test_hostile_tables(tmp_path, content):
 
 def test_bad_usage(tmp_path, project):
     path = project(PROJECT)
-    for arguments in [(path, "--to", "yaml"), (path, "-o", tmp_path / "x.yml"), (tmp_path / "x.csv",),
-                      (tmp_path / "x.dat",), (IDE, "--target", "nowhere"), (IDE, "--addresses", "odd"),
+    for arguments in [(path, "--to", "yaml"), (path, "-o", tmp_path / "x.yml"), (tmp_path / "x.csv", ),
+                      (tmp_path / "x.dat", ), (IDE, "--target", "nowhere"), (IDE, "--addresses", "odd"),
                       (IDE, "--encoding", "koi8-r"), (IDE, "--unit", "300"), ()]:
         assert takt("convert", *arguments, code=2).err
-    assert takt("convert", IDE, "--from", "csv", "--to", "csv", "--headings", "uk").out.startswith("Ім'я змінної,")
+    assert takt("convert", IDE, "--from", "csv", "--to", "csv", "--headings",
+                "uk").out.startswith("Ім'я змінної,")
     takt("convert", pathlib.Path("/dev/null"), "--from", "csv", code=2)

@@ -11,13 +11,16 @@ from fake_slave import TcpSlave, tcp_answer
 from program import start, takt, until
 from projects import tcp
 
-VARIABLES = ["name: Level, register: 0, type: int16, read: 0x03, unit: mm", "name: Ratio, register: 2, type: float, read: 0x03",
-             "name: Order, register: 9, type: int16, write: 0x06"]
+VARIABLES = [
+    "name: Level, register: 0, type: int16, read: 0x03, unit: mm",
+    "name: Ratio, register: 2, type: float, read: 0x03", "name: Order, register: 9, type: int16, write: 0x06"
+]
 ISO = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d$")
 
 
 @contextlib.contextmanager
-def running(project, tmp_path, port, variables=("name: Level, register: 0, type: int16, read: 0x03",), **device):
+def running(project, tmp_path, port, variables=("name: Level, register: 0, type: int16, read: 0x03", ),
+            **device):
     control = tmp_path / "control"
     path = project(tcp(list(variables), port, local=["name: go, type: bool"], **device))
     with start("run", path, "--control", control) as run:
@@ -43,9 +46,11 @@ def test_status(plant):
     assert ISO.match(status["time"]) and status["uptime_ms"] > 0
     assert status["values"] == {"good": 3, "uncertain": 0, "bad": 0, "never_read": 1}
     line = status["lines"][0]
-    assert (line["name"], line["state"]) == ("net", "connected") and 0 <= line["load"] <= 1 and line["planned_cycle_ms"] > 0
+    assert (line["name"],
+            line["state"]) == ("net", "connected") and 0 <= line["load"] <= 1 and line["planned_cycle_ms"] > 0
     device = line["devices"][0]
-    assert (device["name"], device["address"], device["state"], device["failed"]) == ("Node1", 1, "answering", 0)
+    assert (device["name"], device["address"], device["state"], device["failed"]) == ("Node1", 1, "answering",
+                                                                                      0)
     text = takt("ctl", plant, "status").out
     assert "health: ok" in text and "net: connected, load" in text and "Node1" in text
 
@@ -53,8 +58,15 @@ def test_status(plant):
 def test_list(plant):
     names = {entry["name"]: entry for entry in ctl_json(plant, "list")["names"]}
     assert list(names) == ["go", "Level", "Ratio", "Order"]
-    assert names["Level"] == {"name": "Level", "line": "net", "device": "Node1", "type": "int16", "unit": "mm",
-                              "readable": True, "writable": False}
+    assert names["Level"] == {
+        "name": "Level",
+        "line": "net",
+        "device": "Node1",
+        "type": "int16",
+        "unit": "mm",
+        "readable": True,
+        "writable": False
+    }
     assert all(name in takt("ctl", plant, "list").out for name in names)
 
 
@@ -62,7 +74,8 @@ def test_values(plant):
     values = ctl_json(plant, "values")
     assert ISO.match(values["time"]) and len(values["values"]) == 4
     level = next(v for v in values["values"] if v["name"] == "Level")
-    assert (level["value"], level["text"], level["unit"], level["quality"], level["reason"]) == (0, "0", "mm", "good", "")
+    assert (level["value"], level["text"], level["unit"], level["quality"], level["reason"]) == (0, "0", "mm",
+                                                                                                 "good", "")
     assert level["age_ms"] >= 0
     text = takt("ctl", plant, "values", "*v*l").out
     assert re.search(r"(?m)^Node1 +Level +0 mm +\d+ ms +good$", text), text
@@ -74,7 +87,8 @@ def test_values(plant):
 
 def test_get(plant):
     got = ctl_json(plant, "get", "Level")
-    assert (got["command"], got["name"], got["value"], got["unit"], got["quality"]) == ("get", "Level", 0, "mm", "good")
+    assert (got["command"], got["name"], got["value"], got["unit"], got["quality"]) == ("get", "Level", 0,
+                                                                                        "mm", "good")
     assert takt("ctl", plant, "get", "Level").out == "ok Level 0\n"
     assert ctl_json(plant, "get", "Nobody", code=1)["code"] == "not_found"
     assert takt("ctl", plant, "get", "Nobody", code=1).out.startswith("error not_found ")
@@ -97,20 +111,25 @@ def test_numbers_are_as_short_as_their_type_allows(project, blank_device, tmp_pa
     device = blank_device()
     takt("write", f"tcp://127.0.0.1:{device}", "holding", 2, "--type", "float", "11.661829")
     with running(project, tmp_path, device, VARIABLES) as control:
-        until(lambda: takt("ctl", control, "get", "Ratio", code=None).out == "ok Ratio 11.661829\n", "the value")
-        answers = takt("ctl", control, "get", "Ratio", "--json").out, takt("ctl", control, "status", "--json").out
+        until(lambda: takt("ctl", control, "get", "Ratio", code=None).out == "ok Ratio 11.661829\n",
+              "the value")
+        answers = takt("ctl", control, "get", "Ratio", "--json").out, takt("ctl", control, "status",
+                                                                           "--json").out
         answers += takt("ctl", control, "values", "--json").out,
     assert '"value":11.661829,' in answers[0]
     for number in re.findall(r"(?<=[:,\[])-?\d+\.\d+(?:e[-+]?\d+)?(?=[,}\]])", "".join(answers)):
-        assert repr(float(number)) == number or float(repr(float(number))) == float(number) and len(number) <= len(repr(float(number))), number
+        assert repr(float(number)) == number or float(repr(
+            float(number))) == float(number) and len(number) <= len(repr(float(number))), number
 
 
 def test_the_socket_follows_a_reload(project, tmp_path):
     port, control = endpoints.free_port(), tmp_path / "control"
-    path = project(tcp(["name: Before, register: 0, type: int16, read: 0x03"], port, local=["name: go, type: bool"]))
+    path = project(
+        tcp(["name: Before, register: 0, type: int16, read: 0x03"], port, local=["name: go, type: bool"]))
     with start("run", path, "--control", control) as run:
         until(lambda: takt("ctl", control, "get", "go", code=None).code == 0, "the control socket")
-        project(tcp(["name: After, register: 0, type: int16, read: 0x03"], port, local=["name: go, type: bool"]))
+        project(
+            tcp(["name: After, register: 0, type: int16, read: 0x03"], port, local=["name: go, type: bool"]))
         run.process.send_signal(signal.SIGHUP)
         until(lambda: takt("ctl", control, "get", "After", code=None).code == 3, "the new project")
         assert takt("ctl", control, "set", "go", "1").out == "ok go true\n"
@@ -120,9 +139,11 @@ def test_the_socket_follows_a_reload(project, tmp_path):
 
 # --- exit codes of get
 
+
 def until_code(control, name, code, words):
     """Waits until `get NAME` ends with that code, and checks what it prints."""
-    result = until(lambda: (r := takt("ctl", control, "get", name, code=None)).code == code and r, f"exit code {code}")
+    result = until(lambda: (r := takt("ctl", control, "get", name, code=None)).code == code and r,
+                   f"exit code {code}")
     assert result.out.startswith(f"ok {name}") and words in result.err, result
     assert ctl_json(control, "get", name, code=code)["quality"] != "good"
     return result
@@ -157,7 +178,8 @@ def test_a_bad_value(project, tmp_path, answer, code, words):
     with TcpSlave(answer) as slave, running(project, tmp_path, slave.port, attempts=2) as control:
         until_code(control, "Level", code, words)
         if code != 5:
-            until(lambda: ctl_json(control, "status")["lines"][0]["devices"][0]["state"] == "not_answering", "the end of the attempts")
+            until(lambda: ctl_json(control, "status")["lines"][0]["devices"][0]["state"] == "not_answering",
+                  "the end of the attempts")
             until_code(control, "Level", code, "not answering (")
 
 
@@ -167,8 +189,13 @@ def test_not_read_yet(plant):
 
 
 @pytest.mark.parametrize("words, code, error", [
-    ("fnord", 2, "syntax"), ("get", 2, "syntax"), ("set Ratio", 2, "syntax"), ("write Order 1,5", 2, "syntax"),
-    ("write Order 99999", 1, "overflow"), ("get Nobody", 1, "not_found"), ("set Ratio 3", 1, "not_writable"),
+    ("fnord", 2, "syntax"),
+    ("get", 2, "syntax"),
+    ("set Ratio", 2, "syntax"),
+    ("write Order 1,5", 2, "syntax"),
+    ("write Order 99999", 1, "overflow"),
+    ("get Nobody", 1, "not_found"),
+    ("set Ratio 3", 1, "not_writable"),
 ])
 def test_a_command_that_cannot_be_parsed_is_bad_usage(plant, words, code, error):
     words = words.split()
@@ -184,7 +211,8 @@ def test_many_values(project, blank_device, tmp_path):
         assert len(takt("ctl", control, "values").lines) == 5002
 
 
-@pytest.mark.parametrize("language, words", [("ru", "соединения ещё не было"), ("uk", "з'єднання ще не було")])
+@pytest.mark.parametrize("language, words", [("ru", "соединения ещё не было"),
+                                             ("uk", "з'єднання ще не було")])
 def test_it_speaks_its_own_language(project, tmp_path, language, words):
     with running(project, tmp_path, endpoints.free_port()) as control:
         until_code(control, "Level", 3, "never connected")

@@ -14,7 +14,9 @@ def events():
 def test_values_of_three_devices(events):
     values = [e for e in events if e["event"] == "value"]
     assert len({e["device"] for e in values}) == 3
-    assert all(set(e) >= {"time_ms", "line", "device", "name", "value", "quality", "reason", "age_ms"} for e in values)
+    assert all(
+        set(e) >= {"time_ms", "line", "device", "name", "value", "quality", "reason", "age_ms"}
+        for e in values)
 
 
 def test_values_move(events):
@@ -35,18 +37,20 @@ def test_times_do_not_run_backwards(events):
 
 def test_the_summary_has_planned_and_measured_cycle(events):
     assert [e["event"] for e in events].index("summary") == len(events) - 1
-    (line,) = events[-1]["lines"]
+    (line, ) = events[-1]["lines"]
     assert line["planned_cycle_ms"] > 0 and line["measured_cycle_ms"] > 0
-    assert {d["name"]: d["state"] for d in line["devices"]} == dict.fromkeys(["Boiler", "Meter", "Pump"], "answering")
+    assert {d["name"]: d["state"]
+            for d in line["devices"]} == dict.fromkeys(["Boiler", "Meter", "Pump"], "answering")
     counters = line["counters"]
     assert counters["answered"] + counters["exceptions"] <= counters["sent"]
     assert set(counters["exceptions_by_code"]) == {"2"}, "the pump refuses an address it does not have"
     assert counters["timeouts"] == counters["checksums"] == counters["unexpected"] == 0
-    assert next(d for d in line["devices"] if d["name"] == "Pump")["counters"]["exceptions"] == counters["exceptions"] > 0
+    assert next(d for d in line["devices"]
+                if d["name"] == "Pump")["counters"]["exceptions"] == counters["exceptions"] > 0
 
 
 def test_its_plan_needs_fewer_requests_than_polling_one_by_one():
-    (line,) = takt("plan", ROOT / "examples/demo.yaml", "--json", "--compare").json["lines"]
+    (line, ) = takt("plan", ROOT / "examples/demo.yaml", "--json", "--compare").json["lines"]
     assert line["request_count"] < line["ungrouped_requests"]
     grouped, ungrouped = line["compare"]["grouped"], line["compare"]["ungrouped"]
     assert (grouped["requests"], ungrouped["requests"]) == (line["request_count"], line["ungrouped_requests"])
@@ -55,7 +59,8 @@ def test_its_plan_needs_fewer_requests_than_polling_one_by_one():
 
 def test_the_text_compares_and_sums_up():
     out = takt("demo", "--for", "2s").out
-    for word in ("single", "classic", "optimal", "cycle planned", "measured", "Boiler", "Meter", "Pump", "Supply temperature"):
+    for word in ("single", "classic", "optimal", "cycle planned", "measured", "Boiler", "Meter", "Pump",
+                 "Supply temperature"):
         assert word in out, word
 
 

@@ -37,8 +37,9 @@ def project(tmp_path):
 
 def test_a_template_describes_a_type_once(project):
     line, = json.loads(takt("plan", project, "--json").out)["lines"]
-    assert [(r["device"], r["start"], r["variables"]) for r in line["requests"]] == [
-        ("North", 0, ["North.State", "North.Faults"]), ("South", 100, ["South.State", "South.Faults"])]
+    assert [(r["device"], r["start"], r["variables"])
+            for r in line["requests"]] == [("North", 0, ["North.State", "North.Faults"]),
+                                           ("South", 100, ["South.State", "South.Faults"])]
 
 
 def test_a_finding_names_file_and_line_of_the_template(project):
@@ -64,8 +65,10 @@ def test_a_template_is_converted_with_the_project(project, tmp_path):
 
 
 def test_the_example_runs():
-    names = {json.loads(row)["name"] for row in takt("run", EXAMPLE, "--for", "3s", "--json").out.splitlines()
-             if '"event":"value"' in row}
+    names = {
+        json.loads(row)["name"]
+        for row in takt("run", EXAMPLE, "--for", "3s", "--json").out.splitlines() if '"event":"value"' in row
+    }
     assert {"North.State", "South.Speed", "Reserve.Hours"} <= names
     text = takt("run", EXAMPLE, "--for", "3s").out
     assert " North.State = " in text and "North North" not in text
@@ -88,13 +91,17 @@ def test_a_register_map_of_mirrored_values(project, tmp_path):
     takt("convert", project, "--map", "-o", out)
     rows = [row.split(",") for row in out.read_text().splitlines()]
     assert rows[0][:8] == ["server", "unit_address", "area", "first", "reference", "registers", "bit", "name"]
-    assert [(row[3], row[4], row[7]) for row in rows[1:]] == [
-        ("10", "30011", "North.State"), ("11", "30012", "North.Faults"),
-        ("12", "30013", "South.State"), ("13", "30014", "South.Faults")]
+    assert [(row[3], row[4], row[7]) for row in rows[1:]] == [("10", "30011", "North.State"),
+                                                              ("11", "30012", "North.Faults"),
+                                                              ("12", "30013", "South.State"),
+                                                              ("13", "30014", "South.Faults")]
     text = tmp_path / "map.md"
     takt("convert", project, "--map", "-o", text)
     assert "| input\\_register | 12 | 30013 | 1 | South.State | uint16 |" in text.read_text()
-    texts = {takt("convert", project, "--map", "--to", "md", "--lang", lang).out for lang in ("en", "ru", "uk")}
+    texts = {
+        takt("convert", project, "--map", "--to", "md", "--lang", lang).out
+        for lang in ("en", "ru", "uk")
+    }
     assert len(texts) == 3
 
 
@@ -130,7 +137,8 @@ servers:
 
 def test_words_and_mirrored_registers_of_a_device(tmp_path):
     line, server = free_port(), free_port()
-    (tmp_path / "drive.yaml").write_text(TEMPLATE.replace("read: 0x03, enum", "read: 0x03, write: 0x06, enum"))
+    (tmp_path / "drive.yaml").write_text(TEMPLATE.replace("read: 0x03, enum",
+                                                          "read: 0x03, write: 0x06, enum"))
     (tmp_path / "slave.yaml").write_text(SLAVE.format(line=line))
     project = tmp_path / "p.yaml"
     project.write_text(f"""\
@@ -144,7 +152,8 @@ servers: [{{name: scada, listen: 127.0.0.1, tcp_port: {server}, units: [{{addres
         with start("run", project, "--json", "--stdin") as run:
             wait_listening(server, run)
             value = lambda name, number: run.wait_event(
-                lambda e: e["event"] == "value" and e["name"] == name and e["value"] == number, f"{name} = {number}")
+                lambda e: e["event"] == "value" and e["name"] == name and e["value"] == number,
+                f"{name} = {number}")
             assert value("North.State", 1)["words"] == "running"
             assert value("North.Faults", 3)["words"] == "overload, dry run"
             run.send("get North.State")

@@ -6,16 +6,38 @@ import pytest
 
 from program import ROOT, takt
 
-COMMANDS = {"check": [["check"]], "plan": [["plan"]], "run": [["run"]], "demo": [["demo"]], "ctl": [["ctl"]], "serve": [["serve"]],
-            "convert": [["convert"]], "table": [["table", "build"], ["table", "show"]], "history": [["history"]], "latency": [["latency"]], "capture": [["capture"]], "listen": [["listen"]], "replay": [["replay"]], "schema": [["schema"]], "selftest": [["selftest"]], "read": [["read"]], "write": [["write"]],
-            "raw": [["raw"]], "scan": [["scan"]], "probe": [["probe"]]}
+COMMANDS = {
+    "check": [["check"]],
+    "plan": [["plan"]],
+    "run": [["run"]],
+    "demo": [["demo"]],
+    "ctl": [["ctl"]],
+    "serve": [["serve"]],
+    "convert": [["convert"]],
+    "table": [["table", "build"], ["table", "show"]],
+    "history": [["history"]],
+    "latency": [["latency"]],
+    "capture": [["capture"]],
+    "listen": [["listen"]],
+    "replay": [["replay"]],
+    "schema": [["schema"]],
+    "selftest": [["selftest"]],
+    "read": [["read"]],
+    "write": [["write"]],
+    "raw": [["raw"]],
+    "scan": [["scan"]],
+    "probe": [["probe"]]
+}
 PAGES = ROOT / "docs/commands"
 
 
 def options_of_help(command):
     """Long and short names of the options that `takt COMMAND --help` prints."""
     text = takt(*command, "--help").out
-    return {name for line in re.findall(r"(?m)^  (-\S+)", text) for name in re.findall(r"--?[a-z][a-z-]*", line)}
+    return {
+        name
+        for line in re.findall(r"(?m)^  (-\S+)", text) for name in re.findall(r"--?[a-z][a-z-]*", line)
+    }
 
 
 def options_of_page(page):
@@ -42,6 +64,7 @@ def test_common_options_are_documented():
 
 
 # --- links
+
 
 def anchors(page):
     """The anchors of the headings of a page, as GitHub makes them."""
@@ -76,12 +99,16 @@ def test_relative_links_have_a_target(page):
 
 # --- names and output
 
+
 def test_names_of_the_code_exist():
     sources = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "src").rglob("*.hpp"))
     missing = []
     for page in pages():
         text = re.sub(r"(?ms)^```.*?^```", "", page.read_text(encoding="utf-8"))
-        names = {name for name in re.findall(r"`(?:takt::)?[a-z_]+::(\w+)", text) if name not in ("h", "wire")}
+        names = {
+            name
+            for name in re.findall(r"`(?:takt::)?[a-z_]+::(\w+)", text) if name not in ("h", "wire")
+        }
         missing += [f"{page.name}: {name}" for name in names if not re.search(rf"\b{name}\b", sources)]
         paths = set(re.findall(r"`((?:src|tests|tools|examples)/[\w./-]+)`", text))
         missing += [f"{page.name}: {path}" for path in paths if not (ROOT / path).exists()]
@@ -101,8 +128,11 @@ def test_steps_of_the_architecture_are_in_their_files():
     assert not missing
 
 
-CITED = [path for folder in ("src", "tests", "bench", "firmware", "tools") for path in sorted((ROOT / folder).rglob("*"))
-         if path.suffix in (".hpp", ".cpp", ".h", ".py", ".cmake") or path.name == "CMakeLists.txt"]
+CITED = [
+    path for folder in ("src", "tests", "bench", "firmware", "tools")
+    for path in sorted((ROOT / folder).rglob("*"))
+    if path.suffix in (".hpp", ".cpp", ".h", ".py", ".cmake") or path.name == "CMakeLists.txt"
+]
 
 
 def comment_text(path):
@@ -120,14 +150,20 @@ def test_headings_that_sources_cite_exist():
     missing = []
     for path in CITED:
         text = comment_text(path)
-        cited = {page: headings(ROOT / page) if (ROOT / page).exists() else None for page in re.findall(r"\bdocs/[\w/-]+\.md\b", text)}
+        cited = {
+            page: headings(ROOT / page) if (ROOT / page).exists() else None
+            for page in re.findall(r"\bdocs/[\w/-]+\.md\b", text)
+        }
         missing += [f"{path.name}: {page}" for page, known in cited.items() if known is None]
         for page, heading in re.findall(r'\b(docs/[\w/-]+\.md), "([^"]+)"', text):
             if heading not in (cited[page] or [heading]):
                 missing.append(f"{path.name}: {page}, {heading}")
         for page, numbers in re.findall(r"\b(docs/[\w/-]+\.md), sections? ((?:\d+(?:, | and )?)+)", text):
             known = [heading.split(".")[0] for heading in cited[page] or []]
-            missing += [f"{path.name}: {page}, section {number}" for number in re.findall(r"\d+", numbers) if number not in known]
+            missing += [
+                f"{path.name}: {page}, section {number}" for number in re.findall(r"\d+", numbers)
+                if number not in known
+            ]
     assert not missing
 
 
@@ -139,11 +175,13 @@ def transcripts(page):
             yield command.removeprefix("build/"), output.split("\n…", 1)[0].rstrip()
 
 
-REPEATABLE = re.compile(r"takt (--help|(plan|check) examples/\S+|convert examples/\S+ --unit 16 --target \S+)$")
+REPEATABLE = re.compile(
+    r"takt (--help|(plan|check) examples/\S+|convert examples/\S+ --unit 16 --target \S+)$")
 
 
 @pytest.mark.parametrize("page, command, output",
-                         [(page, command, output) for page in pages() for command, output in transcripts(page) if REPEATABLE.match(command)],
+                         [(page, command, output) for page in pages()
+                          for command, output in transcripts(page) if REPEATABLE.match(command)],
                          ids=lambda value: value.name if isinstance(value, pathlib.Path) else None)
 def test_transcripts_are_real(page, command, output):
     words = [word.strip("'") for word in command.split()[1:]]
@@ -154,10 +192,13 @@ def test_transcripts_are_real(page, command, output):
 
 # --- the index and the decisions
 
+
 def test_every_page_is_in_the_index():
     index = ROOT / "docs/README.md"
     named = {(index.parent / link.partition("#")[0]).resolve() for link in links(index)}
-    missing = [page for page in (ROOT / "docs").rglob("*.md") if page.resolve() not in named and page != index]
+    missing = [
+        page for page in (ROOT / "docs").rglob("*.md") if page.resolve() not in named and page != index
+    ]
     decisions = pathlib.Path("docs/decisions")
     assert not [page for page in missing if not page.relative_to(ROOT).is_relative_to(decisions)]
 
@@ -167,5 +208,6 @@ def test_decisions_are_numbered_without_holes():
     assert numbers == list(range(1, len(numbers) + 1))
     for page in (ROOT / "docs/decisions").glob("*.md"):
         text = page.read_text(encoding="utf-8")
-        assert text.startswith(f"# {int(page.name[:4])}. ") and re.search(r"(?m)^Status: \w+, \d{4}-\d\d-\d\d$", text), page.name
+        assert text.startswith(f"# {int(page.name[:4])}. ") and re.search(
+            r"(?m)^Status: \w+, \d{4}-\d\d-\d\d$", text), page.name
         assert re.findall(r"(?m)^## (.*)$", text) == ["Context", "Decision", "Consequences"], page.name

@@ -18,22 +18,32 @@ from projects import at, tcp
 INT = "type: int16, read: 0x03"
 FULL = pathlib.Path("/dev/full")
 
-
 # --- output that cannot be written
 
+
 @pytest.mark.parametrize("arguments", [
-    ["check", "PROJECT"], ["plan", "PROJECT"], ["plan", "PROJECT", "--json"], ["convert", "PROJECT", "--to", "csv"],
-    ["run", "PROJECT", "--for", "1s"], ["run", "PROJECT", "--for", "1s", "--json"], ["demo", "--for", "1s"],
-    ["read", "TARGET", "holding", 0], ["raw", "TARGET", "03 00 00 00 01"], ["scan", "TARGET", "--units", "1", "--json"],
-    ["probe", "TARGET", "--to", 3, "--json"], ["read", "TARGET", "holding", 0, "--watch", "10ms", "--for", "10s"],
-    ["--help"], ["run", "--help"], ["--version"],
+    ["check", "PROJECT"],
+    ["plan", "PROJECT"],
+    ["plan", "PROJECT", "--json"],
+    ["convert", "PROJECT", "--to", "csv"],
+    ["run", "PROJECT", "--for", "1s"],
+    ["run", "PROJECT", "--for", "1s", "--json"],
+    ["demo", "--for", "1s"],
+    ["read", "TARGET", "holding", 0],
+    ["raw", "TARGET", "03 00 00 00 01"],
+    ["scan", "TARGET", "--units", "1", "--json"],
+    ["probe", "TARGET", "--to", 3, "--json"],
+    ["read", "TARGET", "holding", 0, "--watch", "10ms", "--for", "10s"],
+    ["--help"],
+    ["run", "--help"],
+    ["--version"],
 ], ids=lambda a: "-".join(map(str, a)))
 def test_a_full_disk(project, blank_device, arguments):
     port = blank_device()
     names = {"PROJECT": project(tcp(at([0], INT), port)), "TARGET": f"tcp://127.0.0.1:{port}"}
     with FULL.open("wb") as full:
-        done = subprocess.run([TAKT, *(str(names.get(a, a)) for a in arguments)], stdout=full, stderr=subprocess.PIPE,
-                              env=environment(), timeout=60, check=False)
+        done = subprocess.run([TAKT, *(str(names.get(a, a)) for a in arguments)], stdout=full,
+                              stderr=subprocess.PIPE, env=environment(), timeout=60, check=False)
     assert done.returncode == 3, done.stderr.decode()
     assert "stdout: " in done.stderr.decode() and "no space left" in done.stderr.decode()
 
@@ -45,8 +55,10 @@ def test_a_full_disk_for_frames(blank_device):
 
 def test_a_reader_that_has_enough_is_no_failure(project, blank_device):
     path = project(tcp(at([0], INT), blank_device()))
-    with subprocess.Popen([TAKT, "run", str(path), "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment()) as run:
-        while b'"good"' not in run.stdout.readline():  # the value never changes: this is all there is to print
+    with subprocess.Popen([TAKT, "run", str(path), "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          env=environment()) as run:
+        while b'"good"' not in run.stdout.readline(
+        ):  # the value never changes: this is all there is to print
             pass
         run.stdout.close()
         assert run.wait(30) == 0
@@ -54,6 +66,7 @@ def test_a_reader_that_has_enough_is_no_failure(project, blank_device):
 
 
 # --- ctl
+
 
 @contextlib.contextmanager
 def silent_socket(path):
@@ -91,8 +104,9 @@ def test_ctl_of_something_else(tmp_path):
 
 @pytest.fixture
 def run(project, blank_device, tmp_path):
-    path = project(tcp(["name: Late, register: 0, type: int16, write: 0x06", "name: V, register: 1, " + INT], blank_device(),
-                       local=["name: count, type: int"]))
+    path = project(
+        tcp(["name: Late, register: 0, type: int16, write: 0x06", "name: V, register: 1, " + INT],
+            blank_device(), local=["name: count, type: int"]))
     with start("run", path, "--control", tmp_path / "control", "--json") as running:
         running.control = tmp_path / "control"
         until(running.control.exists, "the socket")
@@ -121,21 +135,27 @@ def test_the_client_that_was_idle_longest_makes_room(run):
 
 def test_a_connection_beyond_the_limit_gets_error_busy(project, tmp_path):
     with TcpSlave() as slave:
-        path = project(tcp(["name: Late, register: 0, type: int16, write: 0x06"], slave.port, response_timeout="60s"))
-        with start("run", path, "--control", tmp_path / "c", "--json") as running, contextlib.ExitStack() as stack:
+        path = project(
+            tcp(["name: Late, register: 0, type: int16, write: 0x06"], slave.port, response_timeout="60s"))
+        with start("run", path, "--control", tmp_path / "c",
+                   "--json") as running, contextlib.ExitStack() as stack:
             clients = [stack.enter_context(connected(tmp_path / "c")) for _ in range(16)]
             for client in clients:
                 client.sendall(b"write Late 1\n")
-            until(lambda: takt("ctl", tmp_path / "c", "get", "Late", code=None).out.startswith("error busy 16 "), "the refusal")
+            until(
+                lambda: takt("ctl", tmp_path / "c", "get", "Late", code=None).out.startswith("error busy 16 "
+                                                                                             ), "the refusal")
             running.interrupt()
 
 
 # --- read, write, raw
 
+
 def test_a_time_out_is_json_too():
     with TcpSlave() as slave:
         target = f"tcp://127.0.0.1:{slave.port}"
-        for arguments, key, value in ((("read", target, "holding", 5), "values", []), (("write", target, "holding", 5, 1), "outcome", "unknown"),
+        for arguments, key, value in ((("read", target, "holding", 5), "values",
+                                       []), (("write", target, "holding", 5, 1), "outcome", "unknown"),
                                       (("raw", target, "03 00 00 00 01"), "request", "03 00 00 00 01")):
             result = takt(*arguments, "--timeout", "100ms", "--json", code=4)
             assert result.json["error"]["code"] == "timed_out" and result.json["error"]["text"] in result.err
@@ -145,7 +165,8 @@ def test_a_time_out_is_json_too():
 def test_a_refusal_is_json_too():
     with TcpSlave(lambda adu: tcp_answer(adu, "83 02" if adu[7] == 3 else "86 03")) as slave:
         target = f"tcp://127.0.0.1:{slave.port}"
-        assert takt("read", target, "holding", 5, "--json", code=5).json["error"]["code"] == "modbus_exception"
+        assert takt("read", target, "holding", 5, "--json",
+                    code=5).json["error"]["code"] == "modbus_exception"
         assert takt("write", target, "holding", 5, 1, "--json", code=5).json["outcome"] == "refused"
 
 
@@ -158,7 +179,8 @@ def test_no_connection_is_json_too():
 
 def test_an_interrupted_write_says_that_it_may_be_done():
     asked = []
-    with TcpSlave(asked.append) as slave, start("write", f"tcp://127.0.0.1:{slave.port}", "--timeout", "60s", "--json", "holding", 0, 1) as write:
+    with TcpSlave(asked.append) as slave, start("write", f"tcp://127.0.0.1:{slave.port}", "--timeout", "60s",
+                                                "--json", "holding", 0, 1) as write:
         until(lambda: asked, "the request")
         result = write.interrupt(code=4)
         assert result.json["error"]["code"] == "interrupted" and "unknown whether" in result.err
@@ -166,16 +188,18 @@ def test_an_interrupted_write_says_that_it_may_be_done():
 
 def test_the_troubles_of_a_watch_are_no_data():
     with TcpSlave() as slave:
-        result = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for", "300ms", "--timeout", "50ms",
-                      code=4)
+        result = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for",
+                      "300ms", "--timeout", "50ms", code=4)
         assert result.out == "" and "0x03 0..0: " in result.err and "–" in result.err
-        result = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for", "300ms", "--timeout", "50ms",
-                    "--json", code=4)
+        result = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for",
+                      "300ms", "--timeout", "50ms", "--json", code=4)
         summary = json.loads(result.lines[-1])
-        assert summary["answers"] == 0 and summary["min_ms"] is None and summary["errors"] == summary["samples"]
+        assert summary["answers"] == 0 and summary["min_ms"] is None and summary["errors"] == summary[
+            "samples"]
 
 
 # --- a host that swallows connections
+
 
 @pytest.fixture
 def swallower():
@@ -183,7 +207,8 @@ def swallower():
         yield f"tcp://127.0.0.1:{port}"
 
 
-@pytest.mark.parametrize("command", [["scan"], ["probe"], ["read", "holding", 0], ["read", "holding", 0, "--watch"]],
+@pytest.mark.parametrize("command",
+                         [["scan"], ["probe"], ["read", "holding", 0], ["read", "holding", 0, "--watch"]],
                          ids=lambda c: "-".join(map(str, c)))
 def test_no_connection_is_no_silent_device(swallower, command):
     result = takt(command[0], swallower, "--timeout", "200ms", *command[1:], code=3)
@@ -199,6 +224,7 @@ def test_interrupted_before_there_is_a_connection(swallower):
 
 # --- words
 
+
 class Greeter(TcpPeer):
     """A server that is not Modbus: it greets each connection."""
 
@@ -211,8 +237,9 @@ class Greeter(TcpPeer):
         peer.sendall(self._greeting)
 
 
-@pytest.mark.parametrize("command", [["read", "holding", 0], ["read", "holding", 0, "--watch", "100ms", "--for", "1s"], ["probe"]],
-                         ids=lambda c: "-".join(map(str, c))[:24])
+@pytest.mark.parametrize(
+    "command", [["read", "holding", 0], ["read", "holding", 0, "--watch", "100ms", "--for", "1s"], ["probe"]],
+    ids=lambda c: "-".join(map(str, c))[:24])
 def test_a_peer_that_is_not_modbus(command):
     with Greeter(b"SSH-2.0-OpenSSH_9.2\r\n") as peer:
         result = takt(command[0], f"tcp://127.0.0.1:{peer.port}", *command[1:], code=6)
@@ -232,46 +259,63 @@ def test_a_project_with_a_peer_that_is_not_modbus(project):
 
 @pytest.mark.parametrize("arguments, words", [
     (["demo", "--for", "-1ms"], "--for: -1ms is out of range, allowed: 0s..8784h"),
-    (["demo", "--for", "10"], "--for: '10' is not a duration, allowed: a number with its unit, as in 500ms, 10s"),
-    (["read", "tcp://host:99999", "holding", 0],
-     "TARGET tcp://host:99999: port: the value 99999 is out of range, allowed: 1..65535"),
-    (["scan", "tcp://10.0.0.5-1"], "TARGET tcp://10.0.0.5-1: '10.0.0.5-1' is not valid, correct form: 10.0.0.5-254"),
+    (["demo", "--for", "10"
+      ], "--for: '10' is not a duration, allowed: a number with its unit, as in 500ms, 10s"),
+    (["read", "tcp://host:99999", "holding", 0
+      ], "TARGET tcp://host:99999: port: the value 99999 is out of range, allowed: 1..65535"),
+    (["scan", "tcp://10.0.0.5-1"
+      ], "TARGET tcp://10.0.0.5-1: '10.0.0.5-1' is not valid, correct form: 10.0.0.5-254"),
     (["scan", "tcp://10.0.0.0/99"], "correct form: 10.0.0.0/24"),
-    (["scan", "tcp://127.0.0.1", "--bauds", "9600x"], "'--bauds 9600x' is not valid, correct form: 9600,19200"),
+    (["scan", "tcp://127.0.0.1", "--bauds", "9600x"
+      ], "'--bauds 9600x' is not valid, correct form: 9600,19200"),
     (["scan", "tcp://127.0.0.1", "--units", "a"], "correct form: 1-10,16"),
     (["read", "tcp://127.0.0.1:1", "holding", 0, "--watch", "abc"], "--watch: 'abc' is not a duration"),
     (["read", "tcp://127.0.0.1:1", "--watch", "abc", "holding", 0], "--watch: 'abc' is not a duration"),
-    (["read", "tcp://127.0.0.1:1", "holding", 0, "many"], "COUNT: 'many' is not a whole number, allowed: 1..65536"),
-    (["read", "tcp://127.0.0.1:1", "holding", "abc"], "START: 'abc' is not a whole number, allowed: 0..65535"),
-    (["write", "tcp://127.0.0.1:1", "holding", "010", "1"],
-     "START: '010' has a leading zero; decimal numbers have none, and hexadecimal numbers begin with 0x"),
+    (["read", "tcp://127.0.0.1:1", "holding", 0, "many"
+      ], "COUNT: 'many' is not a whole number, allowed: 1..65536"),
+    (["read", "tcp://127.0.0.1:1", "holding", "abc"
+      ], "START: 'abc' is not a whole number, allowed: 0..65535"),
+    (["write", "tcp://127.0.0.1:1", "holding", "010", "1"
+      ], "START: '010' has a leading zero; decimal numbers have none, and hexadecimal numbers begin with 0x"),
     (["read", "tcp://127.0.0.1:1", "holding", 65536], "START: 65536 is out of range, allowed: 0..65535"),
     (["raw", "tcp://127.0.0.1:1", "zz"], "Write pairs of hexadecimal digits, as in 03 00 00 00 02"),
     (["read", "10.0.0.5:502", "holding", 0], "correct form: tcp://10.0.0.5:502"),
-    (["serve", "--listen", "127.0.0.1:80x"], "--listen: '127.0.0.1:80x' is not valid, correct form: 127.0.0.1:1502"),
+    (["serve", "--listen", "127.0.0.1:80x"
+      ], "--listen: '127.0.0.1:80x' is not valid, correct form: 127.0.0.1:1502"),
     (["serve", "--listen", "127.0.0.1:99999"], "--listen: '127.0.0.1:99999' is not valid"),
     (["serve", "--listen", "plc:502"], "ports: 0..65535"),
     (["serve", "--listen", "127.0.0.1:0", "--limit", "holding:0..9=5..1"], "the least value first"),
     (["serve", "--listen", "127.0.0.1:0", "--fault", "exception=300"], "exception=1..255"),
-    (["serve", "--listen", "127.0.0.1:1", "--listen", "127.0.0.1:2"],
-     "--listen: given 2 times (127.0.0.1:1, 127.0.0.1:2), allowed: once"),
+    (["serve", "--listen", "127.0.0.1:1", "--listen", "127.0.0.1:2"
+      ], "--listen: given 2 times (127.0.0.1:1, 127.0.0.1:2), allowed: once"),
 ], ids=lambda a: "-".join(map(str, a)) if isinstance(a, list) else "")
 def test_errors_suggest_the_right_word(arguments, words):
     assert words in takt(*arguments, code=2).err
 
 
-@pytest.mark.parametrize("language, words", [("ru", "недопустимая запись, правильно"), ("uk", "недопустимий запис, правильно")])
+@pytest.mark.parametrize("language, words", [("ru", "недопустимая запись, правильно"),
+                                             ("uk", "недопустимий запис, правильно")])
 def test_in_other_languages(language, words):
     assert words in takt("--lang", language, "scan", "tcp://10.0.0.5-1", code=2).err
 
 
 @pytest.mark.parametrize("arguments", [
-    ["read", "tcp://127.0.0.1:1", "holding", 0, "--order", 9999], ["read", "tcp://127.0.0.1:1", "holding", "abc"],
-    ["read", "tcp://127.0.0.1:1", "holding", 0, "--watch", "--also", "x"], ["read", "--unit"], ["run"],
-    ["serve", "--server-id", "x" * 249], ["serve", "--range", "holding:9..1"], ["serve", "--fault", "unknown"],
+    ["read", "tcp://127.0.0.1:1", "holding", 0, "--order", 9999],
+    ["read", "tcp://127.0.0.1:1", "holding", "abc"],
+    ["read", "tcp://127.0.0.1:1", "holding", 0, "--watch", "--also", "x"],
+    ["read", "--unit"],
+    ["run"],
+    ["serve", "--server-id", "x" * 249],
+    ["serve", "--range", "holding:9..1"],
+    ["serve", "--fault", "unknown"],
     ["serve", "--listen", "127.0.0.1:99999"],
-    ["serve", "--max-connections", 0], ["plan", "a.yaml", "b.yaml"], ["probe", "tcp://127.0.0.1:1", "--area", "x"],
-    ["convert", "a.csv", "--encoding", "x"], ["table", "build", "a.yaml", "-o", "b", "--profile", "x"], [], ["table"],
+    ["serve", "--max-connections", 0],
+    ["plan", "a.yaml", "b.yaml"],
+    ["probe", "tcp://127.0.0.1:1", "--area", "x"],
+    ["convert", "a.csv", "--encoding", "x"],
+    ["table", "build", "a.yaml", "-o", "b", "--profile", "x"],
+    [],
+    ["table"],
     ["serve", "--listen", "127.0.0.1:1", "--listen", "127.0.0.1:2"],
 ], ids=lambda a: "-".join(map(str, a))[:40])
 @pytest.mark.parametrize("language, letters", [("ru", "[а-яё]"), ("uk", "[а-яіїєґ]")])
@@ -282,11 +326,13 @@ def test_rejected_options_are_in_the_language(arguments, language, letters):
     assert not re.search(r"\b(is|not|allowed|each|longer|missing)\b", message), message
 
 
-@pytest.mark.parametrize("arguments, command", [([], "demo"), (["table"], "build"), (["--lang", "en"], "probe")],
-                         ids=lambda a: "-".join(a) if isinstance(a, list) else "")
+@pytest.mark.parametrize("arguments, command", [([], "demo"), (["table"], "build"),
+                                                (["--lang", "en"], "probe")], ids=lambda a: "-".join(a)
+                         if isinstance(a, list) else "")
 def test_a_missing_command_shows_the_commands(arguments, command):
     result = takt(*arguments, code=2)
-    assert re.search(rf"(?m)^  {command} +\S", result.err) and result.err.endswith("takt: a command is missing\n")
+    assert re.search(rf"(?m)^  {command} +\S",
+                     result.err) and result.err.endswith("takt: a command is missing\n")
     assert result.out == ""
 
 

@@ -22,8 +22,10 @@ def refused(result):
 
 # --- 0
 
-@pytest.mark.parametrize("command", [[], ["check"], ["plan"], ["run"], ["serve"], ["read"], ["write"], ["raw"], ["demo"]],
-                         ids=lambda c: c[0] if c else "takt")
+
+@pytest.mark.parametrize(
+    "command", [[], ["check"], ["plan"], ["run"], ["serve"], ["read"], ["write"], ["raw"], ["demo"]],
+    ids=lambda c: c[0] if c else "takt")
 def test_help(command):
     assert takt(*command, "--help").out
 
@@ -43,13 +45,16 @@ def test_a_project_with_warnings(project):
 
 # --- 1
 
+
 def test_a_project_with_errors(project):
     assert "70000" in takt("check", project(BROKEN), code=1).out
 
 
 # --- 2
 
-@pytest.mark.parametrize("language, words", [("en", "a running takt"), ("ru", "работающему takt"), ("uk", "takt, що працює")])
+
+@pytest.mark.parametrize("language, words", [("en", "a running takt"), ("ru", "работающему takt"),
+                                             ("uk", "takt, що працює")])
 def test_a_command_of_ctl_is_named_as_such(language, words):
     result = refused(takt("values", "plant.yaml", "--lang", language, code=2))
     assert words in result.err and "takt ctl PATH values" in result.err
@@ -57,7 +62,8 @@ def test_a_command_of_ctl_is_named_as_such(language, words):
 
 
 def test_an_unknown_option_is_named_with_the_nearest_one():
-    assert "`--forr`" in (err := refused(takt("run", "plant.yaml", "--forr", "3s", code=2)).err) and "`--for`" in err
+    assert "`--forr`" in (err := refused(takt("run", "plant.yaml", "--forr", "3s",
+                                              code=2)).err) and "`--for`" in err
 
 
 @pytest.mark.parametrize("command", [["run", "--for", "1s"], ["serve", "--for", "1s"]], ids=lambda c: c[0])
@@ -67,24 +73,49 @@ def test_a_project_with_errors_is_not_run(project, command):
 
 
 @pytest.mark.parametrize("arguments", [
-    [], ["frobnicate"], ["check"], ["plan"], ["run"], ["read"], ["read", "tcp://127.0.0.1:1"],
-    ["check", "--frobnicate", "x.yaml"], ["demo", "--for", "soon"], ["demo", "--for", "-1s"], ["demo", "--lang", "tlh"],
-    ["read", "tcp://127.0.0.1:1", "shoes", "0"], ["read", "127.0.0.1:1", "holding", "0"],
-    ["read", "gopher://127.0.0.1", "holding", "0"], ["read", "tcp://127.0.0.1:99999", "holding", "0"],
-    ["read", "tcp://", "holding", "0"], ["read", "tcp://[::1:502", "holding", "0"],
-    ["read", "rtu:///dev/ttyS0?baud=fast", "holding", "0"], ["read", "rtu:///dev/ttyS0?parity=maybe", "holding", "0"],
+    [],
+    ["frobnicate"],
+    ["check"],
+    ["plan"],
+    ["run"],
+    ["read"],
+    ["read", "tcp://127.0.0.1:1"],
+    ["check", "--frobnicate", "x.yaml"],
+    ["demo", "--for", "soon"],
+    ["demo", "--for", "-1s"],
+    ["demo", "--lang", "tlh"],
+    ["read", "tcp://127.0.0.1:1", "shoes", "0"],
+    ["read", "127.0.0.1:1", "holding", "0"],
+    ["read", "gopher://127.0.0.1", "holding", "0"],
+    ["read", "tcp://127.0.0.1:99999", "holding", "0"],
+    ["read", "tcp://", "holding", "0"],
+    ["read", "tcp://[::1:502", "holding", "0"],
+    ["read", "rtu:///dev/ttyS0?baud=fast", "holding", "0"],
+    ["read", "rtu:///dev/ttyS0?parity=maybe", "holding", "0"],
     ["read", "rtu:///dev/ttyS0?color=red", "holding", "0"],
-    ["read", "tcp://127.0.0.1:1", "holding", "65536"], ["read", "tcp://127.0.0.1:1", "holding", "-1"],
-    ["read", "tcp://127.0.0.1:1", "holding", "zero"], ["read", "tcp://127.0.0.1:1", "holding", "65535", "2"],
-    ["read", "tcp://127.0.0.1:1", "holding", "0", "0"], ["read", "tcp://127.0.0.1:1", "--unit", "256", "holding", "0"],
+    ["read", "tcp://127.0.0.1:1", "holding", "65536"],
+    ["read", "tcp://127.0.0.1:1", "holding", "-1"],
+    ["read", "tcp://127.0.0.1:1", "holding", "zero"],
+    ["read", "tcp://127.0.0.1:1", "holding", "65535", "2"],
+    ["read", "tcp://127.0.0.1:1", "holding", "0", "0"],
+    ["read", "tcp://127.0.0.1:1", "--unit", "256", "holding", "0"],
     ["read", "tcp://127.0.0.1:1", "holding", "0", "--type", "colour"],
     ["read", "tcp://127.0.0.1:1", "holding", "0", "--order", "1111"],
-    ["read", "tcp://127.0.0.1:1", "holding", "0", "--timeout", "never"], ["demo", "--for", "01s"], ["demo", "--for", "1.5.5s"],
-    ["write", "tcp://127.0.0.1:1", "holding", "0"], ["write", "tcp://127.0.0.1:1", "input", "0", "1"],
-    ["write", "tcp://127.0.0.1:1", "holding", "0", "65536"], ["write", "tcp://127.0.0.1:1", "holding", "0", "1.5"],
-    ["write", "tcp://127.0.0.1:1", "coils", "0", "2"], ["write", "tcp://127.0.0.1:1", "discrete", "0", "1"],
-    ["raw", "tcp://127.0.0.1:1"], ["raw", "tcp://127.0.0.1:1", "0"], ["raw", "tcp://127.0.0.1:1", "xy"],
-    ["raw", "tcp://127.0.0.1:1", "03 " * 254], ["serve"], ["serve", "--listen", "nowhere"],
+    ["read", "tcp://127.0.0.1:1", "holding", "0", "--timeout", "never"],
+    ["demo", "--for", "01s"],
+    ["demo", "--for", "1.5.5s"],
+    ["write", "tcp://127.0.0.1:1", "holding", "0"],
+    ["write", "tcp://127.0.0.1:1", "input", "0", "1"],
+    ["write", "tcp://127.0.0.1:1", "holding", "0", "65536"],
+    ["write", "tcp://127.0.0.1:1", "holding", "0", "1.5"],
+    ["write", "tcp://127.0.0.1:1", "coils", "0", "2"],
+    ["write", "tcp://127.0.0.1:1", "discrete", "0", "1"],
+    ["raw", "tcp://127.0.0.1:1"],
+    ["raw", "tcp://127.0.0.1:1", "0"],
+    ["raw", "tcp://127.0.0.1:1", "xy"],
+    ["raw", "tcp://127.0.0.1:1", "03 " * 254],
+    ["serve"],
+    ["serve", "--listen", "nowhere"],
     ["serve", "--listen", "127.0.0.1:1502", "--fill", "sand"],
 ], ids=lambda a: " ".join(a)[:60].replace("/", "|") or "nothing")
 def test_bad_usage(arguments):
@@ -97,6 +128,7 @@ def test_a_broadcast_cannot_be_read(pair):
 
 
 # --- 3
+
 
 def test_connection_refused():
     refused(takt("read", f"tcp://127.0.0.1:{endpoints.free_port()}", "holding", 0, code=3))
@@ -132,17 +164,19 @@ def test_serving_an_address_that_is_not_ours():
 @pytest.mark.parametrize("language,word", [("en", "connections"), ("ru", "соединений"), ("uk", "з'єднань")])
 def test_more_lines_than_descriptors(tmp_path, language, word):
     file = tmp_path / "many.yaml"
-    file.write_text("takt: 1\nlines:\n" + "".join(
-        f"- {{name: L{n}, transport: tcp, framing: tcp, host: 127.0.0.1, tcp_port: 1, "
-        f"devices: [{{name: D{n}, address: 1}}]}}\n" for n in range(50)))
-    run = subprocess.run(["sh", "-c", 'ulimit -n 90 && exec "$0" run "$1" --for 1s --lang "$2"', TAKT, file, language],
-                         capture_output=True, env=environment(), timeout=30, check=False)
+    file.write_text("takt: 1\nlines:\n" +
+                    "".join(f"- {{name: L{n}, transport: tcp, framing: tcp, host: 127.0.0.1, tcp_port: 1, "
+                            f"devices: [{{name: D{n}, address: 1}}]}}\n" for n in range(50)))
+    run = subprocess.run(
+        ["sh", "-c", 'ulimit -n 90 && exec "$0" run "$1" --for 1s --lang "$2"', TAKT, file, language],
+        capture_output=True, env=environment(), timeout=30, check=False)
     message = run.stderr.decode()
     assert run.returncode == 3, message
     assert "114" in message and "90" in message and word in message
 
 
 # --- 4
+
 
 def test_a_silent_host():
     with TcpSlave() as slave:
@@ -161,6 +195,7 @@ def test_each_attempt_is_made(pair):
 
 # --- 5
 
+
 @pytest.mark.parametrize("code", [1, 2, 3, 4, 5, 6, 8, 10, 11, 0x7F, 0xFF])
 def test_an_exception(code):
     with TcpSlave(lambda adu: tcp_answer(adu, f"83 {code:02X}")) as slave:
@@ -174,6 +209,7 @@ def test_an_exception_of_a_blank_device(blank_device):
 
 
 # --- 6
+
 
 @contextlib.contextmanager
 def serial_slave(pair, answer):
@@ -208,14 +244,17 @@ def test_a_bad_frame_over_tcp(answer):
 def test_an_answer_to_another_request_is_not_taken():
     """Another transaction is not ours: waiting goes on to the deadline."""
     with TcpSlave(lambda adu: tcp_answer(adu, "03 02 00 07", transaction=0xBEEF)) as slave:
-        result = refused(takt("read", f"tcp://127.0.0.1:{slave.port}", "--timeout", "300ms", "holding", 0, code=None))
+        result = refused(
+            takt("read", f"tcp://127.0.0.1:{slave.port}", "--timeout", "300ms", "holding", 0, code=None))
     assert result.code in (4, 6)
 
 
 # --- 7
 
+
 def test_partly_done():
     """200 registers need two requests; the device has only the first 125."""
+
     def answer(adu):
         first = adu[8:10] == b"\0\0"
         return tcp_answer(adu, "03 FA" + " 00 09" * 125 if first else "83 02")

@@ -93,8 +93,9 @@ def test_switched_while_it_runs(tmp_path):
         assert raw.ask() == GOOD
         assert takt("ctl", control, "fault", "add", "wrong_unit:100%").out == "ok wrong_unit\n"
         assert takt("ctl", control, "fault", "add", "delay=1ms@1min").out == "ok wrong_unit delay=1ms@60s\n"
-        assert struct.unpack(">B", raw.ask()[6:7]) == (2,)
-        for bad in (("fault",), ("fault", "add"), ("fault", "add", "dog"), ("set", "a", "1"), ("fault", "clear", "x")):
+        assert struct.unpack(">B", raw.ask()[6:7]) == (2, )
+        for bad in (("fault", ), ("fault", "add"), ("fault", "add", "dog"), ("set", "a", "1"),
+                    ("fault", "clear", "x")):
             assert "error syntax" in takt("ctl", control, *bad, code=2).out
         takt("ctl", control, "quit")
         running.finish()
@@ -152,8 +153,8 @@ def ask(running, command):
 
 def read(port, unit, start=0, *options, code=0):
     """The JSON of a read of one value."""
-    return takt("read", f"tcp://127.0.0.1:{port}", "--unit", unit, "holding", start, "--timeout", "300ms", "--json", *options,
-                code=code).json
+    return takt("read", f"tcp://127.0.0.1:{port}", "--unit", unit, "holding", start, "--timeout", "300ms",
+                "--json", *options, code=code).json
 
 
 def test_a_fault_of_one_device(plant):
@@ -162,7 +163,8 @@ def test_a_fault_of_one_device(plant):
     read(first, 1, code=4)
     read(first, 255, code=4)  # the host itself is its first device
     assert "error" not in read(first, 2) and "error" not in read(second, 1), "the other devices answer"
-    assert takt("ctl", control, "fault", "add", "Boiler 2:exception=6").out == 'ok A/Meter:silence "Boiler 2":exception=6\n'
+    assert takt("ctl", control, "fault", "add",
+                "Boiler 2:exception=6").out == 'ok A/Meter:silence "Boiler 2":exception=6\n'
     read(first, 2, code=5)
     assert ask(running, "fault clear A/Meter") == 'ok "Boiler 2":exception=6'
     assert "error" not in read(first, 1)
@@ -213,7 +215,8 @@ lines:
         assert ask(running, "fault add Bad:bad_crc") == "ok Bad:bad_crc"
         ask(running, "set G 4711")
         url = f"{framing}://{pair.a}?baud=19200&parity=none" + ("&stop_bits=2" if framing == "ascii" else "")
-        assert takt("read", url, "--unit", 17, "holding", 0, "--json", "--timeout", "5s").json["values"] == [4711]
+        assert takt("read", url, "--unit", 17, "holding", 0, "--json", "--timeout",
+                    "5s").json["values"] == [4711]
         takt("read", url, "--unit", 27, "holding", 0, "--timeout", "5s", code=6)
         running.interrupt()
 

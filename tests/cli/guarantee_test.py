@@ -32,7 +32,7 @@ FIGURES = {"c_us", "f_us", "response_us", "response_fault_us", "response_dead_us
 
 def test_an_infeasible_project_is_reported_and_its_plan_is_printed(project):
     path = project(BLOCKED)
-    for options, severity, code in ((), "warning", 0), (("--prove",), "error", 1):
+    for options, severity, code in ((), "warning", 0), (("--prove", ), "error", 1):
         findings = takt("check", path, "--json", *options, code=code).json["findings"]
         late = [f for f in findings if f["code"] == "guarantee.late"]
         assert [f["path"] for f in late] == ["lines[0].devices[0].variables[0]"]
@@ -80,7 +80,10 @@ def test_an_unknown_turnaround_is_a_note_unless_prove(project):
     assert [(f["severity"], f["code"]) for f in findings] == [("note", "guarantee.response_unknown")]
     assert "Node1" in findings[0]["message"] and "11.4 %" in findings[0]["message"]
     assert takt("plan", path, "--json").json["lines"][0]["verdict"] == "response_unknown"
-    assert "error" in {f["severity"] for f in takt("check", path, "--json", "--prove", code=1).json["findings"]}
+    assert "error" in {
+        f["severity"]
+        for f in takt("check", path, "--json", "--prove", code=1).json["findings"]
+    }
     takt("plan", path)
     assert takt("plan", path, "--prove", code=1).out
     for command, hidden in ("check", "--no-notes"), ("plan", "--no-notes"):
@@ -104,7 +107,8 @@ def test_in_three_languages(project, language):
 
 
 def test_run_says_so_and_runs(project):
-    demanding = BLOCKED.replace("poll_period: 100ms, turnaround", "poll_period: 100ms, deadline: 100ms, turnaround")
+    demanding = BLOCKED.replace("poll_period: 100ms, turnaround",
+                                "poll_period: 100ms, deadline: 100ms, turnaround")
     assert takt("plan", project(demanding), "--json", code=1).json["lines"][0]["verdict"] == "cannot_hold"
     result = takt("run", project(demanding), "--for", "200ms", code=3)  # there is no such port
     assert "takt check" in result.err
@@ -141,22 +145,28 @@ def slow(*devices, line="", after=""):
     text = SLOW.replace("    devices:\n", line + "    devices:\n")
     for number, (settings, *variables) in enumerate(devices, 1):
         text += f"      - {{name: D{number}, address: {number}, {settings}, variables: [\n"
-        text += ",\n".join(f"          {{name: V{number}_{register}, type: int16, read: 0x03, register: {register}, {more}}}"
-                           for register, more in variables)
+        text += ",\n".join(
+            f"          {{name: V{number}_{register}, type: int16, read: 0x03, register: {register}, {more}}}"
+            for register, more in variables)
         text += "]}\n"
     return text + after
 
 
 LATE = {
     "a long read blocks": (BLOCKED, ()),
-    "one request overloads": (slow(("turnaround: 5ms", (0, "period: 20ms"), (500, "period: 1s"), (900, "period: 1s"))), ()),
-    "all overload": (slow(*[("turnaround: 20ms, poll_period: 100ms", *[(100 * n, "") for n in range(8)])] * 3), ()),
+    "one request overloads": (slow(
+        ("turnaround: 5ms", (0, "period: 20ms"), (500, "period: 1s"), (900, "period: 1s"))), ()),
+    "all overload": (slow(*[("turnaround: 20ms, poll_period: 100ms", *[(100 * n, "")
+                                                                       for n in range(8)])] * 3), ()),
     "eight alarm bits": (slow(("turnaround: 20ms", (9, "period: 500ms"))).replace(
-        "variables: [", "variables: [" + "".join(f"{{name: A{bit}, type: bool, register: 5, bit: {bit}, read: 0x03, period: 60ms}}, "
-                                                 for bit in range(8))), ()),
-    "not grouped": (slow(("turnaround: 5ms, group_requests: false, poll_period: 200ms", *[(n, "") for n in range(12)])), ()),
-    "turnaround not known": (slow(("poll_period: 400ms", (0, ""), (500, ""))), ("--prove",)),
-    "relayed requests": (slow(("turnaround: 20ms", (0, "period: 2s, deadline: 1900ms")), line="    relay_interval: 10ms\n",
+        "variables: [", "variables: [" +
+        "".join(f"{{name: A{bit}, type: bool, register: 5, bit: {bit}, read: 0x03, period: 60ms}}, "
+                for bit in range(8))), ()),
+    "not grouped": (slow(
+        ("turnaround: 5ms, group_requests: false, poll_period: 200ms", *[(n, "") for n in range(12)])), ()),
+    "turnaround not known": (slow(("poll_period: 400ms", (0, ""), (500, ""))), ("--prove", )),
+    "relayed requests": (slow(("turnaround: 20ms", (0, "period: 2s, deadline: 1900ms")),
+                              line="    relay_interval: 10ms\n",
                               after=GATEWAY).replace("baud: 9600", "baud: 115200"), ()),
     "faults": (slow(("turnaround: 5ms, response_timeout: 1200ms", (0, "period: 1s"), (500, "period: 1s")),
                     after="faults: {burst: 1, every: 10s}\n"), ()),
@@ -176,7 +186,9 @@ def written(text, changes):
 
 
 # A line that holds can be late with a dead device. That is the next finding, not the one that a measure removes.
-WITHOUT_FAILURES = {"guarantee.late", "guarantee.unbounded", "guarantee.overload", "guarantee.response_unknown"}
+WITHOUT_FAILURES = {
+    "guarantee.late", "guarantee.unbounded", "guarantee.overload", "guarantee.response_unknown"
+}
 
 
 def late(findings):
@@ -196,8 +208,11 @@ def test_each_measure_written_into_the_file_removes_its_finding(project, case):
 
 
 def test_measures_name_what_helps_most_first(project):
-    kinds = {case: [m["kinds"] for m in takt("plan", project(text), "--json", code=None).json["lines"][0]["measures"]]
-             for case, (text, _) in LATE.items()}
+    kinds = {
+        case:
+        [m["kinds"] for m in takt("plan", project(text), "--json", code=None).json["lines"][0]["measures"]]
+        for case, (text, _) in LATE.items()
+    }
     assert kinds["not grouped"][0] == ["grouping"]
     assert kinds["one request overloads"][0] == ["periods"]
     assert kinds["relayed requests"][0] == ["relay_interval"]

@@ -5,9 +5,14 @@ import pytest
 
 from program import takt
 
-COMMANDS = [[], ["demo"], ["run"], ["ctl"], ["serve"], ["check"], ["plan"], ["convert"], ["table"], ["table", "build"], ["table", "show"], ["history"], ["latency"], ["capture"], ["listen"], ["replay"], ["schema"], ["selftest"],
-            ["read"], ["write"], ["raw"], ["scan"], ["probe"]]
-HEADINGS = {"en": ("Usage:", "Options:"), "ru": ("Использование:", "Параметры:"), "uk": ("Використання:", "Параметри:")}
+COMMANDS = [[], ["demo"], ["run"], ["ctl"], ["serve"], ["check"], ["plan"], ["convert"], ["table"],
+            ["table", "build"], ["table", "show"], ["history"], ["latency"], ["capture"], ["listen"],
+            ["replay"], ["schema"], ["selftest"], ["read"], ["write"], ["raw"], ["scan"], ["probe"]]
+HEADINGS = {
+    "en": ("Usage:", "Options:"),
+    "ru": ("Использование:", "Параметры:"),
+    "uk": ("Використання:", "Параметри:")
+}
 
 
 @pytest.mark.parametrize("language", HEADINGS)

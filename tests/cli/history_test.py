@@ -10,7 +10,8 @@ def test_no_database(tmp_path):
     assert "plant.history.db" in takt("history", tmp_path / "plant.yaml", "a", code=2).err
 
 
-@pytest.mark.parametrize("option, value", [("--from", "yesterday"), ("--to", "2026-02-30"), ("--from", "now")])
+@pytest.mark.parametrize("option, value", [("--from", "yesterday"), ("--to", "2026-02-30"),
+                                           ("--from", "now")])
 def test_times_that_are_refused(tmp_path, option, value):
     assert value in takt("history", tmp_path / "plant.yaml", "a", f"{option}={value}", code=2).err
 

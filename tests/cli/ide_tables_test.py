@@ -66,7 +66,8 @@ def test_several_files_are_tables_of_one_project(tables, tmp_path):
 
 def test_unknown_columns(tmp_path):
     table = tmp_path / "t.csv"
-    table.write_text("Имя;Тип;Регистр;Функция чтения;Цвет\nT;Целочисленное;0;0x03;красный\n", encoding="utf-8")
+    table.write_text("Имя;Тип;Регистр;Функция чтения;Цвет\nT;Целочисленное;0;0x03;красный\n",
+                     encoding="utf-8")
     result = takt("convert", table)
     assert 'comment: "Цвет: красный"' in result.out and "warning" in result.err
     assert "Цвет" in takt("convert", table, "--strict", code=1).err
@@ -90,8 +91,8 @@ def converted(tmp_path, text, *options, name="t.csv", code=0):
     return takt("convert", table, "--to", "yaml", *options, code=code)
 
 
-@pytest.mark.parametrize("options", [["--notation", "standard"], ["--addresses", "reference"],
-                                     ["--addresses", "auto"]])
+@pytest.mark.parametrize("options",
+                         [["--notation", "standard"], ["--addresses", "reference"], ["--addresses", "auto"]])
 def test_a_slave_table_may_have_classic_numbers(tmp_path, options):
     text = SERVED + "A;Целочисленное;40513;Да;\nB;С плавающей запятой;40515;Нет;\n"
     assert "{area: holding_register, items: [512..515]}" in converted(tmp_path, text, *options).out
@@ -99,7 +100,8 @@ def test_a_slave_table_may_have_classic_numbers(tmp_path, options):
 
 @pytest.mark.parametrize("notation, coil, register", [("coils_at_20001", 16, 512), ("zero_based", 17, 513)])
 def test_a_slave_table_may_have_another_notation(tmp_path, notation, coil, register):
-    result = converted(tmp_path, SERVED + "A;Целочисленное;513;Да;\nC;Булевское;20017;Да;\n", "--notation", notation)
+    result = converted(tmp_path, SERVED + "A;Целочисленное;513;Да;\nC;Булевское;20017;Да;\n", "--notation",
+                       notation)
     assert f"{{area: coil, items: [{coil}..{coil}]}}" in result.out
     assert f"{{area: holding_register, items: [{register}..{register}]}}" in result.out
 
@@ -112,7 +114,8 @@ def test_a_bad_register_does_not_hide_the_banks_of_the_others(tmp_path):
 
 def test_a_server_comes_back_from_its_table(tmp_path):
     project = tmp_path / "p.yaml"
-    project.write_text("""\
+    project.write_text(
+        """\
 takt: 1
 servers:
   - name: s
@@ -144,8 +147,10 @@ def test_a_slave_table_without_variables_is_a_server(tmp_path):
 
 
 def test_variables_without_functions_are_imported_with_a_warning(tmp_path):
-    result = converted(tmp_path, MASTER.splitlines()[0] + "\nA;Целочисленное;Нет;Нет;0;;\n"
-                       "B;Целочисленное;< не выбрана >;Нет;1;;\nC;Целочисленное;;;2;;\nD;Булевское;Нет;Нет;2;1;\n")
+    result = converted(
+        tmp_path,
+        MASTER.splitlines()[0] + "\nA;Целочисленное;Нет;Нет;0;;\n"
+        "B;Целочисленное;< не выбрана >;Нет;1;;\nC;Целочисленное;;;2;;\nD;Булевское;Нет;Нет;2;1;\n")
     assert result.err.count("the variable is neither read nor written") == 4 and "error" not in result.err
     assert result.out.count("read: none") == 4
 
@@ -167,14 +172,15 @@ def test_a_number_outside_the_notation_is_quoted_as_typed(tmp_path):
 def test_options_that_contradict_the_table(tmp_path):
     table = tmp_path / "t.csv"
     table.write_text(MASTER, encoding="utf-8")
-    assert "--addresses zero-based" in takt("convert", table, "--notation", "zero_based", "--addresses", "zero-based",
-                                            code=2).err
+    assert "--addresses zero-based" in takt("convert", table, "--notation", "zero_based", "--addresses",
+                                            "zero-based", code=2).err
     assert "--table" in takt("convert", table, "--table", "server", code=2).err
 
 
 def test_the_placeholder_is_none_in_a_project_too(tmp_path):
     project = tmp_path / "p.yaml"
-    project.write_text("""\
+    project.write_text(
+        """\
 takt: 1
 lines:
   - name: Node1
@@ -207,15 +213,18 @@ def test_a_comment_that_is_cut_is_reported(tmp_path):
 def test_a_heading_that_is_cut_too_much_is_reported(tmp_path):
     result = converted(tmp_path, "Имя;Тип;Адрес регистра;Функция ...\nA;Целочисленное;0;0x03\n")
     assert "it is read as Функция чтения" in result.err and "read: 0x03" in result.out
-    both = converted(tmp_path, "Имя;Тип;Адрес регистра;Функция ...;Функция ...\nA;Целочисленное;0;0x03;0x10\n")
+    both = converted(tmp_path,
+                     "Имя;Тип;Адрес регистра;Функция ...;Функция ...\nA;Целочисленное;0;0x03;0x10\n")
     assert "read: 0x03" in both.out and "write: 0x10" in both.out
-    twice = converted(tmp_path, "Имя;Тип;Адрес регистра;Комментарий;Комментарий\nA;Целочисленное;0;;\n", code=1)
+    twice = converted(tmp_path, "Имя;Тип;Адрес регистра;Комментарий;Комментарий\nA;Целочисленное;0;;\n",
+                      code=1)
     assert "the columns Комментарий (4) and Комментарий (5)" in twice.err
 
 
 def test_the_export_has_the_words_of_the_ide(tmp_path):
     project = tmp_path / "p.yaml"
-    project.write_text("""\
+    project.write_text(
+        """\
 takt: 1
 lines:
   - name: L
@@ -232,11 +241,13 @@ lines:
     options = ["--to", "csv", "--headings", "ide", "--separator", "semicolon"]
     result = takt("convert", project, *options)
     head, *rows = result.out.splitlines()
-    assert head == ("Линия;Устройство;Адрес устройства;Имя переменной;Тип переменной;Функция чтения;Функция записи;"
-                    "Адрес регистра;Адрес бита (ов);Комментарий;Обозначение 40001;Запись по изменению;"
-                    "Использование в проекте;Старшим байтом вперед;Старшим регистром вперед")
+    assert head == (
+        "Линия;Устройство;Адрес устройства;Имя переменной;Тип переменной;Функция чтения;Функция записи;"
+        "Адрес регистра;Адрес бита (ов);Комментарий;Обозначение 40001;Запись по изменению;"
+        "Использование в проекте;Старшим байтом вперед;Старшим регистром вперед")
     assert [row.split(";")[5:7] for row in rows] == [["0x03", "Нет"], ["0x02", "Нет"], ["Нет", "0x10"]]
-    assert [row.split(";")[11:] for row in rows] == [["☐", "", "☒", "☐"], ["☐", "", "", ""], ["☑", "Нет", "", ""]]
+    assert [row.split(";")[11:] for row in rows] == [["☐", "", "☒", "☐"], ["☐", "", "", ""],
+                                                     ["☑", "Нет", "", ""]]
     before = takt("plan", project, "--json").json["lines"]
     for table in ("variables", "list"):
         exported = tmp_path / f"{table}.csv"
@@ -244,7 +255,8 @@ lines:
         back = tmp_path / f"{table}.yaml"
         takt("convert", exported, "-o", back)
         after = takt("plan", back, "--json").json["lines"]
-        assert [r["variables"] for r in after[0]["requests"]] == [r["variables"] for r in before[0]["requests"]]
+        assert [r["variables"]
+                for r in after[0]["requests"]] == [r["variables"] for r in before[0]["requests"]]
         assert [r["function"] for r in after[0]["requests"]] == [r["function"] for r in before[0]["requests"]]
     assert ";Тип;" in takt("convert", project, *options, "--table", "list").out
 
@@ -265,13 +277,16 @@ DEVICE = """\
 Старшим регистром вперед;☐
 Комментарий;boiler
 """
-SETTINGS = ["name: Device1", "address: 16", "poll_period: 200ms", "response_timeout: 150ms", "attempts: 3",
-            "status: state", "group_requests: true", "registers_per_request: 60", 'byte_order: "2143"',
-            "comment: boiler", "framing: ascii", "{name: state, type: int}"]
+SETTINGS = [
+    "name: Device1", "address: 16", "poll_period: 200ms", "response_timeout: 150ms", "attempts: 3",
+    "status: state", "group_requests: true", "registers_per_request: 60", 'byte_order: "2143"',
+    "comment: boiler", "framing: ascii", "{name: state, type: int}"
+]
 
 
 def as_one_row(window):
-    return "\n".join(";".join(cells) for cells in zip(*(line.split(";") for line in window.splitlines()))) + "\n"
+    return "\n".join(";".join(cells)
+                     for cells in zip(*(line.split(";") for line in window.splitlines()))) + "\n"
 
 
 @pytest.mark.parametrize("text", [DEVICE, "Поле;Значение\n" + DEVICE, as_one_row(DEVICE)])
@@ -293,8 +308,9 @@ def test_the_number_of_registers_counts_only_where_requests_are_grouped(tmp_path
 
 
 def test_the_window_of_a_variable_is_a_variable(tmp_path):
-    result = converted(tmp_path, "Имя;V1\nТип;Целочисленное\nРегистр;5\nБит;0\nФункция чтения;0x03\nФункция записи;0x10\n"
-                       "Запись по изменению;☑\nКоличество регистров;2\nЗапуск чтения;go\nСтатус;< не выбрана >\n")
+    result = converted(
+        tmp_path, "Имя;V1\nТип;Целочисленное\nРегистр;5\nБит;0\nФункция чтения;0x03\nФункция записи;0x10\n"
+        "Запись по изменению;☑\nКоличество регистров;2\nЗапуск чтения;go\nСтатус;< не выбрана >\n")
     assert "{name: V1, type: int32, register: 5, read: 0x03, write: 0x10, write_on_change: true, read_trigger: go}" \
         in result.out
 
@@ -310,6 +326,7 @@ def test_columns_of_the_device_are_its_settings(tmp_path):
     assert "two values for `attempts`: 5 and 6" in converted(tmp_path, head + rows.format(6), code=1).err
     project = tmp_path / "p.yaml"
     (tmp_path / "t.csv").write_text(head + rows.format(5), encoding="utf-8")
-    project.write_text("takt: 1\nlines: [{name: L, port: p, devices: [{name: D, address: 1, turnaround: 5ms, variables: "
-                       "t.csv}]}]\n")
+    project.write_text(
+        "takt: 1\nlines: [{name: L, port: p, devices: [{name: D, address: 1, turnaround: 5ms, variables: "
+        "t.csv}]}]\n")
     assert takt("check", project).out.count("is a setting of the device") == 3

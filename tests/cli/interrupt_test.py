@@ -47,8 +47,9 @@ def test_demo_on_a_terminal():
     terminal, inner = pty.openpty()
     fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
     before = termios.tcgetattr(inner)
-    process = subprocess.Popen([TAKT, "demo"], stdin=inner, stdout=inner, stderr=inner, env=environment(TERM="xterm"),
-                               start_new_session=True, preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))
+    process = subprocess.Popen([TAKT, "demo"], stdin=inner, stdout=inner, stderr=inner,
+                               env=environment(TERM="xterm"), start_new_session=True,
+                               preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))
     shown = b""
 
     def show():
@@ -59,6 +60,7 @@ def test_demo_on_a_terminal():
     def drawn():
         show()
         return shown.count(b"Supply temperature") > 5
+
     try:
         until(drawn, "values on the terminal")
         os.write(terminal, b"\x03")
@@ -136,7 +138,8 @@ def test_serve_on_a_serial_line(pair):
 
 
 def test_read_from_a_silent_host():
-    with TcpSlave() as slave, start("read", f"tcp://127.0.0.1:{slave.port}", "--timeout", "60s", "holding", 0) as read:
+    with TcpSlave() as slave, start("read", f"tcp://127.0.0.1:{slave.port}", "--timeout", "60s", "holding",
+                                    0) as read:
         until(lambda: len(slave._threads) > 1, "the connection")
         read.process.send_signal(signal.SIGINT)
         read.finish(code=None, deadline=LATE)
@@ -166,9 +169,11 @@ def test_the_port_s_settings_are_restored(project, pair, command):
     before[4] = before[5] = termios.B4800
     termios.tcsetattr(line, termios.TCSANOW, before)
     before = termios.tcgetattr(line)
-    commands = {"run": ["run", project(serial(at([0], INT), port=pair.a)), "--json"],
-                "read": ["read", f"rtu://{pair.a}", "--timeout", "60s", "holding", 0],
-                "serve": ["serve", "--port", f"rtu://{pair.b}?baud=9600", "--unit", 1]}
+    commands = {
+        "run": ["run", project(serial(at([0], INT), port=pair.a)), "--json"],
+        "read": ["read", f"rtu://{pair.a}", "--timeout", "60s", "holding", 0],
+        "serve": ["serve", "--port", f"rtu://{pair.b}?baud=9600", "--unit", 1]
+    }
     with start(*commands[command]) as running:
         if command == "serve":
             endpoints.wait_slave(pair.a, 1, process=running)
@@ -208,7 +213,8 @@ def test_a_port_that_vanishes(project, tmp_path):
                          ids=["demo", "demo-json"])
 def test_a_reader_that_goes_away(arguments):
     """`takt demo | head -1`"""
-    process = subprocess.Popen([TAKT, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment())
+    process = subprocess.Popen([TAKT, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               env=environment())
     assert process.stdout.readline()
     process.stdout.close()
     err = process.stderr.read().decode()
@@ -221,8 +227,8 @@ def test_a_reader_that_is_gone_from_the_start(project):
     for arguments in (["plan", path], ["plan", path, "--json"], ["check", path], ["--help"]):
         reader, writer = os.pipe()
         os.close(reader)
-        done = subprocess.run([TAKT, *map(str, arguments)], stdout=writer, stderr=subprocess.PIPE, env=environment(),
-                              timeout=30, check=False)
+        done = subprocess.run([TAKT, *map(str, arguments)], stdout=writer, stderr=subprocess.PIPE,
+                              env=environment(), timeout=30, check=False)
         os.close(writer)
         assert "Sanitizer" not in done.stderr.decode() and "terminate called" not in done.stderr.decode()
         assert done.returncode in (0, 1, -signal.SIGPIPE)
@@ -232,8 +238,8 @@ def test_a_full_disk(project):
     """stdout that takes nothing is an error, not silence."""
     path = project(serial(at([0], INT)))
     with open("/dev/full", "w") as full:
-        done = subprocess.run([TAKT, "plan", str(path), "--json"], stdout=full, stderr=subprocess.PIPE, timeout=30,
-                              env=environment(), check=False)
+        done = subprocess.run([TAKT, "plan", str(path), "--json"], stdout=full, stderr=subprocess.PIPE,
+                              timeout=30, env=environment(), check=False)
     assert done.returncode > 0 and done.stderr
 
 
@@ -244,11 +250,13 @@ def test_the_summary_is_json_to_the_last_line(project, blank_device):
     assert [e["event"] for e in events].count("summary") == 1 and events[-1]["event"] == "summary"
 
 
-@pytest.mark.parametrize("arguments", [["run", "--json", "--for", "1s"], ["run", "--for", "1s"]], ids=["json", "text"])
+@pytest.mark.parametrize("arguments", [["run", "--json", "--for", "1s"], ["run", "--for", "1s"]],
+                         ids=["json", "text"])
 def test_a_reader_that_stalls_at_the_end(project, arguments):
     """The end of a run waits for its reader, but a signal ends that."""
-    path = project("takt: 1\nlines:\n  - name: l\n    transport: simulated\n    devices:\n      - {name: d, address: 1, "
-                   "poll_period: 10ms, variables: [{name: v, type: int, register: 0, read: 0x03}]}\n")
+    path = project(
+        "takt: 1\nlines:\n  - name: l\n    transport: simulated\n    devices:\n      - {name: d, address: 1, "
+        "poll_period: 10ms, variables: [{name: v, type: int, register: 0, read: 0x03}]}\n")
     reading, writing = os.pipe()
     fcntl.fcntl(writing, 1031, 4096)  # F_SETPIPE_SZ
     os.set_blocking(writing, False)
@@ -256,8 +264,8 @@ def test_a_reader_that_stalls_at_the_end(project, arguments):
         while True:
             os.write(writing, b"x" * 512)
     os.set_blocking(writing, True)
-    process = subprocess.Popen([TAKT, arguments[0], path, *arguments[1:]], stdin=subprocess.DEVNULL, stdout=writing,
-                               stderr=writing, env=environment())
+    process = subprocess.Popen([TAKT, arguments[0], path, *arguments[1:]], stdin=subprocess.DEVNULL,
+                               stdout=writing, stderr=writing, env=environment())
     os.close(writing)
     try:
         with pytest.raises(subprocess.TimeoutExpired):

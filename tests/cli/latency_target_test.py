@@ -22,7 +22,8 @@ def measured(port, *options, code=0):
 
 
 def test_a_rate_is_kept_and_both_times_are_stated(blank_device):
-    report = measured(blank_device("ramp"), "holding", 10, 20, "--rate", "500/s", "--for", "1s", "--same-content", "--limit", "500ms")
+    report = measured(blank_device("ramp"), "holding", 10, 20, "--rate", "500/s", "--for", "1s",
+                      "--same-content", "--limit", "500ms")
     total, load = report["total"], report["load"]
     assert (total["requests"], total["answered"], load["sent"], load["different"]) == (500, 500, 500, 0)
     assert (load["rate_per_s"], load["coordinated_omission"]) == (500, "avoided")
@@ -32,7 +33,8 @@ def test_a_rate_is_kept_and_both_times_are_stated(blank_device):
         assert load["from_sending"][percentile] <= total[percentile]
     assert abs(total["period_ms"] - 2) < 0.1
     assert report["verdict"]["kept"] and report["verdict"]["exchanges"] == 500
-    assert [s["time_ms"] for s in report["slowest"]] == sorted((s["time_ms"] for s in report["slowest"]), reverse=True)
+    assert [s["time_ms"] for s in report["slowest"]] == sorted((s["time_ms"] for s in report["slowest"]),
+                                                               reverse=True)
     assert sum(b["count"] for b in report["histogram"]) == 500
 
 
@@ -43,10 +45,12 @@ def test_as_fast_as_possible_on_connections_with_requests_in_flight(blank_device
 
 
 def test_a_stalled_server_delays_every_request_that_was_due():
+
     def stall(adu, numbers=itertools.count()):
         if next(numbers) == 50:
             time.sleep(0.3)  # the server's own pause, not a wait of the test
         return tcp_answer(adu, "03 02 0001")
+
     with TcpSlave(stall) as slave:
         report = measured(slave.port, "--rate", "200/s", "--for", "1s", "--limit", "100ms", code=1)
     assert report["total"]["answered"] == 200
@@ -63,12 +67,14 @@ def test_responses_are_checked():
 
 
 def test_late_exceptions_and_answers_to_nothing():
+
     def answer(adu, numbers=itertools.count()):
         number = next(numbers)
         if number == 3:
             time.sleep(0.15)
             return tcp_answer(adu, "83 06")
         return tcp_answer(adu, "03 02 0001", transaction=0xFFFF if number == 6 else None)
+
     with TcpSlave(answer) as slave:
         report = measured(slave.port, "--timeout", "100ms", "--requests", 20, code=1)
     total, load = report["total"], report["load"]
@@ -77,6 +83,7 @@ def test_late_exceptions_and_answers_to_nothing():
 
 
 def test_late_and_unanswered_requests_and_lost_connections():
+
     def answer(adu, numbers=itertools.count()):
         number = next(numbers)
         if number == 3:
@@ -84,6 +91,7 @@ def test_late_and_unanswered_requests_and_lost_connections():
         if number == 6:
             return "close"
         return tcp_answer(adu, "03 02 0001")
+
     with TcpSlave(answer) as slave:
         report = measured(slave.port, "--timeout", "100ms", "--requests", 20, "--for", "20s")
     total, load = report["total"], report["load"]
@@ -93,13 +101,15 @@ def test_late_and_unanswered_requests_and_lost_connections():
 
 def test_a_device_that_never_answers():
     with TcpSlave() as slave:
-        result = takt("latency", target(slave.port), "--timeout", "50ms", "--rate", "100/s", "--for", "300ms", code=4)
+        result = takt("latency", target(slave.port), "--timeout", "50ms", "--rate", "100/s", "--for", "300ms",
+                      code=4)
     assert "--unit" in result.err and "none of the connections had room" in result.out
 
 
 def test_a_serial_line(pair):
     with SerialSlave(pair.b, rtu_answers({"04 0005 0002": "04 04 0001 0002"})):
-        report = takt("latency", f"rtu://{pair.a}?baud=115200&parity=none", "input", 5, 2, "--requests", 10, "--json").json
+        report = takt("latency", f"rtu://{pair.a}?baud=115200&parity=none", "input", 5, 2, "--requests", 10,
+                      "--json").json
         assert report["total"]["answered"] == 10
         for option in ("--connections", "--in-flight"):
             refused = takt("latency", f"rtu://{pair.a}", option, 2, code=2)
@@ -116,32 +126,45 @@ def test_a_signal_ends_with_the_report(blank_device):
 
 def test_forms_of_the_output(blank_device, tmp_path):
     port, svg = blank_device(), tmp_path / "a.svg"
-    rows = list(csv.DictReader(io.StringIO(takt("latency", target(port), "--requests", 50, "--csv", "--svg", svg).out)))
+    rows = list(
+        csv.DictReader(io.StringIO(
+            takt("latency", target(port), "--requests", 50, "--csv", "--svg", svg).out)))
     assert rows[-1]["answered"] == "50"
-    bars = [int(r.get("data-count")) for r in xml.parse(svg).iter("{http://www.w3.org/2000/svg}rect") if r.get("data-count")]
+    bars = [
+        int(r.get("data-count")) for r in xml.parse(svg).iter("{http://www.w3.org/2000/svg}rect")
+        if r.get("data-count")
+    ]
     assert sum(bars) == 50
     histogram = takt("latency", target(port), "--requests", 50, "--histogram", 5).out
-    total, overflows = (int(next(x for x in histogram.splitlines() if name in x).split(":")[1]) for name in ("Total", "Overflows"))
+    total, overflows = (int(next(x for x in histogram.splitlines() if name in x).split(":")[1])
+                        for name in ("Total", "Overflows"))
     assert total + overflows == 50
 
 
-@pytest.mark.parametrize("language, word", [("en", "as fast as possible"), ("ru", "с наибольшей скоростью"), ("uk", "якнайшвидше")])
+@pytest.mark.parametrize("language, word", [("en", "as fast as possible"), ("ru", "с наибольшей скоростью"),
+                                            ("uk", "якнайшвидше")])
 def test_languages(blank_device, language, word):
     port = blank_device()
     out = takt("latency", target(port), "--requests", 5, "--limit", "1s", "--lang", language).out
     assert word in out and "app." not in out
-    assert "app." not in takt("latency", target(port), "--rate", "100/s", "--requests", 5, "--lang", language).out
+    assert "app." not in takt("latency", target(port), "--rate", "100/s", "--requests", 5, "--lang",
+                              language).out
 
 
 def test_the_real_time_mode_is_reported(blank_device):
-    result = takt("latency", target(blank_device()), "--requests", 5, "--realtime", "--cpu", 0, "--spin", "50us")
+    result = takt("latency", target(blank_device()), "--requests", 5, "--realtime", "--cpu", 0, "--spin",
+                  "50us")
     assert "processor 0" in result.err
 
 
-@pytest.mark.parametrize("options, code, word", [
-    (("tcp://127.0.0.1:1",), 3, "127.0.0.1:1"), (("udp://h",), 2, "udp"), (("/dev/ptmx",), 2, "rtu:///dev/ptmx"),
-    (("tcp://h", "--rate", "fast"), 2, "1000/s"), (("tcp://h", "--port", 502), 2, "--port"), (("a.pcap", "--rate", "1/s"), 2, "--rate"),
-    (("tcp://h", "holding", 65530, 10), 2, "65535"), (("tcp://h", "holding", 0, 126), 2, "125")])
+@pytest.mark.parametrize("options, code, word", [(("tcp://127.0.0.1:1", ), 3, "127.0.0.1:1"),
+                                                 (("udp://h", ), 2, "udp"),
+                                                 (("/dev/ptmx", ), 2, "rtu:///dev/ptmx"),
+                                                 (("tcp://h", "--rate", "fast"), 2, "1000/s"),
+                                                 (("tcp://h", "--port", 502), 2, "--port"),
+                                                 (("a.pcap", "--rate", "1/s"), 2, "--rate"),
+                                                 (("tcp://h", "holding", 65530, 10), 2, "65535"),
+                                                 (("tcp://h", "holding", 0, 126), 2, "125")])
 def test_what_cannot_be_measured(options, code, word):
     assert word in takt("latency", *options, code=code).err
 

@@ -38,7 +38,8 @@ def measured(tmp_path, data, *options, code=0):
 def test_the_figures_of_the_source(tmp_path):
     report = measured(tmp_path, source_capture().pcap(nanoseconds=False), "--limit", "1ms")
     total = report["total"]
-    assert (total["answered"], total["min_ms"], total["max_ms"], total["mean_ms"], total["p50_ms"]) == (5, 0.146, 0.205, 0.16, 0.149)
+    assert (total["answered"], total["min_ms"], total["max_ms"], total["mean_ms"],
+            total["p50_ms"]) == (5, 0.146, 0.205, 0.16, 0.149)
     assert [s["time_ms"] for s in report["slowest"]] == [0.205, 0.152, 0.149, 0.148, 0.146]
     assert report["slowest"][0]["request_packet"] == 4
     assert report["verdict"]["kept"] and "fewer than 46 % exceed 1 ms" in report["verdict"]["words"]
@@ -56,7 +57,8 @@ def test_every_link_layer_and_format_gives_the_same(tmp_path, link):
 
 def test_standard_input_in_pieces(tmp_path):
     data = source_capture().pcapng()
-    with subprocess.Popen([TAKT, "latency", "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment()) as process:
+    with subprocess.Popen([TAKT, "latency", "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                          env=environment()) as process:
         for at in range(0, len(data), 7):
             process.stdin.write(data[at:at + 7])
             process.stdin.flush()
@@ -104,29 +106,30 @@ def test_segments_cut_repeated_swapped_and_missing(tmp_path):
     c = Connection(capture)
     whole = adu(1, 1, READ)
     c.request(100, whole[:3])
-    c.request(110, whole[3:])                      # the request counts from here
+    c.request(110, whole[3:])  # the request counts from here
     answer = adu(1, 1, ANSWER)
     c.respond(200, answer[:1])
-    c.respond(310, answer[1:])                     # 200 us
+    c.respond(310, answer[1:])  # 200 us
     two = adu(2, 1, READ)
     c.request(1000, two)
-    c.again(1200, False, two)                      # sent again within the exchange
-    c.respond(1400, adu(2, 1, ANSWER))             # 400 us
+    c.again(1200, False, two)  # sent again within the exchange
+    c.respond(1400, adu(2, 1, ANSWER))  # 400 us
     c.again(1500, True, adu(2, 1, ANSWER))
     c.request(2000, adu(3, 1, READ) + adu(4, 2, READ) + adu(5, 1, "06 0001 0002"))
-    c.respond(2050, adu(5, 1, "06 0001 0002"))     # 50 us
+    c.respond(2050, adu(5, 1, "06 0001 0002"))  # 50 us
     c.respond(2100, adu(4, 2, "83 02") + adu(3, 1, ANSWER))  # twice 100 us
     c.request(3000, adu(6, 1, READ))
     c.respond(3100, adu(6, 1, ANSWER), captured=False)
-    c.request(4000, adu(7, 1, READ))               # acknowledges what is missing
-    c.respond(4300, adu(7, 1, ANSWER))             # 300 us
+    c.request(4000, adu(7, 1, READ))  # acknowledges what is missing
+    c.respond(4300, adu(7, 1, ANSWER))  # 300 us
     c.request(5000, adu(8, 1, READ), captured=False)
-    c.respond(5100, adu(8, 1, ANSWER))             # without its request
+    c.respond(5100, adu(8, 1, ANSWER))  # without its request
     c.close(2_000_000)
     report = measured(tmp_path, capture.pcap())
     total = report["total"]
     assert sorted(s["time_ms"] for s in report["slowest"]) == [0.05, 0.1, 0.1, 0.2, 0.3, 0.4]
-    assert (total["requests"], total["answered"], total["unanswered"], total["retransmissions"]) == (7, 6, 1, 1)
+    assert (total["requests"], total["answered"], total["unanswered"], total["retransmissions"]) == (7, 6, 1,
+                                                                                                     1)
     assert total["exceptions"] == {"2": 1}
     assert report["capture"]["unmatched_responses"] == 1
     assert report["capture"]["gaps"] == 2 and report["capture"]["missing_bytes"] == 11 + 12
@@ -167,13 +170,19 @@ def test_series_and_their_grouping(tmp_path):
         connection.respond(number * 1000 + 100, adu(9, 1 + number // 2, ANSWER))
     data = capture.pcap()
     series = measured(tmp_path, data)["series"]
-    assert [(s["client"], s["unit"]) for s in series] == [("10.0.0.1", 1), ("10.0.0.9", 1), ("10.0.0.1", 2), ("10.0.0.9", 2)]
+    assert [(s["client"], s["unit"]) for s in series] == [("10.0.0.1", 1), ("10.0.0.9", 1), ("10.0.0.1", 2),
+                                                          ("10.0.0.9", 2)]
     assert [s["answered"] for s in measured(tmp_path, data, "--by", "client")["series"]] == [2, 2]
     assert [s["answered"] for s in measured(tmp_path, data, "--by", "none")["series"]] == [4]
 
 
 def test_serial_frames(tmp_path):
-    frames = [frame("rtu", 1, "03 0000 0001"), frame("rtu", 1, "03 02 1234"), frame("ascii", 2, "03 0000 0001"), frame("ascii", 2, "83 02")]
+    frames = [
+        frame("rtu", 1, "03 0000 0001"),
+        frame("rtu", 1, "03 02 1234"),
+        frame("ascii", 2, "03 0000 0001"),
+        frame("ascii", 2, "83 02")
+    ]
     report = measured(tmp_path, frames_pcap(147, frames))
     assert [s["time_ms"] for s in report["slowest"]] == [1.0, 1.0]
     assert report["total"]["exceptions"] == {"2": 1}
@@ -189,14 +198,20 @@ def test_forms_of_the_output(tmp_path):
     assert [row["client"] for row in rows] == ["10.0.0.1", "total"]
     assert rows[1]["mean_ms"] == "0.16" and rows[1]["answered"] == "5" and rows[1]["exceeded"] == ""
     picture = xml.parse(svg).getroot()
-    bars = [int(r.get("data-count")) for r in picture.iter("{http://www.w3.org/2000/svg}rect") if r.get("data-count")]
+    bars = [
+        int(r.get("data-count")) for r in picture.iter("{http://www.w3.org/2000/svg}rect")
+        if r.get("data-count")
+    ]
     assert sum(bars) == 5
     assert xml.fromstring(takt("latency", path, "--svg", "-").out.encode()).tag.endswith("svg")
     assert "--svg -" in takt("latency", path, "--json", "--svg", "-", code=2).err
     lines = takt("latency", path, "--histogram", 200).out.splitlines()
-    assert lines[0] == "# Histogram" and lines[1 + 146] == "000146 000001" and lines[1 + 147] == "000147 000000"
-    assert lines[201:] == ["# Total: 000000004", "# Min Latencies: 00146", "# Avg Latencies: 00160", "# Max Latencies: 00205",
-                           "# Histogram Overflows: 00001"]
+    assert lines[0] == "# Histogram" and lines[1 + 146] == "000146 000001" and lines[1 +
+                                                                                     147] == "000147 000000"
+    assert lines[201:] == [
+        "# Total: 000000004", "# Min Latencies: 00146", "# Avg Latencies: 00160", "# Max Latencies: 00205",
+        "# Histogram Overflows: 00001"
+    ]
 
 
 @pytest.mark.parametrize("language, word", [("en", "kept"), ("ru", "выдержан"), ("uk", "витримано")])
@@ -237,9 +252,10 @@ def test_a_record_length_that_cannot_be(tmp_path, form, length):
         assert result.code == 7 and "after packet 11" in result.err
 
 
-@pytest.mark.parametrize("data, words", [
-    (b"hello world", ("68656C6C", "pcapng")), (b"", ("empty", "pcapng")), (b"\x1f\x8b\x08\0", ("gunzip",)),
-    (Capture().pcap()[:4] + b"\x09\0" + Capture().pcap()[6:], ("version 9", "allowed: 2"))])
+@pytest.mark.parametrize("data, words", [(b"hello world", ("68656C6C", "pcapng")), (b"", ("empty", "pcapng")),
+                                         (b"\x1f\x8b\x08\0", ("gunzip", )),
+                                         (Capture().pcap()[:4] + b"\x09\0" + Capture().pcap()[6:],
+                                          ("version 9", "allowed: 2"))])
 def test_what_is_no_capture(tmp_path, data, words):
     path = tmp_path / "a.pcap"
     path.write_bytes(data)
@@ -293,7 +309,7 @@ def test_serial_frames_in_tcp(tmp_path, framing, frame_of):
         connection.request(at + 10, request[5:])
         connection.respond(at + 1010 + number, answer)
     connection.request(2_000_000, frame_of("03 0000 0002"))  # without a response
-    connection.request(2_500_000, frame_of("83 02")[:3])     # no whole frame
+    connection.request(2_500_000, frame_of("83 02")[:3])  # no whole frame
     report = measured(tmp_path, capture.pcap(), "--framing", framing, "--port", 4001, "--timeout", "100ms")
     total = report["total"]
     assert (total["requests"], total["answered"], total["unanswered"]) == (11, 10, 1)
@@ -336,7 +352,8 @@ def fragments_of(time_ns, packet):
     for at in range(0, len(payload), 16):
         piece = payload[at:at + 16]
         place = (0x2000 if at + 16 < len(payload) else 0) | at // 8
-        parts.append((time_ns, packet[:2] + struct.pack(">H", 20 + len(piece)) + packet[4:6] + struct.pack(">H", place) + packet[8:20] + piece))
+        parts.append((time_ns, packet[:2] + struct.pack(">H", 20 + len(piece)) + packet[4:6] +
+                      struct.pack(">H", place) + packet[8:20] + piece))
     return parts[::-1]
 
 

@@ -32,7 +32,8 @@ def printed(*arguments):
 def test_the_display_fits_80_by_24(plant):
     with Terminal("run", plant) as terminal:
         lines = terminal.shows(some("Value_16"), "a full page")
-        terminal.shows(lambda seen: "connected, load" in seen[0] and "answering: Node1" in seen[1], "line and device at the top")
+        terminal.shows(lambda seen: "connected, load" in seen[0] and "answering: Node1" in seen[1],
+                       "line and device at the top")
         assert not terminal.screen.scrolled or all("Value" not in line for line in terminal.screen.scrolled)
         assert len(lines) <= 24 and max(map(len, lines)) < 80
         assert "of 61" in "".join(terminal.screen.lines()), "which rows are shown"
@@ -61,15 +62,23 @@ def test_keys(plant):
 
 
 def test_a_value_that_is_not_good_is_at_the_top(project, tmp_path):
-    answer = lambda adu: tcp_answer(adu, "83 02") if adu[8:10] == b"\0\x64" else tcp_answer(adu, "03 02 00 05")
+    answer = lambda adu: tcp_answer(adu, "83 02") if adu[8:10] == b"\0\x64" else tcp_answer(
+        adu, "03 02 00 05")
     with TcpSlave(answer) as slave:
-        path = project(tcp(["name: Good, register: 0, type: int16, read: 0x03", "name: Bad, register: 100, type: int16, read: 0x03"], slave.port))
+        path = project(
+            tcp([
+                "name: Good, register: 0, type: int16, read: 0x03",
+                "name: Bad, register: 100, type: int16, read: 0x03"
+            ], slave.port))
         with Terminal("run", path) as terminal:
-            lines = terminal.shows(lambda seen: some("exception 2")(seen) and some(" 5 ")(seen), "both values")
+            lines = terminal.shows(lambda seen: some("exception 2")(seen) and some(" 5 ")(seen),
+                                   "both values")
             rows = [line for line in lines if line.startswith("Node1")]
-            assert rows[0].split()[1] == "Bad" and rows[0].endswith("exception 2") and rows[1].split()[1] == "Good"
+            assert rows[0].split()[1] == "Bad" and rows[0].endswith(
+                "exception 2") and rows[1].split()[1] == "Good"
             terminal.press("!")
-            terminal.shows(lambda seen: not some("Good")(seen) and some("1–1 of 1, not good only")(seen), "the bad value alone")
+            terminal.shows(lambda seen: not some("Good")(seen) and some("1–1 of 1, not good only")(seen),
+                           "the bad value alone")
             terminal.interrupt()
 
 
@@ -93,10 +102,14 @@ def test_the_project_is_never_connected(project):
 
 
 @pytest.mark.parametrize("language", ["en", "ru", "uk"])
-@pytest.mark.parametrize("command", ["check", "plan", "run --for 300ms", "run --for 300ms --quiet"], ids=lambda c: c.replace(" ", "_"))
+@pytest.mark.parametrize("command", ["check", "plan", "run --for 300ms", "run --for 300ms --quiet"],
+                         ids=lambda c: c.replace(" ", "_"))
 def test_no_line_is_wrapped_by_the_terminal(project, blank_device, command, language):
     """Tables fit 80 columns; sentences are broken at blanks."""
-    names = ["name: Supply_temperature, register: 0, type: float, read: 0x03", "name: Level, register: 300, type: float, read: 0x03"]
+    names = [
+        "name: Supply_temperature, register: 0, type: float, read: 0x03",
+        "name: Level, register: 300, type: float, read: 0x03"
+    ]
     path = project(tcp(names, blank_device("ramp")))
     verb, *options = command.split()
     lines = [line for line in printed(verb, path, *options, "--lang", language) if str(path) not in line]
@@ -105,8 +118,10 @@ def test_no_line_is_wrapped_by_the_terminal(project, blank_device, command, lang
 
 @pytest.mark.parametrize("language", ["en", "ru", "uk"])
 def test_the_tables_of_ctl_fit_the_terminal(project, tmp_path, language):
-    names = ["name: Supply_temperature_of_the_second_boiler, register: 0, type: float, read: 0x03, unit: °C",
-             "name: Serial, register: 300, type: string, length: 60, read: 0x03"]
+    names = [
+        "name: Supply_temperature_of_the_second_boiler, register: 0, type: float, read: 0x03, unit: °C",
+        "name: Serial, register: 300, type: string, length: 60, read: 0x03"
+    ]
     with TcpSlave(lambda adu: tcp_answer(adu, "03 78" + " 41" * 120 if adu[11] == 60 else "83 02")) as slave:
         path, control = project(tcp(names, slave.port)), tmp_path / "control"
         with start("run", path, "--control", control) as run:
@@ -139,9 +154,11 @@ def test_read_watch(blank_device):
 
 def test_read_watch_of_what_is_refused():
     with TcpSlave(lambda adu: tcp_answer(adu, "83 02")) as slave:
-        with Terminal("read", f"tcp://127.0.0.1:{slave.port}", "holding", 500, 3, "--watch", "100ms") as terminal:
+        with Terminal("read", f"tcp://127.0.0.1:{slave.port}", "holding", 500, 3, "--watch",
+                      "100ms") as terminal:
             lines = terminal.shows(some("illegal data address"), "the exception")
-            assert sum(line.endswith("exception 2") for line in lines if line.startswith("holding 50")) == 3, lines
+            assert sum(line.endswith("exception 2") for line in lines
+                       if line.startswith("holding 50")) == 3, lines
             assert lines[0].endswith(": exception 2") and max(map(len, lines)) < 80
             terminal.press("\x03")
             terminal.ends(code=5)
@@ -149,13 +166,15 @@ def test_read_watch_of_what_is_refused():
 
 # --- without a terminal
 
+
 def test_quiet_prints_changes_of_state_only(project, blank_device):
     port = blank_device("ramp")
     with start("run", project(tcp(MANY, port)), "--quiet") as run:
         run.wait_line(lambda line: "Node1: answering" in line, "the state")
         result = run.interrupt()
     assert "Value_00 =" not in result.out and "cycle planned" in result.out
-    assert all(re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d ", line) for line in result.lines[:2])
+    assert all(
+        re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d ", line) for line in result.lines[:2])
 
 
 def test_quiet_reports_a_missing_host_once(project):

@@ -37,13 +37,15 @@ def logged(folder, port, condition, *options):
 def test_a_host_that_refuses_connections(tmp_path):
     port = free_port()
     lines = logged(tmp_path, port, lambda text: "refused" in text)
-    assert re.search(rf"warning host: line plant: 127\.0\.0\.1:{port}: cannot be opened: connection refused$", lines[0]), lines
+    assert re.search(rf"warning host: line plant: 127\.0\.0\.1:{port}: cannot be opened: connection refused$",
+                     lines[0]), lines
     assert not any("cannot_open" in line for line in lines), lines
 
 
 def test_a_silent_device(tmp_path):
     with TcpSlave(lambda request: None) as slave:
-        lines = logged(tmp_path, slave.port, lambda text: text.count("attempt") > 5 or "not answering" in text)
+        lines = logged(tmp_path, slave.port,
+                       lambda text: text.count("attempt") > 5 or "not answering" in text)
     failed = [line for line in lines if "read holding registers 500..501" in line]
     pattern = r"info host: line plant, device Boiler \(unit 16\): read holding registers 500\.\.501: no response, after \d+(\.\d)? ms, attempt {} of 3$"
     for attempt in (1, 2, 3):
@@ -63,7 +65,9 @@ def test_repeated_failures_are_one_line_and_a_count(tmp_path):
     refused = [line for line in lines if "exception 2" in line]
     assert len(refused) == 2, lines
     assert "exception 2: illegal data address, after" in refused[0], lines
-    assert re.search(r"exception 2: illegal data address, attempt 1 of 3: last message repeated \d+ times in \d+ s$", refused[1]), lines
+    assert re.search(
+        r"exception 2: illegal data address, attempt 1 of 3: last message repeated \d+ times in \d+ s$",
+        refused[1]), lines
 
 
 def test_it_speaks_the_language_of_the_program(tmp_path):

@@ -9,8 +9,10 @@ from program import start, takt, until
 
 @pytest.fixture
 def device(blank_device):
+
     def target(fill="ramp"):
         return f"tcp://127.0.0.1:{blank_device(fill)}"
+
     return target
 
 
@@ -22,8 +24,15 @@ def test_read_prints_a_line_a_value(device):
 def test_read_as_json_is_one_object(device):
     target = device()
     result = takt("read", target, "input", 5, 4, "--json")
-    assert {k: v for k, v in result.json.items() if k != "time_ms"} == {
-        "target": target, "unit": 1, "function": 4, "start": 5, "type": result.json["type"], "values": [5, 6, 7, 8]}
+    assert {k: v
+            for k, v in result.json.items() if k != "time_ms"} == {
+                "target": target,
+                "unit": 1,
+                "function": 4,
+                "start": 5,
+                "type": result.json["type"],
+                "values": [5, 6, 7, 8]
+            }
     assert result.json["time_ms"] >= 0
 
 
@@ -34,7 +43,8 @@ def test_the_ramp_of_bits(device):
         assert [int(v) for v in values] == [1, 0, 1, 0, 1]
 
 
-@pytest.mark.parametrize("area, count", [("coils", 5000), ("discrete", 2001), ("holding", 300), ("input", 126)])
+@pytest.mark.parametrize("area, count", [("coils", 5000), ("discrete", 2001), ("holding", 300),
+                                         ("input", 126)])
 def test_more_than_a_request_holds_is_read_in_several(device, area, count):
     values = takt("read", device(), area, 1, count, "--json").json["values"]
     expected = range(1, count + 1)
@@ -50,18 +60,24 @@ def test_the_last_address(device):
 
 # A value, its type, and its registers in the order 2143 (low register first, high byte first).
 TYPES = [
-    ("int16", "-2", [0xFFFE]), ("uint16", "65534", [0xFFFE]),
-    ("int32", "-2", [0xFFFE, 0xFFFF]), ("uint32", "305419896", [0x5678, 0x1234]),
-    ("int64", "-2", [0xFFFE, 0xFFFF, 0xFFFF, 0xFFFF]), ("uint64", "18446744073709551614", [0xFFFE, 0xFFFF, 0xFFFF, 0xFFFF]),
-    ("float", "1.0", [0x0000, 0x3F80]), ("double", "1.0", [0, 0, 0, 0x3FF0]),
+    ("int16", "-2", [0xFFFE]),
+    ("uint16", "65534", [0xFFFE]),
+    ("int32", "-2", [0xFFFE, 0xFFFF]),
+    ("uint32", "305419896", [0x5678, 0x1234]),
+    ("int64", "-2", [0xFFFE, 0xFFFF, 0xFFFF, 0xFFFF]),
+    ("uint64", "18446744073709551614", [0xFFFE, 0xFFFF, 0xFFFF, 0xFFFF]),
+    ("float", "1.0", [0x0000, 0x3F80]),
+    ("double", "1.0", [0, 0, 0, 0x3FF0]),
 ]
 
 
 @pytest.mark.parametrize("kind, value, registers", TYPES, ids=[t[0] for t in TYPES])
 def test_types(device, kind, value, registers):
     target = device("zero")
-    takt("write", target, "--type", kind, "holding", 20, *(["--", value] if value.startswith("-") else [value]))
-    assert takt("read", target, "holding", 20, len(registers), "--type", "uint16", "--json").json["values"] == registers
+    takt("write", target, "--type", kind, "holding", 20,
+         *(["--", value] if value.startswith("-") else [value]))
+    assert takt("read", target, "holding", 20, len(registers), "--type", "uint16",
+                "--json").json["values"] == registers
     read = takt("read", target, "holding", 20, "--type", kind, "--json").json["values"][0]
     assert float(read) == float(value)
 
@@ -75,7 +91,8 @@ def test_orders(device, order, registers):
     target = device("zero")
     takt("write", target, "--type", "uint32", "--order", order, "holding", 0, 0x12345678)
     assert takt("read", target, "holding", 0, 2, "--json").json["values"] == registers
-    assert takt("read", target, "holding", 0, "--type", "uint32", "--order", order, "--json").json["values"] == [0x12345678]
+    assert takt("read", target, "holding", 0, "--type", "uint32", "--order", order,
+                "--json").json["values"] == [0x12345678]
 
 
 def test_a_string(device):
@@ -93,9 +110,13 @@ def test_several_values(device):
 
 
 @pytest.mark.parametrize("arguments, function", [
-    (["holding", 0, 1], "06"), (["--multiple", "holding", 0, 1], "10"), (["holding", 0, 1, 2], "10"),
+    (["holding", 0, 1], "06"),
+    (["--multiple", "holding", 0, 1], "10"),
+    (["holding", 0, 1, 2], "10"),
     (["--type", "float", "holding", 0, "1.5"], "10"),
-    (["coils", 0, 1], "05"), (["--multiple", "coils", 0, 1], "0F"), (["coils", 0, 1, 1], "0F"),
+    (["coils", 0, 1], "05"),
+    (["--multiple", "coils", 0, 1], "0F"),
+    (["coils", 0, 1, 1], "0F"),
 ], ids=lambda a: "-".join(map(str, a)) if isinstance(a, list) else a)
 def test_the_function_of_a_write(device, tmp_path, arguments, function):
     log = tmp_path / "log"
@@ -131,8 +152,10 @@ def test_the_random_fill_is_not_zero(device):
 
 
 @pytest.mark.parametrize("arguments, allowed", [
-    (["plna", "x"], "plan"), (["read", "tcp://127.0.0.1:1", "holdign", 0], "holding"),
-    (["read", "tcp://127.0.0.1:1", "holding", 0, "--type", "strnig"], "string"), (["serve", "--fill", "full"], "ramp"),
+    (["plna", "x"], "plan"),
+    (["read", "tcp://127.0.0.1:1", "holdign", 0], "holding"),
+    (["read", "tcp://127.0.0.1:1", "holding", 0, "--type", "strnig"], "string"),
+    (["serve", "--fill", "full"], "ramp"),
     (["read", "tcp://127.0.0.1:1", "holding", 0, "--timeout", "0s"], "1ms"),
 ])
 def test_an_unknown_word_is_reported_with_the_allowed_ones(arguments, allowed):

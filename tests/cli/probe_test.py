@@ -29,11 +29,13 @@ MAP = [(0, 99), (101, 130), (200, 200)]
 @pytest.mark.parametrize("no", [1, 2, 3, 4])
 def test_ranges_of_a_device_that_refuses(no):
     with PtyLine(Device(7, registers=registers(*MAP), exception=no)) as line:
-        result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 250, "--json", "--timeout", "2s").json
+        result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 250, "--json",
+                      "--timeout", "2s").json
         assert holding(result)["ranges"] == [list(r) for r in MAP]
         assert holding(result)["end"] == "complete" and result["complete"]
         assert line.asked == result["transmissions"]
-        assert holding(result)["requests"] < 200, "70 addresses are not there, each is asked once; the rest is read in groups"
+        assert holding(result)[
+            "requests"] < 200, "70 addresses are not there, each is asked once; the rest is read in groups"
 
 
 class Forgetful(Device):
@@ -49,24 +51,27 @@ class Forgetful(Device):
 def test_a_line_that_loses_answers():
     device = Forgetful(7, registers=registers(*MAP))
     with PtyLine(device) as line:
-        result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 250, "--json", "--timeout", "2s",
-                      deadline=200).json
+        result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 250, "--json",
+                      "--timeout", "2s", deadline=200).json
         assert holding(result)["ranges"] == [list(r) for r in MAP]
         # A lost answer costs one repetition. The answer may still come, so the next two normal responses that look like it
         # are repeated. After those two it counts as lost; an exception in doubt is taken without a repetition.
         lost = device.answered // 10
-        assert lost >= 14 and result["requests"] + lost <= result["transmissions"] <= result["requests"] + 3 * lost
+        assert lost >= 14 and result["requests"] + lost <= result[
+            "transmissions"] <= result["requests"] + 3 * lost
 
 
 def test_a_device_that_refuses_by_silence():
     with PtyLine(Device(7, registers=registers((0, 9), (12, 14)), exception=0)) as line:
-        result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 16, "--json", "--timeout", "60ms").json
+        result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 16, "--json",
+                      "--timeout", "60ms").json
         assert holding(result)["ranges"] == [[0, 9], [12, 14]]
 
 
 def test_the_longest_read_of_a_device():
     with PtyLine(Device(7, registers=registers((0, 59)), limit=16)) as line:
-        result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 63, "--json", "--timeout", "2s").json
+        result = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 63, "--json",
+                      "--timeout", "2s").json
         assert holding(result)["ranges"] == [[0, 59]]
         assert (holding(result)["limited"], holding(result)["longest_read"]) == (True, 16)
 
@@ -75,11 +80,15 @@ def test_the_output_is_valid_project_yaml(project):
     with PtyLine(Device(7, registers=registers(*MAP))) as line:
         yaml = takt("probe", target(line), "--unit", 7, "--to", 250, "--yaml", "--timeout", "2s").out
         assert "holding_register: [0..99, 101..130, 200]" in yaml
-        text = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 250, "--timeout", "2s").lines
+        text = takt("probe", target(line), "--unit", 7, "--area", "holding", "--to", 250, "--timeout",
+                    "2s").lines
         assert text == ["holding_register 0..99", "holding_register 101..130", "holding_register 200"]
     readable = next(line for line in yaml.splitlines() if "holding_register" in line).strip()
-    path = project(tcp(["name: A, type: int16, register: 0, read: 0x03"], 1502, strategy="optimal", readable=f"{{{readable}}}"))
-    assert not [f for f in takt("check", path, "--json").json["findings"] if f["severity"] == "error"], path.read_text()
+    path = project(
+        tcp(["name: A, type: int16, register: 0, read: 0x03"], 1502, strategy="optimal",
+            readable=f"{{{readable}}}"))
+    assert not [f for f in takt("check", path, "--json").json["findings"] if f["severity"] == "error"
+                ], path.read_text()
 
 
 def scattered():
@@ -93,8 +102,9 @@ def scattered():
         if not there.issuperset(range(start, start + count)):
             return tcp_answer(adu, "83 02")
         return tcp_answer(adu, f"03 {2 * count:02X}" + " 00 07" * count)
-    return TcpSlave(answer), [[0, 3], [37, 37], [250, 250], [1001, 1001], [4099, 4099], [12002, 12003], [20480, 20619],
-                              [40300, 40300]]
+
+    return TcpSlave(answer), [[0, 3], [37, 37], [250, 250], [1001, 1001], [4099, 4099], [12002, 12003],
+                              [20480, 20619], [40300, 40300]]
 
 
 def items(ranges):
@@ -106,8 +116,10 @@ def test_a_finer_step_finds_at_least_as_much():
     with slave:
         url = f"tcp://127.0.0.1:{slave.port}"
         default = holding(takt("probe", url, "--area", "holding", "--json", deadline=120).json)
-        assert default["ranges"] == there and default["step"] == 128, "low addresses and round numbers are searched densely"
-        fine = holding(takt("probe", url, "--area", "holding", "--step", 1, "--json", code=7, deadline=120).json)
+        assert default["ranges"] == there and default[
+            "step"] == 128, "low addresses and round numbers are searched densely"
+        fine = holding(
+            takt("probe", url, "--area", "holding", "--step", 1, "--json", code=7, deadline=120).json)
         assert fine["end"] == "out_of_requests"
         assert items(fine["ranges"]) >= items(default["ranges"])
         assert items(fine["tested_ranges"]) >= items(default["tested_ranges"])
@@ -131,10 +143,19 @@ def test_registers_that_exist_and_refuse():
     refused = {20: 4, 21: 4, 22: 3}
     with PtyLine(Device(7, registers=registers((0, 9)), refused=refused)) as line:
         arguments = ("probe", target(line), "--unit", 7, "--area", "holding", "--to", 40, "--timeout", "2s")
-        assert holding(takt(*arguments, "--json").json)["refused"] == [
-            {"first": 20, "last": 21, "exception": 4}, {"first": 22, "last": 22, "exception": 3}]
+        assert holding(takt(*arguments, "--json").json)["refused"] == [{
+            "first": 20,
+            "last": 21,
+            "exception": 4
+        }, {
+            "first": 22,
+            "last": 22,
+            "exception": 3
+        }]
         result = takt(*arguments)
-        assert result.lines == ["holding_register 0..9", "holding_register 20..21 exception 4", "holding_register 22 exception 3"]
+        assert result.lines == [
+            "holding_register 0..9", "holding_register 20..21 exception 4", "holding_register 22 exception 3"
+        ]
         assert "20..21: exists" in result.err
 
 
@@ -147,7 +168,8 @@ def test_all_of_a_blank_device(blank_device):
 
 def test_the_limit_of_requests(blank_device):
     port = blank_device()
-    result = takt("probe", f"tcp://127.0.0.1:{port}", "--area", "holding", "--max-requests", 10, "--json", code=7).json
+    result = takt("probe", f"tcp://127.0.0.1:{port}", "--area", "holding", "--max-requests", 10, "--json",
+                  code=7).json
     assert holding(result)["end"] == "out_of_requests" and holding(result)["requests"] == 10
     assert holding(result)["ranges"] == [[0, 1125]] and holding(result)["next"] is not None
 
@@ -177,7 +199,12 @@ def test_interrupted_before_anything_answered():
 
 
 @pytest.mark.parametrize("arguments", [
-    [], ["--area", "shoes"], ["--from", "9", "--to", "3"], ["--step", "0"], ["--max-requests", "0"], ["--to", "65536"],
+    [],
+    ["--area", "shoes"],
+    ["--from", "9", "--to", "3"],
+    ["--step", "0"],
+    ["--max-requests", "0"],
+    ["--to", "65536"],
 ], ids=" ".join)
 def test_bad_usage(arguments):
     result = takt("probe", *(["tcp://127.0.0.1:1"] if arguments else []), *arguments, code=2)

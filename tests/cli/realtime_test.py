@@ -17,8 +17,11 @@ lines:
     transport: simulated
     devices: [{{name: Pump, address: 1, poll_period: 50ms, turnaround: 2ms, variables: [{{name: level, type: int, register: 0, read: 0x03}}]}}]
 """
-STEPS = ["lock the memory", "keep stack and heap in memory", "avoid slow idle states of the processors", "run on processor 0",
-         "end the timer slack", "schedule with priority 49 (SCHED_FIFO)", "poll for 50us before sleeping"]
+STEPS = [
+    "lock the memory", "keep stack and heap in memory", "avoid slow idle states of the processors",
+    "run on processor 0", "end the timer slack", "schedule with priority 49 (SCHED_FIFO)",
+    "poll for 50us before sleeping"
+]
 NEEDED = {"lock the memory": "CAP_IPC_LOCK", "schedule with priority 49 (SCHED_FIFO)": "CAP_SYS_NICE"}
 
 
@@ -41,10 +44,14 @@ def without_rights(tmp_path):
     def run(*arguments, processes=None):
         if processes and os.geteuid() != 0:
             pytest.skip("needs a user without other processes")
-        limits = ["prlimit", "--memlock=65536", "--rtprio=0", *([f"--nproc={processes}"] if processes else [])]
-        rights = ["setpriv", "--reuid", "65534", "--clear-groups", "--inh-caps=-all"] if os.geteuid() == 0 else []
-        return subprocess.run([*limits, *rights, str(copy), *map(str, arguments)], capture_output=True, text=True, timeout=60, check=False,
-                              cwd=tmp_path, env=environment())
+        limits = [
+            "prlimit", "--memlock=65536", "--rtprio=0", *([f"--nproc={processes}"] if processes else [])
+        ]
+        rights = ["setpriv", "--reuid", "65534", "--clear-groups", "--inh-caps=-all"
+                  ] if os.geteuid() == 0 else []
+        return subprocess.run([*limits, *rights, str(copy), *map(str, arguments)], capture_output=True,
+                              text=True, timeout=60, check=False, cwd=tmp_path, env=environment())
+
     return run
 
 
@@ -77,14 +84,16 @@ def test_every_step_is_reported(plant):
 
 
 def test_without_rights_it_goes_on_and_names_them(plant, without_rights):
-    result = without_rights("run", plant, "--for", "200ms", "--quiet", "--realtime", "--cpu", 0, "--spin", "50us")
+    result = without_rights("run", plant, "--for", "200ms", "--quiet", "--realtime", "--cpu", 0, "--spin",
+                            "50us")
     assert result.returncode == 0 and "Pump: answering" in result.stdout, result
     steps = steps_of(result.stderr)
     assert list(steps) == STEPS
     assert steps["schedule with priority 49 (SCHED_FIFO)"]
     for step, right in NEEDED.items():  # a program with sanitizers ignores mlockall()
         assert not steps[step] or right in result.stderr
-    assert steps["run on processor 0"] == steps["end the timer slack"] == steps["poll for 50us before sleeping"] == ""
+    assert steps["run on processor 0"] == steps["end the timer slack"] == steps[
+        "poll for 50us before sleeping"] == ""
 
 
 def test_a_processor_that_does_not_exist(plant):
@@ -96,14 +105,18 @@ def test_a_processor_that_does_not_exist(plant):
 def test_the_steps_as_json(plant):
     result = takt("run", plant, "--for", "200ms", "--quiet", "--json", "--realtime", "--spin", "1us")
     steps = json.loads(next(line for line in result.lines if '"realtime"' in line))["steps"]
-    assert [s["step"] for s in steps] == ["lock_memory", "keep_memory", "idle_states", "timer_slack", "scheduling", "spin"]
+    assert [s["step"] for s in steps
+            ] == ["lock_memory", "keep_memory", "idle_states", "timer_slack", "scheduling", "spin"]
     assert all(s["done"] == ("error" not in s) for s in steps)
 
 
-@pytest.mark.parametrize("option, allowed", [("--realtime=0", "1..99"), ("--realtime=100", "1..99"), ("--realtime=x", "1..99"), ("--cpu=-1", "0..1023"),
-                                            ("--cpu=1024", "0..1023"), ("--spin=101ms", "0s..100ms"), ("--spin=-1us", "0s..100ms"), ("--spin=5", "unit")])
+@pytest.mark.parametrize("option, allowed", [("--realtime=0", "1..99"), ("--realtime=100", "1..99"),
+                                             ("--realtime=x", "1..99"), ("--cpu=-1", "0..1023"),
+                                             ("--cpu=1024", "0..1023"), ("--spin=101ms", "0s..100ms"),
+                                             ("--spin=-1us", "0s..100ms"), ("--spin=5", "unit")])
 def test_wrong_values(plant, option, allowed):
-    for command in (["run", plant, "--for", "10ms"], ["serve", "--listen", "127.0.0.1:0", "--for", "10ms"], ["selftest", "--for", "1ms"]):
+    for command in (["run", plant, "--for", "10ms"], ["serve", "--listen", "127.0.0.1:0", "--for",
+                                                      "10ms"], ["selftest", "--for", "1ms"]):
         result = takt(*command, option, code=2)
         assert option.split("=")[0] in result.err and allowed in result.err, result
 

@@ -23,11 +23,13 @@ def found(result):
 
 def test_units_behind_different_bit_rates():
     with PtyLine(Device(3, 19200), Device(16, 9600), Device(17, 9600)) as line:
-        result = scan(f"rtu://{line.port}", "--units", "2-4,15-18", "--bauds", "9600,19200,115200", "--parities", "none", *QUICK)
+        result = scan(f"rtu://{line.port}", "--units", "2-4,15-18", "--bauds", "9600,19200,115200",
+                      "--parities", "none", *QUICK)
         assert found(result) == {(3, 19200), (16, 9600), (17, 9600)}
         assert result["complete"] and not result["troubles"]
         assert {d["parity"] for d in result["devices"]} == {"none"}
-        assert takt("read", result["devices"][0]["target"], "--unit", result["devices"][0]["unit"], "holding", 0).code == 0
+        assert takt("read", result["devices"][0]["target"], "--unit", result["devices"][0]["unit"], "holding",
+                    0).code == 0
 
 
 def test_the_settings_of_the_target_are_the_only_ones():
@@ -39,7 +41,8 @@ def test_the_settings_of_the_target_are_the_only_ones():
 
 def test_first_leaves_the_port_where_something_was_found():
     with PtyLine(Device(3, 9600), Device(4, 115200)) as line:
-        arguments = (f"rtu://{line.port}", "--units", "1-5", "--bauds", "9600,115200", "--parities", "none", *QUICK)
+        arguments = (f"rtu://{line.port}", "--units", "1-5", "--bauds", "9600,115200", "--parities", "none",
+                     *QUICK)
         assert found(scan(*arguments, "--first")) == {(3, 9600)}
         assert found(scan(*arguments)) == {(3, 9600), (4, 115200)}
 
@@ -80,9 +83,12 @@ def test_no_device_answers():
 
 def test_a_project_that_can_be_checked(tmp_path):
     path = tmp_path / "found.yaml"
-    with PtyLine(Device(3, 9600, objects={0: 'Ac"me\\', 1: "T1"}), Device(5, 9600, registers={9: 1}), Device(7, 19200)) as line:
-        arguments = ("scan", f"rtu://{line.port}", "--units", "3-5,7", "--bauds", "9600,19200", "--parities", "none", *QUICK,
-                     "--project", path)
+    with PtyLine(Device(3, 9600, objects={
+            0: 'Ac"me\\',
+            1: "T1"
+    }), Device(5, 9600, registers={9: 1}), Device(7, 19200)) as line:
+        arguments = ("scan", f"rtu://{line.port}", "--units", "3-5,7", "--bauds", "9600,19200", "--parities",
+                     "none", *QUICK, "--project", path)
         takt(*arguments)
         assert not [f for f in takt("check", path, "--json").json["findings"] if f["severity"] == "error"]
         text = path.read_text()
@@ -118,7 +124,8 @@ def test_a_blank_device_of_ours(blank_device):
 
 def test_pymodbus():
     port = endpoints.free_port()
-    with Running([sys.executable, ROOT / "tests/peers/pymodbus_server.py", "tcp", port, 1, "identity"]) as peer:
+    with Running([sys.executable, ROOT / "tests/peers/pymodbus_server.py", "tcp", port, 1,
+                  "identity"]) as peer:
         peer.wait_line(lambda line: line == "ready", "ready")
         device, = scan(f"tcp://127.0.0.1:{port}", "--units", "1", "--timeout", "2s")["devices"]
         assert (device["vendor"], device["product"], device["revision"]) == ("Acme", "T1", "1.0")
@@ -126,9 +133,11 @@ def test_pymodbus():
 
 
 def test_a_gateway_reports_missing_units():
+
     def answer(adu):
         return tcp_answer(adu, "03 02 00 07" if adu[7] == 3 else f"{adu[7] | 0x80:02X} 01") if adu[6] == 5 else \
             tcp_answer(adu, f"{adu[7] | 0x80:02X} 0B")
+
     with TcpSlave(answer) as slave:
         result = scan(f"tcp://127.0.0.1:{slave.port}", "--units", "1-40")
         assert [d["unit"] for d in result["devices"]] == [5]
@@ -136,10 +145,12 @@ def test_a_gateway_reports_missing_units():
 
 def only(unit):
     """A device over TCP that answers one unit and is silent for all others."""
+
     def answer(adu):
         if adu[6] != unit:
             return None
         return tcp_answer(adu, "03 02 00 07" if adu[7] == 3 else f"{adu[7] | 0x80:02X} 01")
+
     return TcpSlave(answer)
 
 
@@ -153,7 +164,9 @@ def test_a_host_is_scanned_in_seconds():
 
 def units_asked(traffic):
     """The units of the requests, each once, in turn. A frame of Modbus TCP has the unit in its seventh byte."""
-    sent = [line.split("] ", 2)[-1].split()[6] for line in traffic.read_text().splitlines() if " Tx: " in line]
+    sent = [
+        line.split("] ", 2)[-1].split()[6] for line in traffic.read_text().splitlines() if " Tx: " in line
+    ]
     return list(dict.fromkeys(int(unit, 16) for unit in sent))
 
 
@@ -166,7 +179,8 @@ def test_the_units_of_a_host_are_asked_first(tmp_path):
 def runs(path, name):
     """The first good value of a variable when the project runs."""
     with start("run", path, "--json") as running:
-        event = running.wait_event(lambda e: e.get("name") == name and e.get("quality") == "good", f"{name} is good")
+        event = running.wait_event(lambda e: e.get("name") == name and e.get("quality") == "good",
+                                   f"{name} is good")
         running.interrupt()
         return event["value"]
 
@@ -215,10 +229,19 @@ def test_a_host_that_is_not_there():
 
 
 @pytest.mark.parametrize("arguments", [
-    [], ["nowhere"], ["tcp://127.0.0.1", "--units", "0-256"], ["tcp://127.0.0.1", "--units", "5-1"],
-    ["tcp://127.0.0.1", "--units", "x"], ["rtu:///dev/ttyS0", "--bauds", "1"], ["rtu:///dev/ttyS0", "--parities", "mark"],
-    ["rtu:///dev/ttyS0", "--stop-bits", "3"], ["rtu:///dev/ttyS0", "--units", "0"], ["tcp://10.0.0.0/8"],
-    ["tcp://10.0.0.9-1"], ["tcp://127.0.0.1", "--timeout", "5"], ["tcp://127.0.0.1", "--timeout", "0ms"],
+    [],
+    ["nowhere"],
+    ["tcp://127.0.0.1", "--units", "0-256"],
+    ["tcp://127.0.0.1", "--units", "5-1"],
+    ["tcp://127.0.0.1", "--units", "x"],
+    ["rtu:///dev/ttyS0", "--bauds", "1"],
+    ["rtu:///dev/ttyS0", "--parities", "mark"],
+    ["rtu:///dev/ttyS0", "--stop-bits", "3"],
+    ["rtu:///dev/ttyS0", "--units", "0"],
+    ["tcp://10.0.0.0/8"],
+    ["tcp://10.0.0.9-1"],
+    ["tcp://127.0.0.1", "--timeout", "5"],
+    ["tcp://127.0.0.1", "--timeout", "0ms"],
 ], ids=lambda a: " ".join(a).replace("/", "|") or "nothing")
 def test_bad_usage(arguments):
     result = takt("scan", *arguments, code=2)

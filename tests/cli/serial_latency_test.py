@@ -14,7 +14,8 @@ from program import start, takt, until
 SOURCE = pathlib.Path(__file__).parent.parent / "support" / "uart_driver.cpp"
 DONE = "{port}: low latency: done"
 FAILED = "{port}: low latency: not done ({why})"
-DRIVERS = [("accepts", DONE, ""), ("ignores", FAILED, "Operation not supported"), ("refuses", FAILED, "Operation not permitted"),
+DRIVERS = [("accepts", DONE, ""), ("ignores", FAILED, "Operation not supported"),
+           ("refuses", FAILED, "Operation not permitted"),
            ("lacks", FAILED, "Inappropriate ioctl for device")]
 PROJECT = """takt: 1
 lines:
@@ -30,7 +31,11 @@ lines:
 def driver(tmp_path_factory):
     library = tmp_path_factory.mktemp("uart") / "uart_driver.so"
     subprocess.run(["g++", "-std=c++20", "-O1", "-shared", "-fPIC", "-o", library, SOURCE], check=True)
-    return lambda kind: {"LD_PRELOAD": str(library), "TAKT_UART": kind, "ASAN_OPTIONS": "verify_asan_link_order=0"}
+    return lambda kind: {
+        "LD_PRELOAD": str(library),
+        "TAKT_UART": kind,
+        "ASAN_OPTIONS": "verify_asan_link_order=0"
+    }
 
 
 @pytest.fixture
@@ -54,7 +59,9 @@ def test_the_result_is_reported(driver, plant, port, kind, text, why):
     expected = text.format(port=port, why=why)
     result = takt("run", plant, "--for", "300ms", "--quiet", **driver(kind))
     assert result.err.count(expected) == 1, result
-    event = next(json.loads(line) for line in takt("run", plant, "--for", "300ms", "--json", **driver(kind)).lines if "low_latency" in line)
+    event = next(
+        json.loads(line) for line in takt("run", plant, "--for", "300ms", "--json", **driver(kind)).lines
+        if "low_latency" in line)
     assert event["event"] == "notice" and event["severity"] == "status" and event["text"].startswith(expected)
     with start("serve", "--port", port, env=driver(kind)) as serve:
         until(lambda: any(expected in line for line in serve.err), "the report")

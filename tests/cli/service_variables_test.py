@@ -75,8 +75,16 @@ class Plant:
         """The input registers by name. The register with the low word of a value goes first."""
         words = client.read_input_registers(0, 14, slave=1).registers
         pair = lambda at, form: struct.unpack(form, struct.pack(">HH", words[at + 1], words[at]))[0]
-        return {"state": words[0], "errors": pair(1, ">I"), "response_time": pair(3, ">f"), "load": pair(5, ">f"), "up": words[7],
-                "outages": pair(8, ">I"), "time": pair(10, ">I"), "uptime": pair(12, ">I")}
+        return {
+            "state": words[0],
+            "errors": pair(1, ">I"),
+            "response_time": pair(3, ">f"),
+            "load": pair(5, ">f"),
+            "up": words[7],
+            "outages": pair(8, ">I"),
+            "time": pair(10, ">I"),
+            "uptime": pair(12, ">I")
+        }
 
 
 @pytest.fixture
@@ -99,21 +107,24 @@ def test_a_client_reads_the_health_of_a_line_while_its_device_stops_and_starts(p
         assert plant.health(client)["up"] == 0
         with plant.slave():
             until(lambda: plant.health(client)["state"] == 1, "the device answers")
-            health = until(lambda: (h := plant.health(client))["load"] > 0 and h["response_time"] > 0 and h, "a load")
+            health = until(lambda: (h := plant.health(client))["load"] > 0 and h["response_time"] > 0 and h,
+                           "a load")
             assert health["up"] == 1
             assert 0 < health["response_time"] < 200
             assert health["load"] <= 100
             outages = health["outages"]  # a starting server may accept the connection before it can answer
             assert outages <= 1
-            written = until(lambda: takt("read", f"tcp://127.0.0.1:{plant.line}", "--unit", "16", "holding", "6").out == "6 77\n",
-                            "the setting that is sent when the device answers")
+            written = until(
+                lambda: takt("read", f"tcp://127.0.0.1:{plant.line}", "--unit", "16", "holding", "6").out ==
+                "6 77\n", "the setting that is sent when the device answers")
             assert written
         until(lambda: plant.health(client)["state"] in (2, 4), "the device is gone")
         with plant.slave():
             until(lambda: plant.health(client)["state"] == 1, "the device is back")
             assert plant.health(client)["outages"] > outages
-            until(lambda: takt("read", f"tcp://127.0.0.1:{plant.line}", "--unit", "16", "holding", "6").out == "6 77\n",
-                  "the setting again")
+            until(
+                lambda: takt("read", f"tcp://127.0.0.1:{plant.line}", "--unit", "16", "holding", "6").out ==
+                "6 77\n", "the setting again")
         now = datetime.datetime.now(datetime.timezone.utc).timestamp()
         assert abs(plant.health(client)["time"] - now) < 5
         assert plant.health(client)["uptime"] < 60
@@ -140,13 +151,15 @@ def test_get_knows_every_one_and_writing_is_refused(plant):
         with plant.master() as run:
             run.wait_event(lambda e: e["event"] == "device" and e["state"] == "answering", "the device")
             time = answer(run, "get system.time")
-            assert time["utc"] == datetime.datetime.fromtimestamp(int(time["value"]), datetime.timezone.utc).strftime(
-                "%Y-%m-%dT%H:%M:%SZ")
+            assert time["utc"] == datetime.datetime.fromtimestamp(int(
+                time["value"]), datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
             assert answer(run, "get system.line.bus.cycle")["name"] == "system.line.bus.cycle"
-            by_line, by_name = (answer(run, f"get system.device.{name}.timeouts") for name in ("bus/Boiler", "Boiler"))
+            by_line, by_name = (answer(run, f"get system.device.{name}.timeouts")
+                                for name in ("bus/Boiler", "Boiler"))
             at_any_time = {"time_ms": pytest.approx(0, abs=1e9), "time": by_line["time"]}
             assert by_line == by_name | at_any_time
-            for command in ("set system.pulse_1s 1", "write system.uptime 5", "set system.device.Boiler.state x"):
+            for command in ("set system.pulse_1s 1", "write system.uptime 5",
+                            "set system.device.Boiler.state x"):
                 refused = answer(run, command)
                 assert refused["code"] == "read_only"
                 assert command.split()[1] in refused["text"] and "read-only" in refused["text"]
@@ -158,17 +171,19 @@ def test_get_knows_every_one_and_writing_is_refused(plant):
 
 
 @pytest.mark.parametrize("line, code, words", [
-    ("{name: X, type: int, register: 1, read: 3, read_trigger: system.pulse}", "service.unknown", "system.pulse_1s"),
-    ("{name: X, type: int, register: 1, read: 3, read_trigger: system.device.Boller.answering}", "service.unknown",
-     "system.device.Boiler.answering"),
+    ("{name: X, type: int, register: 1, read: 3, read_trigger: system.pulse}", "service.unknown",
+     "system.pulse_1s"),
+    ("{name: X, type: int, register: 1, read: 3, read_trigger: system.device.Boller.answering}",
+     "service.unknown", "system.device.Boiler.answering"),
     ("{name: X, type: int, register: 1, read: 3, read_trigger: system.uptime}", "service.type", "uint32"),
     ("{name: X, type: int, register: 1, read: 3, status: system.uptime}", "service.read_only", "read-only"),
     ("{name: system.x, type: int, register: 1, read: 3}", "name.reserved", "system."),
 ])
 def test_mistakes_are_findings(tmp_path, line, code, words):
     project = tmp_path / "wrong.yaml"
-    project.write_text("takt: 1\nlines:\n  - name: bus\n    port: /dev/ttyS0\n    devices:\n      - name: Boiler\n"
-                       f"        address: 16\n        variables:\n          - {line}\n")
+    project.write_text(
+        "takt: 1\nlines:\n  - name: bus\n    port: /dev/ttyS0\n    devices:\n      - name: Boiler\n"
+        f"        address: 16\n        variables:\n          - {line}\n")
     found = [f for f in takt("check", project, "--json", code=1).json["findings"] if f["severity"] == "error"]
     assert [f["code"] for f in found] == [code]
     assert words in found[0]["message"] + found[0]["advice"]
@@ -177,9 +192,10 @@ def test_mistakes_are_findings(tmp_path, line, code, words):
 
 def test_a_request_table_cannot_hold_a_service_trigger(tmp_path):
     project = tmp_path / "pulsed.yaml"
-    project.write_text("takt: 1\nlines:\n  - name: bus\n    port: /dev/ttyS0\n    devices:\n      - name: Boiler\n"
-                       "        address: 16\n        variables:\n"
-                       "          - {name: X, type: int, register: 1, read: 3, read_trigger: system.pulse_1s}\n")
+    project.write_text(
+        "takt: 1\nlines:\n  - name: bus\n    port: /dev/ttyS0\n    devices:\n      - name: Boiler\n"
+        "        address: 16\n        variables:\n"
+        "          - {name: X, type: int, register: 1, read: 3, read_trigger: system.pulse_1s}\n")
     for options in ([], ["--profile", "owen-kc1"]):
         refused = takt("table", "build", project, "-o", tmp_path / "x.table", *options, code=None)
         assert refused.code != 0

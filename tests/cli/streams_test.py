@@ -26,8 +26,10 @@ def run_without(stream, arguments, **options):
 def test_a_closed_stream_is_no_other_file(project, blank_device, tmp_path, stream):
     path = project(tcp(at([0], INT), blank_device()))
     log, state = tmp_path / "log", tmp_path / "state"
-    done = run_without(stream, ["run", path, "--for", "500ms", "--stdin", "--log", log, "--log-level", "debug", "--state", state],
-                       stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    done = run_without(
+        stream,
+        ["run", path, "--for", "500ms", "--stdin", "--log", log, "--log-level", "debug", "--state", state],
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert done.returncode == 0, done.stderr
     for line in log.read_text().splitlines():
         assert line[:4].isdigit(), f"not a line of the log: {line}"
@@ -37,9 +39,13 @@ def test_a_full_disk_ends_no_run(tmp_path):
     """A limit of the file size stands for the full disk. Lines are counted while it lasts, and follow afterwards."""
     out, frames, log = (tmp_path / name for name in ("out", "frames", "log"))
     with out.open("wb") as file:
-        run = subprocess.Popen([TAKT, "--log", str(log), "--log-level", "debug", "run", str(EXAMPLES / "demo.yaml"), "--state",
-                                str(tmp_path / "state"), "--json", "--traffic", str(frames)],
-                               stdout=file, stderr=subprocess.PIPE, env=environment())
+        run = subprocess.Popen([
+            TAKT, "--log",
+            str(log), "--log-level", "debug", "run",
+            str(EXAMPLES / "demo.yaml"), "--state",
+            str(tmp_path / "state"), "--json", "--traffic",
+            str(frames)
+        ], stdout=file, stderr=subprocess.PIPE, env=environment())
     unlimited = resource.prlimit(run.pid, resource.RLIMIT_FSIZE)
     until(lambda: b"\"good\"" in out.read_bytes() and frames.stat().st_size > 0, "values and frames")
     resource.prlimit(run.pid, resource.RLIMIT_FSIZE, (16, unlimited[1]))

@@ -48,8 +48,9 @@ def strips(root):
                 continue
             parts = [r for r in group.iter(SVG + "rect") if r.get("data-ns")]
             edges = [(float(r.get("x")), float(r.get("x")) + float(r.get("width"))) for r in parts]
-            bars.append((int(group.get("data-request")), int(group.get("data-start-ns")), int(group.get("data-end-ns")),
-                         [int(r.get("data-ns")) for r in parts], (edges[0][0], edges[-1][1])))
+            bars.append((int(group.get("data-request")), int(group.get("data-start-ns")),
+                         int(group.get("data-end-ns")), [int(r.get("data-ns"))
+                                                         for r in parts], (edges[0][0], edges[-1][1])))
         yield strip.get("data-strip"), sorted(bars, key=lambda bar: bar[1])
 
 
@@ -90,8 +91,11 @@ def test_it_stands_alone(project):
 
 def test_the_strategies_are_compared(project):
     root = picture(project(scenario_1()))
-    bars = {style: float(r.get("width")) for style in ("single", "classic", "optimal")
-            for r in root.iter(SVG + "rect") if r.get("class") == style}
+    bars = {
+        style: float(r.get("width"))
+        for style in ("single", "classic", "optimal") for r in root.iter(SVG + "rect")
+        if r.get("class") == style
+    }
     assert bars["single"] > bars["classic"] >= bars["optimal"] > 0
     shown = texts(root)
     assert {"single", "classic", "optimal"} <= set(shown)
@@ -99,8 +103,9 @@ def test_the_strategies_are_compared(project):
 
 
 def test_thousands_of_requests_stay_bounded(project):
-    path = project(serial(at(range(0, 7500, 3), "type: int16, read: 0x03"), group_requests="false", strategy="single",
-                          poll_period="60s"))
+    path = project(
+        serial(at(range(0, 7500, 3), "type: int16, read: 0x03"), group_requests="false", strategy="single",
+               poll_period="60s"))
     text = takt("plan", path, "--svg", "-").out
     assert len(text) < 2_000_000
     assert any("2000" in t for t in texts(xml.fromstring(text.encode()))), "states that it was cut"

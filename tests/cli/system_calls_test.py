@@ -13,11 +13,14 @@ from program import TAKT, start, until
 pytestmark = pytest.mark.skipif(not shutil.which("strace"), reason="strace is not installed")
 
 # Waiting for events and timers, and the bytes of sockets and serial ports. `write` may go to a serial port or an eventfd only: see DESCRIPTORS.
-ALLOWED = {"epoll_wait", "epoll_pwait", "epoll_pwait2", "epoll_ctl", "timerfd_settime", "read", "write", "recvfrom", "sendto", "ioctl",
-           "clock_nanosleep", "restart_syscall"}
+ALLOWED = {
+    "epoll_wait", "epoll_pwait", "epoll_pwait2", "epoll_ctl", "timerfd_settime", "read", "write", "recvfrom",
+    "sendto", "ioctl", "clock_nanosleep", "restart_syscall"
+}
 # The runtime of the sanitizers has memory of its own, and probes addresses with a pipe. Another test counts allocations.
 SANITIZER = {"mmap", "munmap", "madvise", "pipe2", "pipe", "close"}
-DESCRIPTORS = re.compile(r"^(/dev/(pts|tty)|socket:|TCP|UNIX|anon_inode:\[(eventfd|timerfd|eventpoll|signalfd)\])")
+DESCRIPTORS = re.compile(
+    r"^(/dev/(pts|tty)|socket:|TCP|UNIX|anon_inode:\[(eventfd|timerfd|eventpoll|signalfd)\])")
 
 PROJECT = """takt: 1
 lines:
@@ -39,7 +42,10 @@ lines:
 def io_thread(process):
     """The thread named takt-io; the only one that works in `takt serve` is the first."""
     tasks = pathlib.Path(f"/proc/{process.process.pid}/task")
-    return until(lambda: next((int(t.name) for t in tasks.iterdir() if (t / "comm").read_text().strip() == "takt-io"), None), "the I/O thread")
+    return until(
+        lambda: next(
+            (int(t.name) for t in tasks.iterdir() if (t / "comm").read_text().strip() == "takt-io"), None),
+        "the I/O thread")
 
 
 def trace(thread, path, calls=600):
@@ -69,7 +75,8 @@ def expect_only_allowed(calls):
     for name, rest in calls:
         if name in ("write", "read"):
             target = re.match(r"\d+<([^>]*)>", rest)
-            assert target and (DESCRIPTORS.match(target.group(1)) or (sanitized and target.group(1).startswith("pipe:"))), (name, rest)
+            assert target and (DESCRIPTORS.match(target.group(1)) or
+                               (sanitized and target.group(1).startswith("pipe:"))), (name, rest)
 
 
 @pytest.fixture
@@ -86,12 +93,14 @@ def plant(tmp_path):
 
 def test_of_run_and_serve(plant, tmp_path):
     path, serial, network = plant
-    with start("run", path, "--json", "--capture", tmp_path / "run.pcapng", "--log", tmp_path / "takt.log", "--traffic", tmp_path / "run.log") as run:
+    with start("run", path, "--json", "--capture", tmp_path / "run.pcapng", "--log", tmp_path / "takt.log",
+               "--traffic", tmp_path / "run.log") as run:
         run.wait_event(lambda e: e.get("name") == "Power", "a value of the TCP line")
         run.wait_event(lambda e: e.get("name") == "Level", "a value of the serial line")
         calls = trace(io_thread(run), tmp_path / "run.strace")
         expect_only_allowed(calls)
-        assert {name for name, _ in calls} >= {"write", "read", "recvfrom", "sendto"}, "both lines were polled"
+        assert {name
+                for name, _ in calls} >= {"write", "read", "recvfrom", "sendto"}, "both lines were polled"
         for name, process in (("serial", serial), ("network", network)):
             expect_only_allowed(trace(process.process.pid, tmp_path / f"{name}.strace", 200))
         run.interrupt()

@@ -12,10 +12,12 @@ from projects import at, scenario_1, scenario_3, serial
 @pytest.fixture
 def table(project, tmp_path):
     """Builds the table of a project's text and gives its path."""
+
     def build(text, *options, name="table.bin"):
         path = tmp_path / name
         takt("table", "build", project(text), "-o", path, *options)
         return path
+
     return build
 
 
@@ -41,8 +43,8 @@ def test_show_prints_the_same_as_plan(project, table):
     entries = shown["lines"][0]["devices"][0]["entries"]
     assert len(entries) == len(planned) == 2
     for entry, request in zip(entries, planned):
-        for key in ("function", "write_function", "start", "quantity", "variables", "period_ms", "read_trigger",
-                    "write_trigger", "write_on_change"):
+        for key in ("function", "write_function", "start", "quantity", "variables", "period_ms",
+                    "read_trigger", "write_trigger", "write_on_change"):
             assert entry[key] == request[key], key
     assert [i["name"] for i in shown["items"]] == ["T512", "T600", "First", "Second", "Third"]
     text = takt("table", "show", table(scenario_3())).out
@@ -64,10 +66,12 @@ def test_owen_entries(table):
 def test_owen_refuses_all_by_name_and_writes_nothing(project, tmp_path):
     path = tmp_path / "table.bin"
     path.write_bytes(b"old")
-    text = serial(["name: Wide, type: double, register: 0, read: 0x03",
-                   "name: Scaled, type: int, register: 10, read: 0x03, scale: 0.1",
-                   "name: Fine, type: int, register: 20, read: 0x03",
-                   "name: Text, type: string, length: 4, register: 30, read: 0x03"])
+    text = serial([
+        "name: Wide, type: double, register: 0, read: 0x03",
+        "name: Scaled, type: int, register: 10, read: 0x03, scale: 0.1",
+        "name: Fine, type: int, register: 20, read: 0x03",
+        "name: Text, type: string, length: 4, register: 30, read: 0x03"
+    ])
     refused = takt("table", "build", project(text), "-o", path, "--profile", "owen-kc1", code=1)
     for name in ("Wide", "Scaled", "Text"):
         assert f"error: {name}: " in refused.err
@@ -79,7 +83,8 @@ def test_owen_refuses_all_by_name_and_writes_nothing(project, tmp_path):
 
 def test_the_limits_of_the_controller_are_those_of_its_profile(project, tmp_path):
     fast = serial(at([0], "type: int, read: 0x03")).replace("115200", "230400")
-    assert "115200" in takt("table", "build", project(fast), "-o", tmp_path / "t", "--profile", "owen-kc1", code=1).err
+    assert "115200" in takt("table", "build", project(fast), "-o", tmp_path / "t", "--profile", "owen-kc1",
+                            code=1).err
     many = serial([f"name: V{i}, type: int, register: {i}, read: 0x03" for i in range(1030)])
     built = takt("table", "build", project(many), "-o", tmp_path / "t", "--profile", "owen-kc1")
     assert "warning" in built.err

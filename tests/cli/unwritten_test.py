@@ -9,8 +9,10 @@ from program import start, takt, until
 from projects import tcp
 
 WRITTEN = "type: int16, read: 0x03, write: 0x10, write_on_change: true"
-VARIABLES = ["name: Wanted, register: 0, " + WRITTEN, "name: Ordered, register: 9, type: int16, write: 0x06",
-             "name: Checked, register: 20, verify: true, " + WRITTEN]
+VARIABLES = [
+    "name: Wanted, register: 0, " + WRITTEN, "name: Ordered, register: 9, type: int16, write: 0x06",
+    "name: Checked, register: 20, verify: true, " + WRITTEN
+]
 
 
 def answered(adu, pdu):
@@ -32,7 +34,8 @@ class Device:
         function, register = adu[7], int.from_bytes(adu[8:10], "big")
         if function == 3:
             count = int.from_bytes(adu[10:12], "big")
-            values = "".join(f"{40 if r == 20 else self.values.get(r, 7):04X}" for r in range(register, register + count))
+            values = "".join(f"{40 if r == 20 else self.values.get(r, 7):04X}"
+                             for r in range(register, register + count))
             return answered(adu, f"03 {2 * count:02X}{values}")
         if register != 20 and self.refusal == "exception":
             return answered(adu, f"{function | 0x80:02X} 02")
@@ -61,7 +64,8 @@ def path(project, slave):
 
 @pytest.fixture
 def run(path, tmp_path):
-    with start("run", path, "--json", "--stdin", "--control", tmp_path / "control", "--log", tmp_path / "log") as running:
+    with start("run", path, "--json", "--stdin", "--control", tmp_path / "control", "--log",
+               tmp_path / "log") as running:
         running.control, running.log = tmp_path / "control", tmp_path / "log"
         running.wait_event(lambda e: e["event"] == "value" and e["quality"] == "good", "a value")
         yield running
@@ -75,8 +79,15 @@ def test_a_refused_set_is_answered_and_reported_in_the_stream(run):
     refused = takt("ctl", run.control, "set", "Wanted", 9, code=1)
     assert refused.out == "refused Wanted exception 2 wanted 9\n"
     event = run.wait_event(lambda e: e["event"] == "outcome", "the event")
-    assert {k: event[k] for k in ("command", "device", "name", "wanted", "outcome", "reason")} == {
-        "command": "set", "device": "Node1", "name": "Wanted", "wanted": "9", "outcome": "refused", "reason": "exception 2"}
+    assert {k: event[k]
+            for k in ("command", "device", "name", "wanted", "outcome", "reason")} == {
+                "command": "set",
+                "device": "Node1",
+                "name": "Wanted",
+                "wanted": "9",
+                "outcome": "refused",
+                "reason": "exception 2"
+            }
     assert event["id"] == 1
     run.interrupt()
     words = r"warning host: line net, device Node1 \(unit 1\): Wanted: 9 was not written \(command `set`\): exception 2: "
@@ -92,7 +103,8 @@ def test_on_standard_input_it_is_reported_once(run):
 
 
 def test_a_refused_write_by_ctl_is_in_the_stream_too(run):
-    assert takt("ctl", run.control, "write", "Ordered", 3, code=1).out == "refused Ordered exception 2 wanted 3\n"
+    assert takt("ctl", run.control, "write", "Ordered", 3,
+                code=1).out == "refused Ordered exception 2 wanted 3\n"
     event = run.wait_event(lambda e: e["event"] == "outcome", "the event")
     assert (event["command"], event["id"], event["name"], event["wanted"]) == ("write", 1, "Ordered", "3")
     run.interrupt()
@@ -105,7 +117,8 @@ def test_an_unknown_outcome_of_set_is_reported(run, device):
 
 
 def test_a_different_read_back_reports_both_values(run):
-    assert takt("ctl", run.control, "set", "Checked", 50, code=1).out == "refused Checked differs written 50 read 40\n"
+    assert takt("ctl", run.control, "set", "Checked", 50,
+                code=1).out == "refused Checked differs written 50 read 40\n"
     event = run.wait_event(lambda e: e["event"] == "outcome", "the event")
     assert (event["wanted"], event["written"], event["read"]) == ("50", "50", "40")
 
@@ -139,9 +152,11 @@ def test_of_two_sets_the_earlier_gives_way(run, device):
     assert seen.splitlines() == [b"ok Wanted 1 superseded", b"unknown Wanted timeout wanted 2"]
 
 
-@pytest.mark.parametrize("language, words", [("en", "Node1: Wanted: 9 was not written (command `set`): exception 2: illegal data address"),
-                                             ("ru", "значение 9 не записано (команда `set`): исключение 2: "),
-                                             ("uk", "значення 9 не записано (команда `set`): виняток 2: ")])
+@pytest.mark.parametrize(
+    "language, words",
+    [("en", "Node1: Wanted: 9 was not written (command `set`): exception 2: illegal data address"),
+     ("ru", "значение 9 не записано (команда `set`): исключение 2: "),
+     ("uk", "значення 9 не записано (команда `set`): виняток 2: ")])
 def test_in_words(path, tmp_path, language, words):
     with start("--lang", language, "run", path, "--control", tmp_path / "control") as running:
         running.wait_line(lambda line: "Wanted = 7" in line, "a value")

@@ -14,7 +14,8 @@ def samples(result):
 
 def test_samples_as_json(blank_device):
     port = blank_device("ramp")
-    result = takt("read", f"tcp://127.0.0.1:{port}", "holding", 10, 3, "--watch", "20ms", "--for", "200ms", "--json")
+    result = takt("read", f"tcp://127.0.0.1:{port}", "holding", 10, 3, "--watch", "20ms", "--for", "200ms",
+                  "--json")
     taken = samples(result)
     assert len(taken) >= 2
     for sample in taken:
@@ -27,11 +28,12 @@ def test_samples_as_json(blank_device):
 
 def test_ranges_are_read_in_the_requests_of_the_planner(blank_device):
     port = blank_device("ramp")
-    result = takt("read", f"tcp://127.0.0.1:{port}", "holding", 0, 5, "--also", "holding:5:5", "--also", "coils:1:3",
-                  "--watch", "50ms", "--for", "20ms", "--json")
+    result = takt("read", f"tcp://127.0.0.1:{port}", "holding", 0, 5, "--also", "holding:5:5", "--also",
+                  "coils:1:3", "--watch", "50ms", "--for", "20ms", "--json")
     sample = samples(result)[0]
     assert [v["value"] for v in sample["values"]] == [*range(10), True, False, True]
-    assert json.loads(result.lines[-1])["answers"] == 2 * len(samples(result)), "one for the registers, one for the coils"
+    assert json.loads(
+        result.lines[-1])["answers"] == 2 * len(samples(result)), "one for the registers, one for the coils"
 
 
 def test_changes_alone(blank_device):
@@ -54,7 +56,8 @@ def test_without_an_interval_it_is_a_second(blank_device):
 def test_time_outs_and_lost_connections_are_survived():
     mute = [False]
     with TcpSlave(lambda adu: None if mute[0] else tcp_answer(adu, "03 02 00 05")) as slave:
-        with start("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "20ms", "--timeout", "100ms") as running:
+        with start("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "20ms", "--timeout",
+                   "100ms") as running:
             running.wait_line(lambda line: line.endswith("= 5"), "a value")
             mute[0] = True
             until(lambda: any("0x03 0..0: " in line for line in running.err), "the time-out")
@@ -83,7 +86,8 @@ def test_the_server_comes_back():
 
 def test_nothing_ever_answered():
     with TcpSlave() as slave:
-        takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for", "200ms", "--timeout", "50ms", code=4)
+        takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for", "200ms",
+             "--timeout", "50ms", code=4)
 
 
 def test_a_long_write_goes_in_several_requests(blank_device):
@@ -98,9 +102,11 @@ def test_a_long_write_goes_in_several_requests(blank_device):
 
 
 def test_a_long_write_that_ends_half_way():
+
     def answer(adu):
         start = int.from_bytes(adu[8:10], "big")
         return tcp_answer(adu, "10 0000 007B" if start == 0 else "90 02")
+
     with TcpSlave(answer) as slave:
         target = f"tcp://127.0.0.1:{slave.port}"
         result = takt("write", target, "holding", 0, *range(200), code=7)
@@ -110,8 +116,10 @@ def test_a_long_write_that_ends_half_way():
 
 
 @pytest.mark.parametrize("arguments", [
-    ["read", "tcp://127.0.0.1:1", "coils", "0", "--type", "int16"], ["write", "tcp://127.0.0.1:1", "coils", "0", "1", "--type", "int16"],
-    ["read", "tcp://127.0.0.1:1", "holding", "0", "--watch", "0ms"], ["read", "tcp://127.0.0.1:1", "holding", "0", "--changes"],
+    ["read", "tcp://127.0.0.1:1", "coils", "0", "--type", "int16"],
+    ["write", "tcp://127.0.0.1:1", "coils", "0", "1", "--type", "int16"],
+    ["read", "tcp://127.0.0.1:1", "holding", "0", "--watch", "0ms"],
+    ["read", "tcp://127.0.0.1:1", "holding", "0", "--changes"],
     ["read", "tcp://127.0.0.1:1", "holding", "0", "--watch", "--also", "shoes:1"],
     ["read", "tcp://127.0.0.1:1", "holding", "0", "--watch", "--also", "holding"],
     ["read", "tcp://127.0.0.1:1", "holding", "0", "9999", "--watch"],
@@ -130,8 +138,9 @@ def test_invalid_options_are_reported_in_the_users_language(language, words):
 
 
 def test_every_wrong_option_has_words():
-    for arguments in (["read"], ["check", "--frobnicate", "x"], ["read", "tcp://127.0.0.1:1", "holding", "zero"],
-                      ["demo", "--for", "soon"], ["demo", "--lang", "tlh"], []):
+    for arguments in (["read"], ["check", "--frobnicate",
+                                 "x"], ["read", "tcp://127.0.0.1:1", "holding",
+                                        "zero"], ["demo", "--for", "soon"], ["demo", "--lang", "tlh"], []):
         english = takt(*arguments, code=2).err
         other = takt(*arguments, code=2, LC_ALL="ru_RU.UTF-8").err
         assert english != other and any("а" <= c <= "я" for c in other), (arguments, english, other)

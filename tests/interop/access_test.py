@@ -72,6 +72,7 @@ def test_rules_are_read_again(tmp_path):
             path.write_text(text)
             device.process.send_signal(signal.SIGHUP)
             until(lambda: any(said in line for line in device.err[before:]), f"{said}: {device!r}")
+
         reload("- {rule: read_only}\n", "access rules in force: 1")
         assert ask(port, "06 0000 0001", "03 0000 0001") == ["8601", "03020001"]
         reload("- {rule: maybe}\n", "stay in force")
@@ -93,17 +94,46 @@ def test_a_broken_file_is_no_start(tmp_path):
 def test_the_audit_log(tmp_path):
     log = tmp_path / "audit.log"
     with guarded("--access", rules(tmp_path), "--audit", log) as (port, device):
-        ask(port, "06 0003 0007", "10 0003 0002 04 0008 0009", "03 0000 0001", "06 000A 0001", "16 0003 00F0 0001")
+        ask(port, "06 0003 0007", "10 0003 0002 04 0008 0009", "03 0000 0001", "06 000A 0001",
+            "16 0003 00F0 0001")
         device.interrupt()
     lines = [json.loads(line) for line in log.read_text().splitlines()]
     assert all(line.pop("time").endswith("Z") and line.pop("peer").startswith("127.0.0.1:") for line in lines)
     area = {"unit": 1, "area": "holding_register"}
     assert lines == [
-        area | {"event": "write", "function": 6, "start": 3, "count": 1, "old": [0], "new": [7]},
-        area | {"event": "write", "function": 16, "start": 3, "count": 2, "old": [7, 0], "new": [8, 9]},
-        area | {"event": "refused", "function": 6, "start": 10, "count": 1, "request": "06000a0001", "why": "rule",
-                "exception": 1},
-        area | {"event": "write", "function": 22, "start": 3, "count": 1, "old": [8], "new": [1]},
+        area | {
+            "event": "write",
+            "function": 6,
+            "start": 3,
+            "count": 1,
+            "old": [0],
+            "new": [7]
+        },
+        area | {
+            "event": "write",
+            "function": 16,
+            "start": 3,
+            "count": 2,
+            "old": [7, 0],
+            "new": [8, 9]
+        },
+        area | {
+            "event": "refused",
+            "function": 6,
+            "start": 10,
+            "count": 1,
+            "request": "06000a0001",
+            "why": "rule",
+            "exception": 1
+        },
+        area | {
+            "event": "write",
+            "function": 22,
+            "start": 3,
+            "count": 1,
+            "old": [8],
+            "new": [1]
+        },
     ]
 
 

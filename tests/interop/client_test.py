@@ -12,14 +12,16 @@ from program import PEERS, ROOT, Running, start, takt, until
 from projects import serial, tcp
 
 NODE = ["modbus_serial-tcp", "modbus_serial-rtu", "jsmodbus-tcp", "jsmodbus-rtu"]
-FURTHER = ["libmodbus-tcp", "libmodbus-rtu", "pymodbus-tcp", "pymodbus-rtu", "pymodbus-ascii"]  # with functions 22 and 23
+FURTHER = ["libmodbus-tcp", "libmodbus-rtu", "pymodbus-tcp", "pymodbus-rtu",
+           "pymodbus-ascii"]  # with functions 22 and 23
 SLAVES = FURTHER + NODE
 
 
 def slave_program(maker, framing, endpoint, unit):
     if maker in ("modbus_serial", "jsmodbus"):
         return node(f"{maker}_server", framing, endpoint, unit)
-    command = [PEERS / "libmodbus_server"] if maker == "libmodbus" else [sys.executable, ROOT / "tests/peers/pymodbus_server.py"]
+    command = [PEERS / "libmodbus_server"
+               ] if maker == "libmodbus" else [sys.executable, ROOT / "tests/peers/pymodbus_server.py"]
     settings = ["19200", "E"] if (maker, framing) == ("libmodbus", "rtu") else []
     return Running([*command, framing, endpoint, *settings, unit])
 
@@ -35,7 +37,8 @@ def slave(kind, pair, unit=1):
             if framing == "tcp":
                 yield f"tcp://127.0.0.1:{tapped}"
             else:
-                yield f"{framing}://{tapped}?baud=19200&parity=even" + ("&data_bits=7" if framing == "ascii" else "")
+                yield f"{framing}://{tapped}?baud=19200&parity=even" + ("&data_bits=7"
+                                                                        if framing == "ascii" else "")
 
 
 def read(target, *arguments):
@@ -98,13 +101,27 @@ def test_another_unit_is_silent(pair, kind):
 
 # The further functions of pymodbus, and what it answers; it keeps neither files nor queues.
 PYMODBUS_ANSWERS = [
-    ("07", "07 00"), ("08 0000 A537", "08 00 00 A5 37"), ("08 0001 0000", "08 00 01 00 00"), ("08 0002 0000", "08 00 02 00 00"),
-    ("08 0003 0A00", "08 00 03 0A 00"), ("08 000A 0000", "08 00 0A 00 00"), ("08 000B 0000", "08 00 0B 00 00"),
-    ("08 000C 0000", "08 00 0C 00 00"), ("08 000D 0000", "08 00 0D 00 00"), ("08 000E 0000", "08 00 0E 00 00"),
-    ("08 000F 0000", "08 00 0F 00 00"), ("08 0010 0000", "08 00 10 00 00"), ("08 0011 0000", "08 00 11 00 00"),
-    ("08 0012 0000", "08 00 12 00 00"), ("08 0014 0000", "08 00 14 00 00"), ("0B", "0B 00 00 00 00"), ("0C", "0C 06 00 00 00 00 00 00"),
-    ("11", "11 09 50 79 6D 6F 64 62 75 73 FF"), ("15 09 06 0004 0007 0001 06AF", "15 09 06 00 04 00 07 00 01 06 AF"),
-    ("18 04DE", "18 00 02 00 00"), ("2B 0E 01 00", "2B 0E 01 83 00 00 00"),
+    ("07", "07 00"),
+    ("08 0000 A537", "08 00 00 A5 37"),
+    ("08 0001 0000", "08 00 01 00 00"),
+    ("08 0002 0000", "08 00 02 00 00"),
+    ("08 0003 0A00", "08 00 03 0A 00"),
+    ("08 000A 0000", "08 00 0A 00 00"),
+    ("08 000B 0000", "08 00 0B 00 00"),
+    ("08 000C 0000", "08 00 0C 00 00"),
+    ("08 000D 0000", "08 00 0D 00 00"),
+    ("08 000E 0000", "08 00 0E 00 00"),
+    ("08 000F 0000", "08 00 0F 00 00"),
+    ("08 0010 0000", "08 00 10 00 00"),
+    ("08 0011 0000", "08 00 11 00 00"),
+    ("08 0012 0000", "08 00 12 00 00"),
+    ("08 0014 0000", "08 00 14 00 00"),
+    ("0B", "0B 00 00 00 00"),
+    ("0C", "0C 06 00 00 00 00 00 00"),
+    ("11", "11 09 50 79 6D 6F 64 62 75 73 FF"),
+    ("15 09 06 0004 0007 0001 06AF", "15 09 06 00 04 00 07 00 01 06 AF"),
+    ("18 04DE", "18 00 02 00 00"),
+    ("2B 0E 01 00", "2B 0E 01 83 00 00 00"),
 ]
 
 
@@ -123,7 +140,12 @@ def test_raw_of_slaves_from_npm(pair, kind):
     with slave(kind, pair) as target:
         answer = bytes.fromhex(takt("raw", target, "2B 0E 02 00").out)
         assert answer == b"\x2b\x0e\x02\x82\0\0\x04" + b"".join(
-            bytes([number, len(text)]) + text for number, text in {0: b"Acme", 1: b"T1", 2: b"1.0", 5: b"Model M"}.items())
+            bytes([number, len(text)]) + text for number, text in {
+                0: b"Acme",
+                1: b"T1",
+                2: b"1.0",
+                5: b"Model M"
+            }.items())
         if kind.startswith("modbus_serial"):
             assert takt("raw", target, "16 0004 00F2 0025", code=5).out.split() == ["96", "01"]
             assert takt("raw", target, "2B 0E 04 09", code=5).out.split() == ["AB", "02"]
@@ -142,23 +164,37 @@ def test_a_short_answer_is_reported(pair, kind):
 def test_rtu_over_tcp(pair):
     """socat as the box between a network and a serial line, libmodbus behind it."""
     port = endpoints.free_port()
-    with slave("libmodbus-rtu", pair), Running(["socat", f"TCP-LISTEN:{port},bind=127.0.0.1,reuseaddr", f"{pair.a},raw,echo=0"]):
+    with slave("libmodbus-rtu", pair), Running(
+        ["socat", f"TCP-LISTEN:{port},bind=127.0.0.1,reuseaddr", f"{pair.a},raw,echo=0"]):
         target = f"rtu+tcp://127.0.0.1:{port}"
-        done = until(lambda: (r := takt("read", target, "holding", 1, 300, "--json", code=None)).code != 3 and r, "a connection")
+        done = until(
+            lambda: (r := takt("read", target, "holding", 1, 300, "--json", code=None)).code != 3 and r,
+            "a connection")
     assert done.code == 0, done
     assert done.json["values"] == list(range(1, 301))
 
 
 VARIABLES = [
-    "name: Word, type: uint16, register: 300, read: 0x03", "name: Next, type: uint16, register: 301, read: 0x03",
+    "name: Word, type: uint16, register: 300, read: 0x03",
+    "name: Next, type: uint16, register: 301, read: 0x03",
     "name: Input, type: int16, register: 77, read: 0x04",
-    "name: Long, type: uint32, register: 2, read: 0x03",            # registers 2, 3: 2 + 3 * 65536
-    "name: Odd, type: bool, coil: 33, read: 0x01", "name: Even, type: bool, coil: 34, read: 0x02",
-    "name: Bit, type: bool, register: 4096, bit: 12, read: 0x03",   # register 4096 holds 0x1000
+    "name: Long, type: uint32, register: 2, read: 0x03",  # registers 2, 3: 2 + 3 * 65536
+    "name: Odd, type: bool, coil: 33, read: 0x01",
+    "name: Even, type: bool, coil: 34, read: 0x02",
+    "name: Bit, type: bool, register: 4096, bit: 12, read: 0x03",  # register 4096 holds 0x1000
     "name: Scaled, type: int16, register: 250, read: 0x03, scale: 0.1, offset: -5",
     "name: Given, type: float, register: 500, read: 0x03, write: 0x10, write_on_change: true",
 ]
-VALUES = {"Word": 300, "Next": 301, "Input": 77, "Long": 196610, "Odd": True, "Even": False, "Bit": True, "Scaled": 20.0}
+VALUES = {
+    "Word": 300,
+    "Next": 301,
+    "Input": 77,
+    "Long": 196610,
+    "Odd": True,
+    "Even": False,
+    "Bit": True,
+    "Scaled": 20.0
+}
 
 
 @pytest.mark.parametrize("kind", SLAVES)
@@ -172,10 +208,12 @@ def test_run_polls_and_writes(project, pair, kind):
                 .replace("baud: 115200", "baud: 19200").replace("parity: none", "parity: even")
         with start("run", project(text), "--json", "--stdin") as run:
             for name, value in VALUES.items():
-                run.wait_event(lambda e, n=name, v=value: e["event"] == "value" and e["name"] == n
-                               and e["quality"] == "good" and e["value"] == pytest.approx(v), f"{name} = {value}")
+                run.wait_event(
+                    lambda e, n=name, v=value: e["event"] == "value" and e["name"] == n and e["quality"] ==
+                    "good" and e["value"] == pytest.approx(v), f"{name} = {value}")
             run.send("set Given -12.5")
-            run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Given" and e["value"] == -12.5
-                           and e["quality"] == "good", "the written value read back")
+            run.wait_event(
+                lambda e: e["event"] == "value" and e["name"] == "Given" and e["value"] == -12.5 and e[
+                    "quality"] == "good", "the written value read back")
             run.interrupt()
         assert read(target, "--type", "float", "holding", 500) == [-12.5]

@@ -85,7 +85,11 @@ def example(folder, name, port, **changes):
 def played(folder, line, damage, seconds, period="2s"):
     """Runs both for some periods. The requests that the console sent, as seconds since the first one, and its log."""
     relay = example(folder, "relay-unit", line.relay)
-    console = example(folder, "console", line.console, **{"poll_period: 1min": f"poll_period: {period}", "backoff: 1min": f"backoff: {period}"})
+    console = example(
+        folder, "console", line.console, **{
+            "poll_period: 1min": f"poll_period: {period}",
+            "backoff: 1min": f"backoff: {period}"
+        })
     log = folder / "console.log"
     with start("run", relay) as slave:
         endpoints.wait_slave(line.console, 1, process=slave)
@@ -103,7 +107,9 @@ def watched(line, console, log, seconds):
     requests = list(line.seen)
     assert requests[0][1] == READ and {data for _, data in requests} <= {READ, PART}
     # A part and the whole that follows it at once are one turn.
-    turns = requests[:1] + [now for before, now in zip(requests, requests[1:]) if before[1] != PART or now[0] - before[0] > 0.3]
+    turns = requests[:1] + [
+        now for before, now in zip(requests, requests[1:]) if before[1] != PART or now[0] - before[0] > 0.3
+    ]
     return [round(t - requests[0][0], 1) for t, _ in turns], log.read_text(), running
 
 
@@ -115,7 +121,8 @@ def test_the_examples_poll_each_minute(tmp_path):
     for name in ("console", "relay-unit"):
         takt("check", ROOT / "examples" / f"{name}.yaml")
     plan = takt("plan", ROOT / "examples" / "console.yaml", "--json").json["lines"][0]
-    assert [(r["function"], r["start"], r["quantity"], r["period_ms"]) for r in plan["requests"] if r["period_ms"]] == [(4, 0, 2, 60000)]
+    assert [(r["function"], r["start"], r["quantity"], r["period_ms"]) for r in plan["requests"]
+            if r["period_ms"]] == [(4, 0, 2, 60000)]
 
 
 def test_without_damage_each_period_has_one_exchange(tmp_path, line):

@@ -97,7 +97,9 @@ class Device:
         if function == 3:
             self.count = (self.count + 1) % 20000
             registers = [self.count, self.count * 3, self.setpoint][start:start + value]
-            return request("rtu", 7, struct.pack(">BB", 3, 2 * value) + b"".join(struct.pack(">H", r) for r in registers))
+            return request(
+                "rtu", 7,
+                struct.pack(">BB", 3, 2 * value) + b"".join(struct.pack(">H", r) for r in registers))
         if self.refuses:
             return request("rtu", 7, "86 02")
         self.setpoint = value
@@ -118,6 +120,7 @@ class Client:
 
 
 class AsciiClient:
+
     def __init__(self, port):
         self._line = pyserial.Serial(port, timeout=20)
 
@@ -162,16 +165,23 @@ def plant(project, tmp_path, request):
         port, tunnel = endpoints.free_port(), endpoints.free_port()
         device = Device()
         stack.enter_context(SerialSlave(bus.b, device))
-        running = stack.enter_context(start("run", project(PROJECT.format(
-            line=bus.a, bank=getattr(request, "param", ""), port=port, tunnel=tunnel, ascii=old.b, rtu=wired.b))))
+        running = stack.enter_context(
+            start(
+                "run",
+                project(
+                    PROJECT.format(line=bus.a, bank=getattr(request, "param", ""), port=port, tunnel=tunnel,
+                                   ascii=old.b, rtu=wired.b))))
         for each in (port, tunnel):
             endpoints.wait_listening(each, running)
         client = Client(port)
         until(lambda: client.ask("03 0000 0003")[0] == 3, "values of the device")
         line = stack.enter_context(pyserial.Serial(wired.a, timeout=20))
         stream = stack.enter_context(socket.create_connection(("127.0.0.1", tunnel), timeout=20))
-        yield device, client, [AsciiClient(old.a), RtuClient(5, line.write, line.read),
-                               RtuClient(6, stream.sendall, stream.recv)]
+        yield device, client, [
+            AsciiClient(old.a),
+            RtuClient(5, line.write, line.read),
+            RtuClient(6, stream.sendall, stream.recv)
+        ]
         running.interrupt()
 
 
@@ -211,7 +221,8 @@ def test_a_write_reaches_the_device_before_it_is_answered(plant, tmp_path):
         pdu = "06 0003 " + struct.pack(">h", value).hex()
         assert client.ask(pdu) == bytes.fromhex(pdu)
         assert device.setpoint == value & 0xFFFF
-        assert client.ask("03 0003 0001")[2:] == struct.pack(">h", value), "what was written is read back at once"
+        assert client.ask("03 0003 0001")[2:] == struct.pack(">h",
+                                                             value), "what was written is read back at once"
     device.refuses = True
     assert client.ask("06 0003 0001") == bytes.fromhex("8602"), "the answer of the device"
     until(lambda: client.ask("03 0003 0001") == bytes.fromhex("0302012C"), "the value of the device")
@@ -220,7 +231,8 @@ def test_a_write_reaches_the_device_before_it_is_answered(plant, tmp_path):
     until(lambda: audit.read_text().count("\n") == 6, "the audit log")
     entries = [json.loads(line) for line in audit.read_text().splitlines()]
     assert [e["new"] for e in entries[:4]] == [[5], [0xFFF9], [300], [1]]
-    assert [(e["event"], e["start"], e["exception"]) for e in entries[4:]] == [("refused", 3, 2), ("refused", 0, 2)], "by the device"
+    assert [(e["event"], e["start"], e["exception"])
+            for e in entries[4:]] == [("refused", 3, 2), ("refused", 0, 2)], "by the device"
 
 
 ONE_DEVICE = """
@@ -254,6 +266,7 @@ def test_a_write_to_a_device_that_is_not_connected_is_refused_and_never_done(pro
     def answer(adu):
         asked.append(adu[7:])
         return tcp_answer(adu, "03 02 00 05" if adu[7] == 3 else adu[7:].hex())
+
     device, port = endpoints.free_port(), endpoints.free_port()
     with start("run", project(ONE_DEVICE.format(device=device, port=port))) as running:
         endpoints.wait_listening(port, running)
@@ -264,7 +277,8 @@ def test_a_write_to_a_device_that_is_not_connected_is_refused_and_never_done(pro
             assert client.ask("06 0000 0065") == bytes.fromhex("06 0000 0065")
         until(lambda: client.ask("06 0000 0066") == bytes.fromhex("860B"), "the device is gone")
         with TcpSlave(answer, device):
-            until(lambda: client.ask("03 0000 0001") == bytes.fromhex("03020005"), "the value of the device that is back")
+            until(lambda: client.ask("03 0000 0001") == bytes.fromhex("03020005"),
+                  "the value of the device that is back")
         assert [pdu for pdu in asked if pdu[0] == 6] == [bytes.fromhex("06 0000 0065")]
         running.interrupt()
 

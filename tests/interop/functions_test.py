@@ -9,9 +9,11 @@ from overheard import overheard
 from program import start, takt
 
 BAUD = "19200"
-OPTIONS = ["--file", "4:100", "--file", "5:10", "--fifo", "1246:440,4740", "--object", "0=Vendor", "--object", "1=Product",
-           "--object", "2=3.1", "--object", "0x80=" + "x" * 240, "--server-id", "Pump", "--allow-restart", "--allow-listen-only",
-           "--exception-coils", "8", "--fill", "ramp"]
+OPTIONS = [
+    "--file", "4:100", "--file", "5:10", "--fifo", "1246:440,4740", "--object", "0=Vendor", "--object",
+    "1=Product", "--object", "2=3.1", "--object", "0x80=" + "x" * 240, "--server-id", "Pump",
+    "--allow-restart", "--allow-listen-only", "--exception-coils", "8", "--fill", "ramp"
+]
 
 
 @contextlib.contextmanager
@@ -47,6 +49,7 @@ def connected(framing, endpoint):
         response = client.execute(request)
         assert not response.isError(), response
         return response
+
     try:
         yield ask
     finally:
@@ -55,17 +58,17 @@ def connected(framing, endpoint):
 
 @pytest.mark.parametrize("framing", ["tcp", "rtu", "ascii"])
 def test_pymodbus_asks_for_every_further_function(pair, framing):
-    from pymodbus.diag_message import (ClearCountersRequest, ReturnBusExceptionErrorCountRequest, ReturnQueryDataRequest,
-                                       ReturnSlaveMessageCountRequest)
+    from pymodbus.diag_message import (ClearCountersRequest, ReturnBusExceptionErrorCountRequest,
+                                       ReturnQueryDataRequest, ReturnSlaveMessageCountRequest)
     from pymodbus.file_message import FileRecord, ReadFileRecordRequest, WriteFileRecordRequest
     from pymodbus.mei_message import ReadDeviceInformationRequest
-    from pymodbus.other_message import (GetCommEventCounterRequest, GetCommEventLogRequest, ReadExceptionStatusRequest,
-                                        ReportSlaveIdRequest)
+    from pymodbus.other_message import (GetCommEventCounterRequest, GetCommEventLogRequest,
+                                        ReadExceptionStatusRequest, ReportSlaveIdRequest)
     with served(pair, framing, *OPTIONS) as (endpoint, _), connected(framing, endpoint) as ask:
         ask(ClearCountersRequest())
-        assert ask(ReturnQueryDataRequest(0xA537)).message == (0xA537,)
-        assert ask(ReturnSlaveMessageCountRequest()).message == (2,)
-        assert ask(ReturnBusExceptionErrorCountRequest()).message == (0,)
+        assert ask(ReturnQueryDataRequest(0xA537)).message == (0xA537, )
+        assert ask(ReturnSlaveMessageCountRequest()).message == (2, )
+        assert ask(ReturnBusExceptionErrorCountRequest()).message == (0, )
         assert ask(ReadExceptionStatusRequest()).status == 0xAA, "coils 8..15 of the ramp"
         counted = ask(GetCommEventCounterRequest()).count
         log = ask(GetCommEventLogRequest())
@@ -76,9 +79,14 @@ def test_pymodbus_asks_for_every_further_function(pair, framing):
         assert ask(ReadDeviceInformationRequest(4, 0x80)).information == {0x80: b"x" * 240}
         extended = ask(ReadDeviceInformationRequest(3, 0))
         assert extended.more_follows == 0xFF and extended.next_object_id == 0x80
-        ask(WriteFileRecordRequest([FileRecord(file_number=4, record_number=7, record_data=b"\x06\xaf\x04\xbe")]))
-        read = ask(ReadFileRecordRequest([FileRecord(file_number=4, record_number=6, record_length=4),
-                                          FileRecord(file_number=5, record_number=9, record_length=1)]))
+        ask(
+            WriteFileRecordRequest(
+                [FileRecord(file_number=4, record_number=7, record_data=b"\x06\xaf\x04\xbe")]))
+        read = ask(
+            ReadFileRecordRequest([
+                FileRecord(file_number=4, record_number=6, record_length=4),
+                FileRecord(file_number=5, record_number=9, record_length=1)
+            ]))
         assert [r.record_data for r in read.records] == [b"\0\x06\x06\xaf\x04\xbe\0\x09", b"\0\x09"]
 
 
@@ -86,17 +94,19 @@ def test_pymodbus_asks_for_every_further_function(pair, framing):
 def test_pymodbus_asks_for_every_diagnosis(pair, framing):
     from pymodbus import diag_message as diag
     counters = (diag.ReturnBusCommunicationErrorCountRequest, diag.ReturnBusExceptionErrorCountRequest,
-                diag.ReturnSlaveNoResponseCountRequest, diag.ReturnSlaveNAKCountRequest, diag.ReturnSlaveBusyCountRequest,
-                diag.ReturnSlaveBusCharacterOverrunCountRequest)
+                diag.ReturnSlaveNoResponseCountRequest, diag.ReturnSlaveNAKCountRequest,
+                diag.ReturnSlaveBusyCountRequest, diag.ReturnSlaveBusCharacterOverrunCountRequest)
     with served(pair, framing, *OPTIONS) as (endpoint, _), connected(framing, endpoint) as ask:
         ask(diag.ClearCountersRequest())
-        for asked, counter in enumerate((diag.ReturnBusMessageCountRequest, diag.ReturnSlaveMessageCountRequest), 1):
-            assert ask(counter()).message == (asked,), counter
+        for asked, counter in enumerate(
+            (diag.ReturnBusMessageCountRequest, diag.ReturnSlaveMessageCountRequest), 1):
+            assert ask(counter()).message == (asked, ), counter
         for request in (*counters, diag.ReturnDiagnosticRegisterRequest, diag.ClearOverrunCountRequest):
-            assert ask(request()).message == (0,), request
-        assert ask(diag.ChangeAsciiInputDelimiterRequest(0x0A00)).message == (0x0A00,)
+            assert ask(request()).message == (0, ), request
+        assert ask(diag.ChangeAsciiInputDelimiterRequest(0x0A00)).message == (0x0A00, )
         ask(diag.RestartCommunicationsOptionRequest(False))
-        for request in (diag.ReturnIopOverrunCountRequest, diag.GetClearModbusPlusRequest):  # not of the specification, of old Modicons
+        for request in (diag.ReturnIopOverrunCountRequest,
+                        diag.GetClearModbusPlusRequest):  # not of the specification, of old Modicons
             with pytest.raises(AssertionError, match="ExceptionResponse"):
                 ask(request(data=0))
 
@@ -130,7 +140,8 @@ def test_answers_and_exceptions(pair, framing):
     with served(pair, framing, *OPTIONS) as (_, target):
         for request, answer in ANSWERS:
             refused = int(answer[:2], 16) & 0x80
-            assert takt("raw", target, "--timeout", "10s", request, code=5 if refused else 0).out.strip() == answer, request
+            assert takt("raw", target, "--timeout", "10s", request,
+                        code=5 if refused else 0).out.strip() == answer, request
 
 
 def test_rights_are_refused_without_their_option(pair):
@@ -150,11 +161,15 @@ def test_listen_only_mode_until_restarted(pair):
 
 
 def test_layout_of_the_banks(pair):
-    layout = ["--range", "holding:0..9", "--range", "holding:0x20..0x21", "--read-only", "holding:3", "--limit", "holding:4=-5..5",
-              "--overlay", "--fill", "ramp"]
+    layout = [
+        "--range", "holding:0..9", "--range", "holding:0x20..0x21", "--read-only", "holding:3", "--limit",
+        "holding:4=-5..5", "--overlay", "--fill", "ramp"
+    ]
     with served(pair, "tcp", *layout) as (_, target):
+
         def ask(request, code=0):
             return takt("raw", target, request, code=code).out.strip()
+
         assert ask("03 0020 0002") == "03 04 00 20 00 21"
         assert ask("03 0009 0002", 5) == "83 02"
         assert ask("06 0003 0001", 5) == "86 02"
@@ -167,9 +182,10 @@ def test_layout_of_the_banks(pair):
         assert ask("03 0001 0001") == "03 02 00 81"
 
 
-@pytest.mark.parametrize("option, value", [("--range", "holding:9..5"), ("--range", "coil:1"), ("--limit", "coils:1=0..1"),
-                                           ("--limit", "holding:1=-1..40000"), ("--file", "0:5"), ("--file", "1"),
-                                           ("--fifo", "1:70000"), ("--object", "256=x"), ("--object", "1=" + "y" * 245),
+@pytest.mark.parametrize("option, value", [("--range", "holding:9..5"), ("--range", "coil:1"),
+                                           ("--limit", "coils:1=0..1"), ("--limit", "holding:1=-1..40000"),
+                                           ("--file", "0:5"), ("--file", "1"), ("--fifo", "1:70000"),
+                                           ("--object", "256=x"), ("--object", "1=" + "y" * 245),
                                            ("--server-id", "z" * 250), ("--exception-coils", "70000")])
 def test_options_that_cannot_be(option, value):
     refused = takt("serve", "--listen", "127.0.0.1:0", option, value, code=2)

@@ -54,7 +54,8 @@ def patient():
 @pytest.fixture(scope="module")
 def strict():
     """With limits that a test can wait for."""
-    with serving("--frame-timeout", "800ms", "--idle-timeout", "2500ms", "--write-timeout", "300ms") as (port, _):
+    with serving("--frame-timeout", "800ms", "--idle-timeout", "2500ms", "--write-timeout",
+                 "300ms") as (port, _):
         yield port
 
 
@@ -109,7 +110,8 @@ class Others(threading.Thread):
             with client(self._port, self._host) as s:
                 while not self._stop_requested.is_set():
                     address = self.answered * 7 % 60000
-                    assert ask(s, f"03 {address:04X} 0001", self.answered % 65536) == hexed(f"03 02 {address:04X}")
+                    assert ask(s, f"03 {address:04X} 0001",
+                               self.answered % 65536) == hexed(f"03 02 {address:04X}")
                     self.answered += 1
                     time.sleep(0.001)
         except Exception as trouble:  # noqa: BLE001: reported by the test's own thread
@@ -135,14 +137,24 @@ def others(port, host="127.0.0.1"):
 
 # --- what is no Modbus: closed without a word
 
-HTTP, TLS = b"GET / HTTP/1.1\r\nHost: x\r\n\r\n", bytes.fromhex("16 03 01 02 00 01 00 01 FC 03 03") + bytes(100)
+HTTP, TLS = b"GET / HTTP/1.1\r\nHost: x\r\n\r\n", bytes.fromhex("16 03 01 02 00 01 00 01 FC 03 03") + bytes(
+    100)
 
 
 @pytest.mark.parametrize("data", [
-    case("1-protocol", adu(GOOD, protocol=1)), case("2-length-0", adu(GOOD, length=0)), case("3-length-1", adu(GOOD, length=1)),
-    case("4-length-255", adu(GOOD, length=255)[:7]), case("5-length-65535", adu(GOOD, length=65535)[:7]),
-    case("15-http", HTTP), case("15-tls", TLS), case("15-flood", b"\xff" * 1000),
-    case("15-http-8", HTTP[:8]), case("15-tls-8", TLS[:8]), case("15-flood-8", b"\xff" * 8),
+    case("1-protocol", adu(GOOD, protocol=1)),
+    case("2-length-0", adu(GOOD, length=0)),
+    case("3-length-1", adu(GOOD, length=1)),
+    case("4-length-255",
+         adu(GOOD, length=255)[:7]),
+    case("5-length-65535",
+         adu(GOOD, length=65535)[:7]),
+    case("15-http", HTTP),
+    case("15-tls", TLS),
+    case("15-flood", b"\xff" * 1000),
+    case("15-http-8", HTTP[:8]),
+    case("15-tls-8", TLS[:8]),
+    case("15-flood-8", b"\xff" * 8),
 ])
 def test_other_protocols_are_closed_without_an_answer(patient, data):
     with others(patient), client(patient) as s:
@@ -153,30 +165,49 @@ def test_other_protocols_are_closed_without_an_answer(patient, data):
 # --- requests that are refused: (request PDU, response PDU)
 
 REFUSED = [
-    case("6-hidden-write", "03 0007 0001 06 0010 BEEF", "83 03"), case("6-surplus", "03 0007 0001 00", "83 03"),
+    case("6-hidden-write", "03 0007 0001 06 0010 BEEF", "83 03"),
+    case("6-surplus", "03 0007 0001 00", "83 03"),
     case("6-after-a-write", "06 0010 BEEF 00", "86 03"),
-    case("7-half", "03 00", "83 03"), case("7-nothing", "03", "83 03"), case("7-values", "10 0010 0001 02 00", "90 03"),
-    case("7-coils", "0F 0000 0009 02 01", "8F 03"), case("7-mask", "16 0010 0000", "96 03"), case("7-both", "17 0000 0001 0000", "97 03"),
-    case("16-none", "00", "80 01"), case("16-unknown", "63", "E3 01"), case("16-unknown-longer", "63 0000 0001", "E3 01"),
-    case("16-exception", "83 0000 0001", "83 01"), case("16-greatest", "FF", "FF 01"),
-    case("17-coils-0", "01 0000 0000", "81 03"), case("17-coils-2001", "01 0000 07D1", "81 03"),
-    case("17-inputs-2001", "02 0000 07D1", "82 03"), case("17-registers-0", "03 0000 0000", "83 03"),
-    case("17-registers-126", "03 0000 007E", "83 03"), case("17-registers-65535", "03 0000 FFFF", "83 03"),
+    case("7-half", "03 00", "83 03"),
+    case("7-nothing", "03", "83 03"),
+    case("7-values", "10 0010 0001 02 00", "90 03"),
+    case("7-coils", "0F 0000 0009 02 01", "8F 03"),
+    case("7-mask", "16 0010 0000", "96 03"),
+    case("7-both", "17 0000 0001 0000", "97 03"),
+    case("16-none", "00", "80 01"),
+    case("16-unknown", "63", "E3 01"),
+    case("16-unknown-longer", "63 0000 0001", "E3 01"),
+    case("16-exception", "83 0000 0001", "83 01"),
+    case("16-greatest", "FF", "FF 01"),
+    case("17-coils-0", "01 0000 0000", "81 03"),
+    case("17-coils-2001", "01 0000 07D1", "81 03"),
+    case("17-inputs-2001", "02 0000 07D1", "82 03"),
+    case("17-registers-0", "03 0000 0000", "83 03"),
+    case("17-registers-126", "03 0000 007E", "83 03"),
+    case("17-registers-65535", "03 0000 FFFF", "83 03"),
     case("17-input-registers-126", "04 0000 007E", "84 03"),
-    case("17-write-coils-0", "0F 0000 0000 00", "8F 03"), case("17-write-coils-1969", "0F 0000 07B1 F7" + "00" * 247, "8F 03"),
+    case("17-write-coils-0", "0F 0000 0000 00", "8F 03"),
+    case("17-write-coils-1969", "0F 0000 07B1 F7" + "00" * 247, "8F 03"),
     case("17-write-registers-0", "10 0000 0000 00", "90 03"),
     case("17-write-registers-124", "10 0000 007C F8" + "00" * 247, "90 03"),
     case("17-both-reads-126", "17 0000 007E 0010 0001 02 BEEF", "97 03"),
     case("17-both-reads-0", "17 0000 0000 0010 0001 02 BEEF", "97 03"),
     case("17-both-writes-122", "17 0000 0001 0010 007A F4" + "00" * 243, "97 03"),
-    case("18-registers", "03 FFFF 0002", "83 02"), case("18-coils", "01 FFFF 0002", "81 02"),
-    case("18-inputs", "02 F831 07D0", "82 02"), case("18-write", "10 FFFF 0002 04 BEEF BEEF", "90 02"),
+    case("18-registers", "03 FFFF 0002", "83 02"),
+    case("18-coils", "01 FFFF 0002", "81 02"),
+    case("18-inputs", "02 F831 07D0", "82 02"),
+    case("18-write", "10 FFFF 0002 04 BEEF BEEF", "90 02"),
     case("18-write-coils", "0F FFFF 0002 01 03", "8F 02"),
-    case("19-0001", "05 0010 0001", "85 03"), case("19-FFFF", "05 0010 FFFF", "85 03"), case("19-00FF", "05 0010 00FF", "85 03"),
-    case("20-registers", "10 0010 0002 02 BEEF", "90 03"), case("20-coils", "0F 0010 0009 01 FF", "8F 03"),
+    case("19-0001", "05 0010 0001", "85 03"),
+    case("19-FFFF", "05 0010 FFFF", "85 03"),
+    case("19-00FF", "05 0010 00FF", "85 03"),
+    case("20-registers", "10 0010 0002 02 BEEF", "90 03"),
+    case("20-coils", "0F 0010 0009 01 FF", "8F 03"),
     case("20-both", "17 0000 0001 0010 0002 02 BEEF", "97 03"),
-    case("21-bad-read", "17 FFFF 0002 0010 0001 02 BEEF", "97 02"), case("21-bad-write", "17 0000 0001 FFFF 0002 04 BEEF BEEF", "97 02"),
-    case("25-restart", "08 0001 0000", "88 01"), case("25-listen-only", "08 0004 0000", "88 01"),
+    case("21-bad-read", "17 FFFF 0002 0010 0001 02 BEEF", "97 02"),
+    case("21-bad-write", "17 0000 0001 FFFF 0002 04 BEEF BEEF", "97 02"),
+    case("25-restart", "08 0001 0000", "88 01"),
+    case("25-listen-only", "08 0004 0000", "88 01"),
 ]
 
 
@@ -201,6 +232,7 @@ def test_refusals_delay_no_other_client_6_7_16_to_21_27(patient):
 
 
 # --- clients that are slow, silent, greedy or gone
+
 
 def test_slow_and_silent_clients_are_closed_8_9(strict):
     """A byte now and then does not prolong a request's time; half a header and nothing at all end too. Meanwhile others are served."""
@@ -259,7 +291,8 @@ def test_descriptors_above_1024_work_11():
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     assert hard >= most, "the system must allow the test so many"
     resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
-    with serving("--max-connections", most, "--max-per-peer", most) as (port, _), contextlib.ExitStack() as crowd:
+    with serving("--max-connections", most, "--max-per-peer",
+                 most) as (port, _), contextlib.ExitStack() as crowd:
         crowded = [crowd.enter_context(client(port)) for _ in range(1100)]
         for s in (crowded[0], crowded[1050], crowded[-1]):
             assert ask(s, GOOD) == hexed(ANSWER)
@@ -277,7 +310,7 @@ def test_a_client_that_reads_late_gets_everything_in_order_12(patient):
     count = 20_000
     asked = b"".join(adu(f"03 {n:04X} 007D", transaction=n) for n in range(count))
     with others(patient), client(patient) as s:
-        sender = threading.Thread(target=s.sendall, args=(asked,), daemon=True)
+        sender = threading.Thread(target=s.sendall, args=(asked, ), daemon=True)
         sender.start()
         time.sleep(0.3)
         for n in range(count):
@@ -305,6 +338,7 @@ def test_byte_by_byte(patient):
 
 
 def test_a_reset_in_mid_frame_leaves_nothing_behind_14():
+
     def descriptors():
         return len(os.listdir(f"/proc/{device.process.pid}/fd"))
 
@@ -351,6 +385,7 @@ def test_ipv6():
 
 # --- serial lines
 
+
 @contextlib.contextmanager
 def line(folder, framing):
     """A blank device on the far end, and the near end as an open port."""
@@ -383,6 +418,7 @@ def question(port, framing, asked, answer):
         port.reset_input_buffer()
         port.write(request(framing, 1, asked))
         return port.read(len(right)) == right
+
     until(answered, "an answer again")
 
 
@@ -397,11 +433,18 @@ RTU = request("rtu", 1, GOOD)
 
 
 @pytest.mark.parametrize("data", [
-    case("35-bad-crc", RTU[:-1] + bytes([RTU[-1] ^ 1])), case("36-cut", RTU[:5]), case("36-one-byte", b"\x01"),
-    case("36-three-bytes", b"\x00" * 3), case("36-a-megabyte", b"\xA5" * 1_000_000),
-    case("36-too-long", request("rtu", 1, "03" + "00" * 300)), case("38-another-unit", request("rtu", 2, GOOD)),
-    case("38-its-answer", request("rtu", 2, "03 02 0007")), case("38-both", request("rtu", 2, GOOD) + request("rtu", 2, "03 02 0007")),
-    case("42-broadcast-read", request("rtu", 0, GOOD)), case("42-unit-248", request("rtu", 248, GOOD)),
+    case("35-bad-crc", RTU[:-1] + bytes([RTU[-1] ^ 1])),
+    case("36-cut", RTU[:5]),
+    case("36-one-byte", b"\x01"),
+    case("36-three-bytes", b"\x00" * 3),
+    case("36-a-megabyte", b"\xA5" * 1_000_000),
+    case("36-too-long", request("rtu", 1, "03" + "00" * 300)),
+    case("38-another-unit", request("rtu", 2, GOOD)),
+    case("38-its-answer", request("rtu", 2, "03 02 0007")),
+    case("38-both",
+         request("rtu", 2, GOOD) + request("rtu", 2, "03 02 0007")),
+    case("42-broadcast-read", request("rtu", 0, GOOD)),
+    case("42-unit-248", request("rtu", 248, GOOD)),
     case("42-unit-255", request("rtu", 255, GOOD)),
 ])
 def test_rtu_silence_and_recovery(rtu, data):
@@ -433,7 +476,9 @@ def test_rtu_noise_right_before_a_frame_39(rtu):
 
 
 @pytest.mark.parametrize("asked, answer", [
-    case("41-surplus", "03 0007 0001 00", "83 03"), case("41-half", "03 00", "83 03"), case("41-values", "10 0010 0001 04 00", "90 03"),
+    case("41-surplus", "03 0007 0001 00", "83 03"),
+    case("41-half", "03 00", "83 03"),
+    case("41-values", "10 0010 0001 04 00", "90 03"),
     case("16-unknown", "63 0000", "E3 01"),
 ])
 def test_rtu_a_good_checksum_and_a_wrong_length(rtu, asked, answer):
@@ -450,10 +495,17 @@ ASCII = request("ascii", 1, GOOD)
 
 
 @pytest.mark.parametrize("data", [
-    case("45-odd", ASCII[:-3] + b"\r\n"), case("45-no-hex", b":01GG\r\n"), case("46-bad-lrc", ASCII[:-4] + b"00\r\n"),
-    case("46-empty", b":\r\n"), case("46-short", b":01\r\n"), case("47-too-long", b":" + b"00" * 300 + b"\r\n"),
-    case("47-a-megabyte", b":" + b"0" * 1_000_000), case("47-cr-alone", ASCII[:7] + b"\r"), case("47-cr-and-more", ASCII[:-1] + b"x"),
-    case("38-another-unit", request("ascii", 2, GOOD)), case("42-broadcast-read", request("ascii", 0, GOOD)),
+    case("45-odd", ASCII[:-3] + b"\r\n"),
+    case("45-no-hex", b":01GG\r\n"),
+    case("46-bad-lrc", ASCII[:-4] + b"00\r\n"),
+    case("46-empty", b":\r\n"),
+    case("46-short", b":01\r\n"),
+    case("47-too-long", b":" + b"00" * 300 + b"\r\n"),
+    case("47-a-megabyte", b":" + b"0" * 1_000_000),
+    case("47-cr-alone", ASCII[:7] + b"\r"),
+    case("47-cr-and-more", ASCII[:-1] + b"x"),
+    case("38-another-unit", request("ascii", 2, GOOD)),
+    case("42-broadcast-read", request("ascii", 0, GOOD)),
     case("47-line-ends", b"\r\n" * 50),
 ])
 def test_ascii_silence_and_recovery(ascii_line, data):

@@ -106,6 +106,7 @@ class Scale:
 
 
 class OnSerial(SerialPeer):
+
     def __init__(self, port):
         self.scale = Scale()
         super().__init__(port)
@@ -121,6 +122,7 @@ class OnSerial(SerialPeer):
 
 
 class OnTcp(TcpPeer):
+
     def __init__(self):
         self.scale = Scale()
         self._peer = None
@@ -217,7 +219,8 @@ def test_a_written_register_becomes_a_command(served):
         assert len(instrument.scale.lines) == before, text
     before = list(instrument.scale.lines)
     label, beep = b"a\rT1".ljust(8, b"\0").hex(), "0001"
-    assert client.ask(f"10 0002 0006 0C 05DC {label} {beep}") == bytes([0x90, 3]), "one of three values is wrong"
+    assert client.ask(f"10 0002 0006 0C 05DC {label} {beep}") == bytes([0x90,
+                                                                        3]), "one of three values is wrong"
     assert instrument.scale.lines == before and registers(client, 2) == [700], "none of the three is sent"
     counters = running.interrupt().json["instruments"][0]
     assert (counters["name"], counters["state"]) == ("scale", "ready")
@@ -303,6 +306,7 @@ def test_a_write_that_races_with_a_restart(served):
         instrument.scale.meddle = lambda line: None
         instrument.scale.restart()
         return b"READY\r"
+
     instrument.scale.meddle = restart_once
     assert write(client, 2, 200) == 0
     assert instrument.scale.since_restart() == ["INIT", "UNIT kg", "T1.00", "T?", "T2.00", "T?"]
@@ -340,7 +344,8 @@ def test_many_writers(served):
 
     def one(number):
         results[number] = write(Client(port), 2, number)
-    writers = [threading.Thread(target=one, args=(number,)) for number in range(60)]
+
+    writers = [threading.Thread(target=one, args=(number, )) for number in range(60)]
     for writer in writers:
         writer.start()
     for writer in writers:
@@ -375,7 +380,8 @@ def test_what_cannot_be(project):
         .replace("least: 0", "least: 61").replace("expires: 1500ms", "expires: never")
     findings = takt("check", project(text), "--json", code=1).json["findings"]
     found = {finding["code"]: finding for finding in findings}
-    assert {"instrument.command_unknown", "instrument.placeholder", "instrument.range", "duration.malformed"} <= set(found)
+    assert {"instrument.command_unknown", "instrument.placeholder", "instrument.range", "duration.malformed"
+            } <= set(found)
     unknown = found["instrument.command_unknown"]
     assert unknown["path"] == "servers[0].units[0].variables[2].writes_to.instrument"
     assert unknown["value"] == "scale.tara"

@@ -59,7 +59,8 @@ def hear_two_masters(cycles, *options):
     with Bus(["one", "two", "listener"]) as bus, Listening(bus, *options) as listening:
         with LibmodbusMaster(bus.ports["one"], 0.25, [(1, 0, 4), (2, 10, 2)]) as one, \
                 LibmodbusMaster(bus.ports["two"], 0.33, [(3, 0, 10)], [(1, 20)]) as two:
-            until(lambda: one.cycles >= cycles and two.cycles >= cycles, "the cycles of both masters", deadline=60)
+            until(lambda: one.cycles >= cycles and two.cycles >= cycles, "the cycles of both masters",
+                  deadline=60)
         time.sleep(0.3)  # the responses to the last requests
         return bus, listening.finish()
 
@@ -97,8 +98,8 @@ def test_every_exchange_of_two_masters_is_heard(tmp_path):
 
 def test_the_names_of_a_project(project):
     _, result = hear_two_masters(4, "--project", project(PROJECT))
-    assert any("Boiler: unit 1 read holding registers 0..3 → 4 values: 0 1 2 3; " in line and line.endswith("Level = 1 mm, Flow = 0.3")
-               for line in result.lines), result
+    assert any("Boiler: unit 1 read holding registers 0..3 → 4 values: 0 1 2 3; " in line
+               and line.endswith("Level = 1 mm, Flow = 0.3") for line in result.lines), result
     assert any("Setpoint = " in line for line in result.lines)
     assert any("Pump: unit 2" in line for line in result.lines)
     assert any(line.split()[:2] == ["1", "Boiler"] for line in result.lines), "the table of devices"
@@ -106,9 +107,11 @@ def test_the_names_of_a_project(project):
 
 @pytest.mark.parametrize("framing", ["rtu", "ascii"])
 def test_the_framing_is_found(framing):
-    with Bus(["master", "listener"], framing=framing) as bus, Listening(bus, "--json", settings="{}") as listening:
+    with Bus(["master", "listener"], framing=framing) as bus, Listening(bus, "--json",
+                                                                        settings="{}") as listening:
         port, reads = bus.ports["master"], [(1, 0, 4)]
-        with LibmodbusMaster(port, 0.05, reads) if framing == "rtu" else PymodbusMaster(port, 0.05, reads, framing) as master:
+        with LibmodbusMaster(port, 0.05, reads) if framing == "rtu" else PymodbusMaster(
+                port, 0.05, reads, framing) as master:
             until(lambda: len(listening.events("exchange")) >= 5, "exchanges")
             assert master.cycles >= 5
         result = listening.finish()
@@ -119,7 +122,8 @@ def test_the_framing_is_found(framing):
 
 
 def test_silent_devices_and_damage():
-    with Bus(["master", "listener"], units=(1,)) as bus, Listening(bus, "--json", "--timeout", "200ms") as listening:
+    with Bus(["master", "listener"], units=(1, )) as bus, Listening(bus, "--json", "--timeout",
+                                                                    "200ms") as listening:
         with PymodbusMaster(bus.ports["master"], 0.05, [(1, 0, 4), (9, 0, 1), (1, 99, 2)]) as master:
             until(lambda: master.cycles >= 4, "cycles")
         for bad in (frame("rtu", 1, b"\x03\x02\0\0")[:-1] + b"\0", b"\x01\x03"):
@@ -163,7 +167,8 @@ lines:
 
 @pytest.mark.parametrize("framing", ["rtu", "ascii"])
 def test_a_capture_of_takt_run(tmp_path, project, framing):
-    capture, plant, heard = tmp_path / "run.pcapng", project(CAPTURED.replace("FRAMING", framing)), tmp_path / "heard.yaml"
+    capture, plant, heard = tmp_path / "run.pcapng", project(CAPTURED.replace(
+        "FRAMING", framing)), tmp_path / "heard.yaml"
     with start("run", plant, "--stdin", "--json", "--capture", capture) as run:
         run.wait_event(lambda e: e.get("name") == "Level", "a value")
         run.send("write Level 7")
@@ -185,7 +190,11 @@ def test_a_capture_of_takt_run(tmp_path, project, framing):
 def test_all_lines_of_a_capture_are_heard(tmp_path, project):
     capture, heard = tmp_path / "run.pcapng", tmp_path / "heard.yaml"
     line = CAPTURED.replace("FRAMING", "rtu").split("\n", 3)[3]
-    other = line.replace("rs485", "other").replace("rtu", "ascii").replace("Boiler", "Pump").replace("Level", "Speed").replace("50ms", "30ms")
+    other = line.replace("rs485",
+                         "other").replace("rtu",
+                                          "ascii").replace("Boiler",
+                                                           "Pump").replace("Level",
+                                                                           "Speed").replace("50ms", "30ms")
     plant = project("takt: 1\nlines:\n" + line + other)
     takt("run", plant, "--for", "2s", "--quiet", "--capture", capture)
     result = takt("listen", capture, "--json", "--project", plant, "--write", heard)
@@ -194,19 +203,22 @@ def test_all_lines_of_a_capture_are_heard(tmp_path, project):
     assert {name: s["framing"] for name, s in summaries.items()} == {"rs485": "rtu", "other": "ascii"}
     for name, device in (("rs485", "Boiler"), ("other", "Pump")):
         exchanges = [e for e in lines if e["event"] == "exchange" and e["line"] == name]
-        assert {e["device"] for e in exchanges} == {device} and len(exchanges) == summaries[name]["requests"] > 20
+        assert {e["device"]
+                for e in exchanges} == {device} and len(exchanges) == summaries[name]["requests"] > 20
         assert summaries[name]["answered"] >= summaries[name]["requests"] - 1
     assert takt("check", heard).code == 0
     assert "# rs485" in heard.read_text() and "# other" in heard.read_text()
     text = takt("listen", capture, "--quiet").out
     assert "run.pcapng, line rs485: RTU" in text and "run.pcapng, line other: ASCII" in text
     named = takt("listen", capture).lines
-    assert any("  rs485  unit 5 read" in each for each in named) and any("  other  unit 5 read" in each for each in named)
+    assert any("  rs485  unit 5 read" in each for each in named) and any("  other  unit 5 read" in each
+                                                                         for each in named)
 
 
 def test_a_capture_of_takt_capture(tmp_path):
     capture = tmp_path / "line.pcapng"
-    with Bus(["master", "listener"]) as bus, start("capture", f"rtu://{bus.ports['listener']}?baud=115200", "-o", capture) as listener:
+    with Bus(["master", "listener"]) as bus, start("capture", f"rtu://{bus.ports['listener']}?baud=115200",
+                                                   "-o", capture) as listener:
         until(lambda: any("listening on" in text for text in listener.err), "listening")
         with LibmodbusMaster(bus.ports["master"], 0.1, [(1, 0, 4)], [(2, 20)]) as master:
             until(lambda: master.cycles >= 10, "cycles")
@@ -220,7 +232,9 @@ def test_a_capture_of_takt_capture(tmp_path):
     assert sorted((d["unit"], d["answered"]) for d in summary["devices"]) == [(1, 10), (2, 10)]
 
 
-@pytest.mark.parametrize("link, code, words", [(101, 1, "no packet has a frame of a serial line"), (252, 6, "frames with a good checksum: none"), (None, 2, "not a capture")])
+@pytest.mark.parametrize("link, code, words", [(101, 1, "no packet has a frame of a serial line"),
+                                               (252, 6, "frames with a good checksum: none"),
+                                               (None, 2, "not a capture")])
 def test_a_capture_without_serial_frames(tmp_path, link, code, words):
     path = tmp_path / "other.pcap"
     data = bytes.fromhex("000c0004") + b"data" + bytes(4) + b"\x01\x03"
@@ -238,7 +252,11 @@ def test_exit_codes(tmp_path, project):
             listening.program.wait_line(lambda line: "damaged, bytes: 4: 01 03 55 AA" in line, "the bytes")
             assert "no" in listening.finish(code=6).err
         assert "error" in takt("listen", port, "--project", project("takt: 2\n"), code=2).err
-        assert "no serial line" in takt("listen", port, "--project", project("takt: 1\nlines: [{name: net, transport: tcp, host: 127.0.0.1, devices: [{name: D, address: 1, variables: []}]}]\n"), code=2).err
+        assert "no serial line" in takt(
+            "listen", port, "--project",
+            project(
+                "takt: 1\nlines: [{name: net, transport: tcp, host: 127.0.0.1, devices: [{name: D, address: 1, variables: []}]}]\n"
+            ), code=2).err
     takt("listen", "/dev/takt-none", code=3)
     takt("listen", "tcp://127.0.0.1", code=2)
     unwritable = tmp_path / "there.yaml"

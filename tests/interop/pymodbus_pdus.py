@@ -238,21 +238,26 @@ class Exchanges:
 
     def read_file(self):
         ranges = self.file_ranges(251, 2)[:35]
-        asked = [files.FileRecord(file_number=file, record_number=record, record_length=length)
-                 for file, record, length, _ in ranges]
+        asked = [
+            files.FileRecord(file_number=file, record_number=record, record_length=length)
+            for file, record, length, _ in ranges
+        ]
         answered = [files.FileRecord(record_data=word_bytes(part)) for *_, part in ranges]
         yield Message(20, places(ranges), files.ReadFileRecordRequest(asked),
                       lambda m: record_places(m.records))
         # pymodbus: writes the reference type before a length in registers, reads as the specification says
-        yield Message(20, [*counted([length for _, _, length, _ in ranges]), *contents(ranges)],
-                      files.ReadFileRecordResponse(answered),
-                      lambda m: [*counted([len(r.record_data) // 2 for r in m.records]),
-                                 *record_contents(m.records)], encodes=False)
+        yield Message(
+            20, [*counted([length for _, _, length, _ in ranges]), *contents(ranges)],
+            files.ReadFileRecordResponse(answered),
+            lambda m: [*counted([len(r.record_data) // 2 for r in m.records]), *record_contents(m.records)],
+            encodes=False)
 
     def write_file(self):
         ranges = self.file_ranges(251, 7)
-        records = [files.FileRecord(file_number=file, record_number=record, record_data=word_bytes(part))
-                   for file, record, _, part in ranges]
+        records = [
+            files.FileRecord(file_number=file, record_number=record, record_data=word_bytes(part))
+            for file, record, _, part in ranges
+        ]
         fields = [*places(ranges), *contents(ranges)]
 
         def back(m):
@@ -273,11 +278,11 @@ class Exchanges:
     def read_write(self):
         read_start, quantity, write_start = self.u16(), self.number(1, 125), self.u16()
         written, values = self.registers(self.number(1, 121)), self.registers(quantity)
-        yield Message(23, [read_start, quantity, write_start, *counted(written)],
-                      reads.ReadWriteMultipleRegistersRequest(
-                          read_address=read_start, read_count=quantity, write_address=write_start,
-                          write_registers=written),
-                      lambda m: [m.read_address, m.read_count, m.write_address, *counted(m.write_registers)])
+        yield Message(
+            23, [read_start, quantity, write_start, *counted(written)],
+            reads.ReadWriteMultipleRegistersRequest(read_address=read_start, read_count=quantity,
+                                                    write_address=write_start, write_registers=written),
+            lambda m: [m.read_address, m.read_count, m.write_address, *counted(m.write_registers)])
         yield Message(23, counted(values), reads.ReadWriteMultipleRegistersResponse(values),
                       lambda m: counted(m.registers))
 
@@ -302,9 +307,12 @@ class Exchanges:
                       lambda m: [m.read_code, m.object_id])
 
         def back(m):
-            return [m.read_code, m.conformity, int(m.more_follows == 0xFF), m.next_object_id,
-                    len(m.information), *(n for key, text in m.information.items() for n in (key, len(text))),
-                    *counted(b"".join(m.information.values()))]
+            return [
+                m.read_code, m.conformity,
+                int(m.more_follows == 0xFF), m.next_object_id,
+                len(m.information), *(n for key, text in m.information.items() for n in (key, len(text))),
+                *counted(b"".join(m.information.values()))
+            ]
 
         yield Message(43, back(response), response, back)
 
@@ -371,6 +379,7 @@ DIAGNOSTICS = (
 
 
 class Comparison:
+
     def __init__(self, tool, rng):
         self.tool = tool
         self.rng = rng

@@ -95,8 +95,9 @@ def gateway(project, pair):
 
     def run(devices=POLLED, own=OWN, options="", units="1..20", access=""):
         port = endpoints.free_port()
-        path = project(PROJECT.format(serial=pair.a, units=units, devices=devices, own=own, port=port, options=options,
-                                      access=access))
+        path = project(
+            PROJECT.format(serial=pair.a, units=units, devices=devices, own=own, port=port, options=options,
+                           access=access))
         assert takt("check", path, code=None).code in (0, 1)
         running = start("run", path, "--json")
         started.append(running)
@@ -152,14 +153,16 @@ def test_own_units_relayed_ones_and_none(gateway, pair):
         assert client.read_holding_registers(0, 1, slave=50).exception_code == 0x0A
         assert client.read_coils(0, 1, slave=3).exception_code == 1
         client.close()
-        until(lambda: any(e["event"] == "value" and e["name"] == "Polled" and e["value"] == 107 for e in running.events()),
-              "polling goes on")
+        until(
+            lambda: any(e["event"] == "value" and e["name"] == "Polled" and e["value"] == 107
+                        for e in running.events()), "polling goes on")
         assert {unit for unit, _ in bus.seen} == {1, 3, 4}
         running.interrupt()
         served = next(e for e in running.events() if e["event"] == "served")["served"]
         assert [(s["where"].split(":")[0], s["requests"], s["exceptions"]) for s in served] == [("tcp", 9, 3)]
         relayed = [e for e in running.events() if e["event"] == "relayed"]
-        assert [(e["line"], e["asked"], e["sent"], e["no_answer"], e["shared"]) for e in relayed] == [("bus", 7, 7, 1, 0)]
+        assert [(e["line"], e["asked"], e["sent"], e["no_answer"], e["shared"])
+                for e in relayed] == [("bus", 7, 7, 1, 0)]
 
 
 def test_many_clients_one_flooding_one_asking_a_dead_unit(gateway, pair):
@@ -191,7 +194,7 @@ def test_many_clients_one_flooding_one_asking_a_dead_unit(gateway, pair):
 
         flooding = threading.Thread(target=flood)
         flooding.start()
-        clients = [threading.Thread(target=work, args=(n,)) for n in range(4)]
+        clients = [threading.Thread(target=work, args=(n, )) for n in range(4)]
         for client in clients:
             client.start()
         for client in clients:
@@ -201,7 +204,10 @@ def test_many_clients_one_flooding_one_asking_a_dead_unit(gateway, pair):
         assert not wrong
         assert len(served) == 4
         # Between two requests of a client the flood has one; the rest of its own is what the clients leave.
-        order = ["flood" if struct.unpack(">H", pdu[1:3])[0] >= 200 else "client" for unit, pdu in bus.seen if unit == 1]
+        order = [
+            "flood" if struct.unpack(">H", pdu[1:3])[0] >= 200 else "client" for unit, pdu in bus.seen
+            if unit == 1
+        ]
         assert order.count("flood") > 0
 
 
@@ -223,7 +229,8 @@ def test_pipelined_requests_are_sent_as_soon_as_the_line_is_free(gateway, pair, 
 def test_a_late_answer_is_not_anothers(gateway, pair):
     with Bus(pair.b) as bus:
         _, port = gateway(devices="", own="", options=", response_timeout: 1s")
-        with socket.create_connection(("127.0.0.1", port)) as first, socket.create_connection(("127.0.0.1", port)) as second:
+        with socket.create_connection(("127.0.0.1", port)) as first, socket.create_connection(
+            ("127.0.0.1", port)) as second:
             bus.late[3] = 1.3
             ask(first, 3, read(3, 11), 7)
             until(lambda: bus.seen, "it is asked")
@@ -305,7 +312,8 @@ servers:
         endpoints.wait_listening(port, running)
         far, _ = serial.accept()
         until(lambda: any(e["event"] == "link" and e["up"] for e in running.events()), "the line is open")
-        with socket.create_connection(("127.0.0.1", port)) as client, socket.create_connection(("127.0.0.1", port)) as other:
+        with socket.create_connection(("127.0.0.1", port)) as client, socket.create_connection(
+            ("127.0.0.1", port)) as other:
             ask(client, 5, bytes([6, 0, 5, 0, 1]), 3)
             frame = bytes([5, 6, 0, 5, 0, 1])
             assert far.recv(100) == frame + crc16(frame)
@@ -325,7 +333,8 @@ def test_from_rtu_to_ascii(project, pair, tmp_path):
     folder = tmp_path / "other"
     folder.mkdir()
     with endpoints.serial_pair(folder) as other:
-        device = project(f"""
+        device = project(
+            f"""
 takt: 1
 servers:
   - name: device
@@ -345,9 +354,11 @@ servers:
 """)
         with start("serve", device) as serving, start("run", path, "--json") as running:
             target = f"rtu://{pair.a}?baud=19200&parity=even"
-            until(lambda: takt("raw", target, "--unit", 5, "--timeout", "5s", "06 0003 002A", code=None).out.strip() == "06 00 03 00 2A",
-                  "the write goes through")
-            assert takt("raw", target, "--unit", 5, "--timeout", "5s", "03 0003 0001").out.strip() == "03 02 00 2A"
+            until(
+                lambda: takt("raw", target, "--unit", 5, "--timeout", "5s", "06 0003 002A", code=None).out.
+                strip() == "06 00 03 00 2A", "the write goes through")
+            assert takt("raw", target, "--unit", 5, "--timeout", "5s",
+                        "03 0003 0001").out.strip() == "03 02 00 2A"
             running.interrupt()
             serving.interrupt()
 
@@ -385,6 +396,7 @@ def test_access_rules_and_the_audit_log_hold_for_relayed_units(gateway, pair, tm
             with socket.create_connection(("127.0.0.1", port)) as connection:
                 ask(connection, unit, bytes.fromhex(pdu))
                 return receive(connection)[2].hex()
+
         assert exchange(1, "0300200001") == value(1, 0x20).hex()
         assert exchange(1, "0600050001") == "8601"
         assert exchange(3, "0600050007") == "0600050007"
@@ -399,8 +411,8 @@ def test_access_rules_and_the_audit_log_hold_for_relayed_units(gateway, pair, tm
         running.interrupt()
     log = [json.loads(line) for line in (tmp_path / "gate.audit").read_text().splitlines()]
     entries = [(e["event"], e["unit"], e["function"], e.get("start")) for e in log]
-    assert entries[:5] == [("refused", 1, 6, 5), ("write", 3, 6, 5), ("refused", 3, 6, 32), ("write", 2, 6, 1),
-                        ("refused", 3, 5, 4)]
+    assert entries[:5] == [("refused", 1, 6, 5), ("write", 3, 6, 5), ("refused", 3, 6, 32),
+                           ("write", 2, 6, 1), ("refused", 3, 5, 4)]
     assert log[1]["request"] == "0600050007"
     assert (log[4]["why"], log[4]["exception"]) == ("exception", 1)
     assert {entry[0] for entry in entries[5:]} == {"refused"}
@@ -417,20 +429,27 @@ BYPASSES = """
 
 def test_what_the_rules_deny_never_reaches_the_line(gateway, pair):
     with Bus(pair.b) as bus:
-        _, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 2s", access=BYPASSES)
+        _, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 2s",
+                          access=BYPASSES)
         with socket.create_connection(("127.0.0.1", port)) as connection:
+
             def exchange(unit, pdu):
                 ask(connection, unit, bytes.fromhex(pdu))
                 return receive(connection)[2].hex()
+
             for unit, pdu in ((0, "0600050007"), (0, "10000500010200ff"), (0, "1500"), (100, "0600050007"),
-                              (1, "2b0d000001"), (100, "2b0d000001"), (3, "10ffff00020400010002"), (3, "4100010002"),
-                              (3, "2b0d000001"), (3, "17000a0001ffff00020400010002"), (2, "0300050001"), (255, "0300050001")):
-                assert exchange(unit, pdu) in (f"{int(pdu[:2], 16) | 0x80:02x}01", f"{int(pdu[:2], 16) | 0x80:02x}0a"), pdu
+                              (1, "2b0d000001"), (100, "2b0d000001"), (3, "10ffff00020400010002"),
+                              (3, "4100010002"), (3, "2b0d000001"), (3, "17000a0001ffff00020400010002"),
+                              (2, "0300050001"), (255, "0300050001")):
+                assert exchange(unit, pdu) in (f"{int(pdu[:2], 16) | 0x80:02x}01",
+                                               f"{int(pdu[:2], 16) | 0x80:02x}0a"), pdu
             assert not bus.seen
             assert exchange(100, "0300050001") == value(1, 5).hex()
             answers = [exchange(3, "10000900020400010002") for _ in range(30)]
-        assert answers.count("9001") == sum(pdu[0] == 16 for _, pdu in bus.seen), "the device knows no function 16"
-        assert answers[:5] == ["9001"] * 5 and answers.count("9006") >= 20, "the rate of the second rule counts too"
+        assert answers.count("9001") == sum(pdu[0] == 16
+                                            for _, pdu in bus.seen), "the device knows no function 16"
+        assert answers[:5] == ["9001"
+                               ] * 5 and answers.count("9006") >= 20, "the rate of the second rule counts too"
 
 
 def answered_meanwhile(port):
@@ -446,8 +465,8 @@ def test_the_audit_log_tells_what_became_of_relayed_writes(gateway, pair, tmp_pa
         running, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 200ms",
                                 access="    audit: gate.audit\n")
         with socket.create_connection(("127.0.0.1", port)) as connection:
-            for unit, pdu in ((3, "0600050007"), (3, "050004ff00"), (4, "0600050007"), (0, "0600050007"), (100, "0600060008"),
-                              (3, "060005000700")):
+            for unit, pdu in ((3, "0600050007"), (3, "050004ff00"), (4, "0600050007"), (0, "0600050007"),
+                              (100, "0600060008"), (3, "060005000700")):
                 ask(connection, unit, bytes.fromhex(pdu))
                 receive(connection)
             bus.gate.clear()
@@ -465,13 +484,15 @@ def test_the_audit_log_tells_what_became_of_relayed_writes(gateway, pair, tmp_pa
         running.interrupt()
         assert not any(pdu == bytes.fromhex("0600060009") for _, pdu in bus.seen)
     log = [json.loads(line) for line in (tmp_path / "gate.audit").read_text().splitlines()]
-    got = [(e["event"], e["unit"], e["relayed_to"], e["outcome"], e.get("why"), e.get("exception"), e.get("broadcast"))
-           for e in log]
-    assert sorted(got, key=str) == sorted([
-        ("write", 3, 3, "done", None, None, None), ("refused", 3, 3, "refused", "exception", 1, None),
-        ("write", 4, 4, "unknown", None, None, None), ("write", 0, 0, "sent", None, None, True),
-        ("write", 100, 1, "done", None, None, None), ("refused", 3, 3, "not_sent", "exception", 3, None),
-        ("refused", 1, 1, "not_sent", "disconnected", 0, None)], key=str)
+    got = [(e["event"], e["unit"], e["relayed_to"], e["outcome"], e.get("why"), e.get("exception"),
+            e.get("broadcast")) for e in log]
+    assert sorted(got, key=str) == sorted([("write", 3, 3, "done", None, None, None),
+                                           ("refused", 3, 3, "refused", "exception", 1, None),
+                                           ("write", 4, 4, "unknown", None, None, None),
+                                           ("write", 0, 0, "sent", None, None, True),
+                                           ("write", 100, 1, "done", None, None, None),
+                                           ("refused", 3, 3, "not_sent", "exception", 3, None),
+                                           ("refused", 1, 1, "not_sent", "disconnected", 0, None)], key=str)
 
 
 def test_rules_that_are_read_again_stop_what_was_not_sent(gateway, pair, tmp_path):
@@ -479,7 +500,8 @@ def test_rules_that_are_read_again_stop_what_was_not_sent(gateway, pair, tmp_pat
         running, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 20s",
                                 access="    access:\n      - {rule: allow}\n")
         bus.gate.clear()
-        with socket.create_connection(("127.0.0.1", port)) as reader, socket.create_connection(("127.0.0.1", port)) as writer:
+        with socket.create_connection(("127.0.0.1", port)) as reader, socket.create_connection(
+            ("127.0.0.1", port)) as writer:
             ask(reader, 1, read(1, 1))
             until(lambda: bus.seen, "it is asked")
             ask(writer, 3, bytes.fromhex("0600050007"))

@@ -12,15 +12,18 @@ from program import takt
 pytestmark = pytest.mark.skipif(not shutil.which("tshark"), reason="tshark is not installed")
 
 # Wireshark gives exceptions no response time.
-EXCHANGES = [("03 0000 000A", "03 14" + " 00" * 20), ("04 0010 0001", "04 02 0007"), ("01 0000 0008", "01 01 55"),
-             ("06 0005 1234", "06 0005 1234"), ("10 0000 0001 02 0001", "10 0000 0001")]
+EXCHANGES = [("03 0000 000A", "03 14" + " 00" * 20), ("04 0010 0001", "04 02 0007"),
+             ("01 0000 0008", "01 01 55"), ("06 0005 1234", "06 0005 1234"),
+             ("10 0000 0001 02 0001", "10 0000 0001")]
 
 
 def tshark_times(path):
     """(packet of the request, packet of the response, time in ns) of each exchange."""
-    done = subprocess.run(["tshark", "-n", "-r", str(path), "-o", "tcp.reassemble_out_of_order:TRUE", "-Y", "modbus.response_time", "-T", "fields",
-                           "-e", "frame.number", "-e", "modbus.request_frame", "-e", "modbus.response_time"],
-                          capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run([
+        "tshark", "-n", "-r",
+        str(path), "-o", "tcp.reassemble_out_of_order:TRUE", "-Y", "modbus.response_time", "-T", "fields",
+        "-e", "frame.number", "-e", "modbus.request_frame", "-e", "modbus.response_time"
+    ], capture_output=True, text=True, timeout=60, check=True)
     found = []
     for line in done.stdout.splitlines():
         number, requests, times = line.split("\t")
@@ -33,11 +36,15 @@ def clean_capture(seed, exchanges, connections, in_flight=1, cuts=False):
     """Requests of several clients; the responses come in any order."""
     rng = random.Random(seed)
     capture = Capture()
-    ends = [Connection(capture, client=(f"10.0.{1 + n // 200}.{1 + n % 200}", 40000 + n), at=n) for n in range(connections)]
+    ends = [
+        Connection(capture, client=(f"10.0.{1 + n // 200}.{1 + n % 200}", 40000 + n), at=n)
+        for n in range(connections)
+    ]
     at = 1000.0
     for number in range(0, exchanges, in_flight):
         connection = ends[rng.randrange(connections)]
-        flight = [(number + i, rng.randrange(1, 4), *rng.choice(EXCHANGES)) for i in range(min(in_flight, exchanges - number))]
+        flight = [(number + i, rng.randrange(1, 4), *rng.choice(EXCHANGES))
+                  for i in range(min(in_flight, exchanges - number))]
         for transaction, unit, request, _ in flight:
             at += rng.uniform(1, 50)
             send(connection.request, rng, at, adu(transaction, unit, request), cuts)
@@ -57,8 +64,13 @@ def send(by, rng, at, data, cuts):
     by(at, data[cut:])
 
 
-CASES = {"one connection": (1, 9, 1), "several connections": (2, 10, 4), "in flight": (3, 8, 1, 8), "in flight on several": (4, 10, 3, 5),
-         "cut segments": (5, 10, 2, 2, True)}
+CASES = {
+    "one connection": (1, 9, 1),
+    "several connections": (2, 10, 4),
+    "in flight": (3, 8, 1, 8),
+    "in flight on several": (4, 10, 3, 5),
+    "cut segments": (5, 10, 2, 2, True)
+}
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -68,7 +80,8 @@ def test_every_exchange_agrees(tmp_path, case, form):
     path.write_bytes(capture.pcapng() if form == "pcapng" else capture.pcap(nanoseconds=form == "pcap"))
     theirs = tshark_times(path)
     assert len(theirs) == CASES[case][1]
-    ours = [(s["request_packet"], s["response_packet"], round(s["time_ms"] * 1e6)) for s in takt("latency", path, "--json").json["slowest"]]
+    ours = [(s["request_packet"], s["response_packet"], round(s["time_ms"] * 1e6))
+            for s in takt("latency", path, "--json").json["slowest"]]
     assert sorted(ours) == sorted(theirs)
 
 

@@ -43,13 +43,15 @@ def read(port, first, count):
 
 
 def write_pdu(number, first, values):
-    return struct.pack(">BHHB", 16, first, len(values), 2 * len(values)) + struct.pack(f">{len(values)}H", *values)
+    return struct.pack(">BHHB", 16, first, len(values), 2 * len(values)) + struct.pack(
+        f">{len(values)}H", *values)
 
 
 @contextlib.contextmanager
 def keeping(state, *options, port=None, retain="holding:0..99", **popen):
     port = port or endpoints.free_port()
-    with start("serve", "--listen", f"127.0.0.1:{port}", "--state", state, "--retain", retain, *options, **popen) as device:
+    with start("serve", "--listen", f"127.0.0.1:{port}", "--state", state, "--retain", retain, *options,
+               **popen) as device:
         until(lambda: any("serving" in line for line in device.err), f"that it serves: {device!r}")
         yield port, device
 
@@ -62,10 +64,12 @@ class Writer(threading.Thread):
         self.port, self.first, self.sent, self.acknowledged = port, first, last, last
 
     def run(self):
-        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", self.port), timeout=30) as connection:
+        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", self.port),
+                                                                    timeout=30) as connection:
             while True:
                 self.sent += 1
-                answer = exchange(connection, self.sent, write_pdu(16, self.first, [self.sent % 65536] * SLICE))
+                answer = exchange(connection, self.sent, write_pdu(16, self.first,
+                                                                   [self.sent % 65536] * SLICE))
                 assert answer[0] == 16, answer.hex()
                 self.acknowledged = self.sent
 
@@ -84,8 +88,9 @@ def test_acknowledged_writes_survive_kills(tmp_path):
             writers = [Writer(port, client * SLICE, value) for client, value in enumerate(last)]
             for writer in writers:
                 writer.start()
-            until(lambda: all(w.acknowledged > w.sent - 2 and w.acknowledged > last[i] for i, w in enumerate(writers)),
-                  "each wrote")
+            until(
+                lambda: all(w.acknowledged > w.sent - 2 and w.acknowledged > last[i]
+                            for i, w in enumerate(writers)), "each wrote")
             time.sleep(chance.random() * 0.05)
             device.process.kill()
             for writer in writers:
@@ -124,8 +129,10 @@ def test_acknowledged_writes_survive_kills_on_a_serial_line(tmp_path):
 
 def test_every_function_and_overlaid_coils(tmp_path):
     state = tmp_path / "registers"
-    writes = ["06 0000 1234", "10 0001 0002 04 5678 9ABC", "16 0003 0000 00FF", "17 0000 0001 0004 0001 02 0BAD",
-              "05 0050 FF00", "0F 0061 0003 01 05"]  # coils 80 (register 5, bit 0), 97..99 (register 6, bits 1..3)
+    writes = [
+        "06 0000 1234", "10 0001 0002 04 5678 9ABC", "16 0003 0000 00FF", "17 0000 0001 0004 0001 02 0BAD",
+        "05 0050 FF00", "0F 0061 0003 01 05"
+    ]  # coils 80 (register 5, bit 0), 97..99 (register 6, bits 1..3)
     with keeping(state, "--overlay") as (port, device):
         for pdu in writes:
             assert ask(port, pdu)[0] < 0x80, pdu
@@ -154,7 +161,7 @@ def test_a_failing_disk_refuses_and_takes_back(tmp_path):
         unlimited = resource.prlimit(device.process.pid, resource.RLIMIT_FSIZE)
         resource.prlimit(device.process.pid, resource.RLIMIT_FSIZE, (1024, unlimited[1]))
         assert ask(port, "06 0000 0002") == bytes([0x86, 4])
-        assert read(port, 0, 1) == (1,)
+        assert read(port, 0, 1) == (1, )
         assert ask(port, "10 0000 0002 04 0003 0003") == bytes([0x90, 4])
         assert read(port, 0, 2) == (1, 0)
         resource.prlimit(device.process.pid, resource.RLIMIT_FSIZE, unlimited)
@@ -173,13 +180,19 @@ def test_durability_none_writes_at_the_end_and_counts(tmp_path):
         for number in range(1, 20):
             assert ask(port, write_pdu(16, 0, [number]))[0] == 16
         result = device.interrupt()
-    assert result.json["retained"] == [{"unit": 1, "file": str(state), "commits": 1, "bytes": 3 * 4096, "failures": 0}]
+    assert result.json["retained"] == [{
+        "unit": 1,
+        "file": str(state),
+        "commits": 1,
+        "bytes": 3 * 4096,
+        "failures": 0
+    }]
     with keeping(state, "--durability", "100ms") as (port, device):
-        assert read(port, 0, 1) == (19,)
+        assert read(port, 0, 1) == (19, )
         assert ask(port, "06 0000 0042")[0] == 6
         device.interrupt()
     with keeping(state) as (port, device):
-        assert read(port, 0, 1) == (0x42,)
+        assert read(port, 0, 1) == (0x42, )
         device.interrupt()
 
 
@@ -188,13 +201,13 @@ def test_the_state_of_the_file_is_reported(tmp_path):
     with keeping(state) as (port, device):
         assert ask(port, "06 0005 0007")[0] == 6
         assert any("new file" in line for line in device.err)
-        second = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--state", state, "--retain", "holding:0..99",
-                      "--for", "1s", code=3)
+        second = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--state", state, "--retain",
+                      "holding:0..99", "--for", "1s", code=3)
         assert str(state) in second.err
         device.interrupt()
     whole = state.read_bytes()
     with keeping(state, retain="holding:5..9") as (port, device):  # another layout
-        assert read(port, 5, 1) == (7,)
+        assert read(port, 5, 1) == (7, )
         assert any("5 retained items were taken over" in line for line in device.err), repr(device)
         device.interrupt()
     assert (tmp_path / "registers.old-1").read_bytes() == whole
@@ -202,26 +215,26 @@ def test_the_state_of_the_file_is_reported(tmp_path):
     torn[8192 + 40] ^= 1
     state.write_bytes(torn)
     with keeping(state) as (port, device):
-        assert read(port, 5, 1) == (0,)
+        assert read(port, 5, 1) == (0, )
         assert any("one copy" in line for line in device.err), repr(device)
         device.process.kill()
     torn[4096 + 40] ^= 1
     state.write_bytes(torn)
     with keeping(state) as (port, device):
-        assert read(port, 5, 1) == (0,)
+        assert read(port, 5, 1) == (0, )
         assert any("is damaged and was kept" in line for line in device.err), repr(device)
         device.interrupt()
     assert (tmp_path / "registers.damaged-1").read_bytes() == bytes(torn)
     for lines in (1, 2000):
         state.write_text("not registers\n" * lines)
-        foreign = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--state", state, "--retain",
-                       "holding:0..99", code=2)
+        foreign = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--state", state,
+                       "--retain", "holding:0..99", code=2)
         assert "not a file of retained registers" in foreign.err
         assert state.read_text() == "not registers\n" * lines
     state.unlink()
     os.mkfifo(state)
-    foreign = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--state", state, "--retain", "holding:0..99",
-                   code=2)
+    foreign = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--state", state, "--retain",
+                   "holding:0..99", code=2)
     assert "not a file of retained registers" in foreign.err and state.is_fifo()
 
 
@@ -230,8 +243,8 @@ def test_usage(tmp_path):
         result = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", *options, code=2)
         assert "--state" in result.err
     takt("serve", "--listen", "127.0.0.1:1", "--durability", "soon", code=2)
-    missing = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--range", "holding:0..9", "--state", tmp_path / "s",
-                   "--retain", "holding:5..10", code=None)
+    missing = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--range", "holding:0..9",
+                   "--state", tmp_path / "s", "--retain", "holding:5..10", code=None)
     assert missing.code != 0 and "10" in missing.err
 
 
@@ -268,6 +281,6 @@ servers:
     with start("serve", path, "--json") as device:
         endpoints.wait_listening(port, device)
         assert takt("read", f"tcp://127.0.0.1:{port}", "--unit", 2, "holding", 0, 2).out.split()[-1] == "0"
-        assert read(port, 4, 1) == (0,), "not retained"
+        assert read(port, 4, 1) == (0, ), "not retained"
         summary = json.loads(device.interrupt().out)
         assert [unit["unit"] for unit in summary["retained"]] == [1, 2]

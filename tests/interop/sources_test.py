@@ -67,9 +67,10 @@ def binary(value):
 
 
 def test_an_instrument_with_text_and_binary_answers(project, pair):
-    path, port = served(project, [(0, "float", "source: {instrument: scale.weight}, max_age: 2s"),
-                                  (2, "int16", "source: {instrument: scale.flow}, max_age: 2s"),
-                                  (3, "int16", "source: {instrument: scale.weight}, scale: 0.01, max_age: 1h")],
+    path, port = served(project,
+                        [(0, "float", "source: {instrument: scale.weight}, max_age: 2s"),
+                         (2, "int16", "source: {instrument: scale.flow}, max_age: 2s"),
+                         (3, "int16", "source: {instrument: scale.weight}, scale: 0.01, max_age: 1h")],
                         INSTRUMENTS.format(port=pair.b))
     with Instrument(pair.a, {b"?W\r": b"+  12.50 kg\r", b"\x05": binary(-300)}) as instrument, \
             start("serve", path) as running:
@@ -80,7 +81,8 @@ def test_an_instrument_with_text_and_binary_answers(project, pair):
 
         instrument.answers[b"?W\r"] = b"+  13.50 lb\r"  # not in its form
         instrument.answers[b"\x05"] = binary(7)[:3] + b"\x00"  # wrong checksum
-        until(lambda: reading(client, 0, 2) == 0x0B and reading(client, 2) == 0x0B, "nothing wrong becomes a value")
+        until(lambda: reading(client, 0, 2) == 0x0B and reading(client, 2) == 0x0B,
+              "nothing wrong becomes a value")
         assert reading(client, 3) == [1250], "it may be an hour old"
 
         instrument.answers[b"?W\r"] = os.urandom(3000) + b"\r\r14.00 kg\r"
@@ -95,7 +97,8 @@ def test_an_instrument_with_text_and_binary_answers(project, pair):
 def test_an_instrument_that_talks_by_itself_over_tcp(project):
     listener = socket.create_server(("127.0.0.1", 0))
     listener.settimeout(20)
-    path, port = served(project, [(0, "int16", "source: {instrument: meter.v}, max_age: 2s")], f"""
+    path, port = served(
+        project, [(0, "int16", "source: {instrument: meter.v}, max_age: 2s")], f"""
 instruments:
   - {{name: meter, transport: tcp, host: 127.0.0.1, tcp_port: {listener.getsockname()[1]}, timeout: 50ms, exchanges: [
       {{answer: {{until: '\\n', pattern: 'V={{v}}'}}}}]}}
@@ -124,7 +127,8 @@ def test_files_and_commands(project, tmp_path):
     script.write_text(f'#!/bin/sh\n[ "$1" = 9 ] && exit 1\necho "$1" > {written}\n')
     script.chmod(0o755)
     path, port = served(project, [
-        (0, "int16", f"source: {{file: {{path: {file}, every: 20ms, pattern: 'temp={{value}}'}}}}, max_age: 1s"),
+        (0, "int16",
+         f"source: {{file: {{path: {file}, every: 20ms, pattern: 'temp={{value}}'}}}}, max_age: 1s"),
         (1, "int16", "source: {command: {run: [echo, '42'], every: 20ms}}, max_age: 5s"),
         (2, "int16", "source: {command: {run: [sleep, '60'], every: 20ms, timeout: 50ms}}"),
         (3, "int16", f"writes_to: {{command: {{run: [{script}, '{{value}}'], timeout: 10s}}}}"),
@@ -168,6 +172,7 @@ def test_generators_and_a_replay(project, tmp_path):
             for values, value in zip(seen, (a, b, struct.unpack(">f", struct.pack(">HH", c, d))[0])):
                 values.add(value)
             return seen[0] == {10, 20, 30} and seen[1] == {1, 2, 3} and len(seen[2]) > 10
+
         until(all_seen, "every row and number")
         assert min(seen[2]) >= 3 and max(seen[2]) <= 7
         running.interrupt()

@@ -21,8 +21,8 @@ def judge_tcp(tap, path, least):
 def test_our_slave_over_tcp(blank_device, tmp_path):
     """A libmodbus master tries every function."""
     with Tap(blank_device("ramp")) as tap:
-        subprocess.run([str(PEERS / "libmodbus_client"), "tcp", "127.0.0.1", str(tap.port), "1"], check=True, timeout=60,
-                       stdout=subprocess.DEVNULL)
+        subprocess.run([str(PEERS / "libmodbus_client"), "tcp", "127.0.0.1",
+                        str(tap.port), "1"], check=True, timeout=60, stdout=subprocess.DEVNULL)
         judge_tcp(tap, tmp_path / "tcp.pcap", 100)
 
 
@@ -60,13 +60,15 @@ def test_rtu_frames_of_a_run(project, pair, tmp_path):
         endpoints.wait_slave(pair.a, 1, process=device)
         with start("run", path, "--json", "--stdin", "--traffic", log) as run:
             run.send("set Out 7")
-            run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Out" and e["value"] == 7, "the write")
+            run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Out" and e["value"] == 7,
+                           "the write")
             for number in (1, 11, 16):  # one of each read
-                run.wait_event(lambda e, n=f"V{number}": e["event"] == "value" and e["name"] == n, "the reads")
+                run.wait_event(lambda e, n=f"V{number}": e["event"] == "value" and e["name"] == n,
+                               "the reads")
             run.interrupt()
-        for number, raw in enumerate((
-                "05 0013 FF00", "06 0001 0003", "0F 0013 000A 02 CD 01", "16 0004 00F2 0025", "01 0000 07D0",
-                "17 0003 0006 000E 0003 06 00FF 00FF 00FF", "02 0000 07D1", "03 FFFF 0002")):
+        for number, raw in enumerate(
+            ("05 0013 FF00", "06 0001 0003", "0F 0013 000A 02 CD 01", "16 0004 00F2 0025", "01 0000 07D0",
+             "17 0003 0006 000E 0003 06 00FF 00FF 00FF", "02 0000 07D1", "03 FFFF 0002")):
             target = f"rtu://{pair.a}?baud=115200&parity=none"
             takt("raw", target, raw, "--traffic", tmp_path / f"raw-{number}.log", code=5 if number > 5 else 0)
         device.interrupt()
@@ -75,8 +77,9 @@ def test_rtu_frames_of_a_run(project, pair, tmp_path):
     judge(rtu_capture(tmp_path / "rtu.pcap", [f.bytes for f in frames]), len(frames), *RTU_OPTIONS)
 
 
-@pytest.mark.parametrize("harm", [lambda f: f[:-1] + bytes([f[-1] ^ 1]), lambda f: f[:2] + b"\x09" + f[3:-2] + b"\0\0"],
-                         ids=["checksum", "length"])
+@pytest.mark.parametrize(
+    "harm", [lambda f: f[:-1] + bytes([f[-1] ^ 1]), lambda f: f[:2] + b"\x09" + f[3:-2] + b"\0\0"],
+    ids=["checksum", "length"])
 def test_the_judge_detects_errors(tmp_path, harm):
     frame = request("rtu", 1, "03 04 00 07 00 08")
     with pytest.raises(AssertionError):
@@ -85,11 +88,14 @@ def test_the_judge_detects_errors(tmp_path, harm):
 
 
 def test_the_judge_of_tcp_detects_errors(tmp_path):
+
     def capture(quantity_bytes):
         built = TcpCapture(40000, MBAP)
         built.chunk(False, bytes.fromhex("0001 0000 0006 01 03 0000 0002"))
-        built.chunk(True, bytes.fromhex("0001 0000") + (3 + quantity_bytes).to_bytes(2, "big")
-                    + bytes([1, 3, 4]) + bytes(quantity_bytes))
+        built.chunk(
+            True,
+            bytes.fromhex("0001 0000") + (3 + quantity_bytes).to_bytes(2, "big") + bytes([1, 3, 4]) +
+            bytes(quantity_bytes))
         path = tmp_path / "tcp.pcap"
         path.write_bytes(pcap(TcpCapture.LINK_TYPE, built.packets))
         return path
@@ -100,8 +106,10 @@ def test_the_judge_of_tcp_detects_errors(tmp_path):
 
 
 def test_the_judge_of_serial_lines_detects_errors(tmp_path):
+
     def capture(answer):
-        built, count = rtu_connection([(False, request("rtu", 1, "03 0007 0002")[:3]), (False, request("rtu", 1, "03 0007 0002")[3:]),
+        built, count = rtu_connection([(False, request("rtu", 1, "03 0007 0002")[:3]),
+                                       (False, request("rtu", 1, "03 0007 0002")[3:]),
                                        (True, request("rtu", 1, answer)), (False, request("rtu", 1, "11"))])
         path = tmp_path / "rtu.pcap"
         path.write_bytes(pcap(TcpCapture.LINK_TYPE, built.capture.packets))

@@ -16,7 +16,15 @@ RECORD_MAGIC = 0x314A4B54
 CURSOR_MAGIC = 0x32434B54
 SLOT_OFFSET = 4096
 SAMPLES, GAP_TYPE = 1, 2
-CAUSES = {1: "restart", 2: "buffer_full", 3: "disk_failed", 4: "disk_full", 5: "source_lost", 6: "quota", 7: "damaged"}
+CAUSES = {
+    1: "restart",
+    2: "buffer_full",
+    3: "disk_failed",
+    4: "disk_full",
+    5: "source_lost",
+    6: "quota",
+    7: "damaged"
+}
 QUALITIES = ("never_read", "good", "uncertain", "bad")
 
 
@@ -92,7 +100,7 @@ class Segment:
     parsed: int = 0
     records: list = field(default_factory=list)
     ends: list = field(default_factory=list)  # offset behind each record
-    bad_bytes: int = 0                        # behind `parsed`
+    bad_bytes: int = 0  # behind `parsed`
 
     def read(self):
         """Reads what was added since the last call. A file that was cut is read from its beginning."""
@@ -152,8 +160,10 @@ class JournalFolder:
     def removed(self, limit_of):
         """The records up to a size of files that were removed since the last read()."""
         gone = [segment for path, segment in sorted(self.segments.items()) if not path.exists()]
-        return [record for segment in gone
-                for record in segment.records[:bisect.bisect_right(segment.ends, limit_of(segment.path))]]
+        return [
+            record for segment in gone
+            for record in segment.records[:bisect.bisect_right(segment.ends, limit_of(segment.path))]
+        ]
 
     def bytes(self):
         return sum(path.stat().st_size for path in self.folder.glob("segment-*"))
@@ -198,6 +208,7 @@ class Sample:
 
 
 class Payload:
+
     def __init__(self, data):
         self.data, self.at = data, 0
 
@@ -251,9 +262,9 @@ def decode_samples(data):
         if more & 1:
             payload.varint()  # the reason
         kind = flags >> 4 & 7
-        value = (None if kind == 0 else bool(more & 2) if kind == 1 else payload.signed() if kind == 2 else
-                 payload.varint() if kind == 3 else payload.double() if kind == 4 else
-                 payload.bytes().decode() if kind == 5 else payload.float())
+        value = (None if kind == 0 else bool(more & 2) if kind == 1 else
+                 payload.signed() if kind == 2 else payload.varint() if kind == 3 else payload.double(
+                 ) if kind == 4 else payload.bytes().decode() if kind == 5 else payload.float())
         samples.append(Sample(variable, value, QUALITIES[flags & 3], time, before))
     if payload.at != len(data):
         raise ValueError("bytes behind the samples")

@@ -8,15 +8,17 @@ DERIVED = ("quota", "damaged")  # gaps that are not records
 
 def check_sample(item, ledger):
     """Every value of a message is the one on the disk."""
-    require(sorted(item.values) == list(range(item.first, item.first + item.count)), "numbers in a message", item)
+    require(
+        sorted(item.values) == list(range(item.first, item.first + item.count)), "numbers in a message", item)
     for number, sent in item.values.items():
         found = ledger.sample(number)
         require(found, "a sample was published that is not durable", item)
         record, kept = found
         require(record.epoch == item.epoch, "a sample has another epoch than its record", item, record)
         after = text_of(kept.before_ns) if kept.before_ns is not None else None
-        same = (sent["variable"] == kept.variable and same_value(sent["value"], kept.value) and
-                sent["quality"] == kept.quality and sent["time"] == text_of(kept.time_ns) and sent.get("after") == after)
+        same = (sent["variable"] == kept.variable and same_value(sent["value"], kept.value)
+                and sent["quality"] == kept.quality and sent["time"] == text_of(kept.time_ns)
+                and sent.get("after") == after)
         require(same, "a sample differs from the one on the disk", sent, kept)
 
 
@@ -28,8 +30,10 @@ def check_gap(item, ledger):
         afters = {(text_of(record.wall_ns), record.epoch) for record in ledger.beginning_at(next_number)}
         # Before the first record there is the first start, which may have written none.
         from_start = item.first == 1 and text_of(ledger.starts[0][0]) <= gap["first"] <= min(befores)
-        require(gap["first"] in befores or from_start, "a derived gap does not begin at the record before", item, befores)
-        require((gap["last"], item.epoch) in afters, "a derived gap does not end at the record after", item, afters)
+        require(gap["first"] in befores or from_start, "a derived gap does not begin at the record before",
+                item, befores)
+        require((gap["last"], item.epoch) in afters, "a derived gap does not end at the record after", item,
+                afters)
         if gap["cause"] == "damaged":
             require((item.first, item.count) in ledger.holes, "a gap where nothing is damaged", item)
             return
@@ -37,11 +41,15 @@ def check_gap(item, ledger):
         first = ledger.records.get(ledger.first_on_disk)
         require(not first or next_number <= first.before + 1, "a gap has samples that are on the disk", item)
         return
-    matching = [record for record in ledger.ending_at(next_number - 1) if record.gap and record.before == item.first - 1]
+    matching = [
+        record for record in ledger.ending_at(next_number - 1)
+        if record.gap and record.before == item.first - 1
+    ]
     for record in matching:
         kept = record.gap
-        if (record.epoch, kept.cause, kept.samples, text_of(kept.first_ns), text_of(kept.last_ns)) == (
-                item.epoch, gap["cause"], gap["samples"], gap["first"], gap["last"]):
+        if (record.epoch, kept.cause, kept.samples, text_of(kept.first_ns),
+                text_of(kept.last_ns)) == (item.epoch, gap["cause"], gap["samples"], gap["first"],
+                                           gap["last"]):
             return
     require(False, "a gap that is not on the disk", item, matching)
 
@@ -53,13 +61,13 @@ class Delivery:
 
     def __init__(self, ledger):
         self.ledger = ledger
-        self.acknowledged = set()   # numbers
-        self.acknowledged_to = 0    # all up to this one
-        self.fate = bytearray(1)    # of each number, when it was published last
-        self.published = set()      # (kind, first, epoch) ever
-        self.received = set()       # numbers
+        self.acknowledged = set()  # numbers
+        self.acknowledged_to = 0  # all up to this one
+        self.fate = bytearray(1)  # of each number, when it was published last
+        self.published = set()  # (kind, first, epoch) ever
+        self.received = set()  # numbers
         self.gaps_received = set()  # (first, epoch, cause)
-        self.covered = set()        # numbers in gaps that arrived
+        self.covered = set()  # numbers in gaps that arrived
         self.counts = Counter()
         self._published_at = self._received_at = 0
         self._expected = self._expected_there = None
@@ -91,14 +99,14 @@ class Delivery:
     def _publish(self, item, run):
         self._check_content(item)
         if self._expected is None:
-            require(item.first <= self.acknowledged_to + 1, "a connection begins behind what is not acknowledged", item,
-                    self.acknowledged_to)
+            require(item.first <= self.acknowledged_to + 1,
+                    "a connection begins behind what is not acknowledged", item, self.acknowledged_to)
         else:
             require(item.first == self._expected, "not in order", item, self._expected)
         self._expected = item.first + item.count
         end = item.first + item.count
         self.fate.extend(bytes(max(0, end - len(self.fate))))
-        self.fate[item.first:end] = bytes((self.SAMPLE if item.kind == "sample" else self.GAP,)) * item.count
+        self.fate[item.first:end] = bytes((self.SAMPLE if item.kind == "sample" else self.GAP, )) * item.count
         self._check_repeated(item, run)
         self.counts[f"gaps {item.gap['cause']}" if item.gap else "messages"] += 1
 
@@ -121,7 +129,8 @@ class Delivery:
     def _receive(self, item):
         self._check_content(item)
         if self._expected_there is not None:
-            require(item.first == self._expected_there, "the subscriber gets another order", item, self._expected_there)
+            require(item.first == self._expected_there, "the subscriber gets another order", item,
+                    self._expected_there)
         self._expected_there = item.first + item.count
         if item.kind == "gap":
             self.gaps_received.add((item.first, item.epoch, item.gap["cause"]))
@@ -136,19 +145,22 @@ class Delivery:
 
     def missing_gaps(self):
         on_disk = [record for record in self.ledger.gaps() if record.sequence >= self.ledger.first_on_disk]
-        return [record for record in on_disk
-                if (record.before + 1, record.epoch, record.gap.cause) not in self.gaps_received]
+        return [
+            record for record in on_disk
+            if (record.before + 1, record.epoch, record.gap.cause) not in self.gaps_received
+        ]
 
     def check_counters(self, output, exact):
         """At an orderly end. `exact`: nothing was replayed."""
         counters = {key: output[key] for key in ("sampled", "delivered", "waiting", "dropped")}
         require(output["sampled"] == output["delivered"] + output["waiting"] + output["dropped"],
                 "the counters do not add up", counters)
-        require(output["sampled"] == self.ledger.end(), "other samples are counted than are on the disk", counters,
-                self.ledger.end())
+        require(output["sampled"] == self.ledger.end(), "other samples are counted than are on the disk",
+                counters, self.ledger.end())
         if exact and output["waiting"] == 0:
             fate = self.fate[1:output["sampled"] + 1]
-            require(output["delivered"] == fate.count(self.SAMPLE), "delivered", counters, fate.count(self.SAMPLE))
+            require(output["delivered"] == fate.count(self.SAMPLE), "delivered", counters,
+                    fate.count(self.SAMPLE))
             require(output["dropped"] == fate.count(self.GAP), "dropped", counters, fate.count(self.GAP))
 
 
@@ -163,7 +175,8 @@ def check_history(ledger, rows, gaps):
     kept = Counter(rows)
     missing, surplus = owed - kept, kept - owed
     require(not missing, "samples are missing in the history", list(missing)[:3], missing.total())
-    require(not surplus, "samples are in the history twice, or are no samples", list(surplus)[:3], surplus.total())
+    require(not surplus, "samples are in the history twice, or are no samples",
+            list(surplus)[:3], surplus.total())
     times = [(text_of(record.gap.first_ns), text_of(record.gap.last_ns)) for record in ledger.restarts()]
     # The first start is a gap without a length.
     owed_gaps, kept_gaps = ([gap for gap in some if gap[0] != gap[1]] for some in (times, gaps))

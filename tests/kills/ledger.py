@@ -42,13 +42,13 @@ class Ledger:
 
     def __init__(self, quota_bytes=None, keeps=True):
         self.quota_bytes = quota_bytes  # small enough to be reached
-        self.keeps = keeps              # acknowledged records stay
-        self.records = {}               # by sequence number
+        self.keeps = keeps  # acknowledged records stay
+        self.records = {}  # by sequence number
         self.first_on_disk = self._checked_from = 1  # sequence number
         self.newest = None
-        self.holes = set()              # (first missing sample, samples) between records on the disk
+        self.holes = set()  # (first missing sample, samples) between records on the disk
         self.cursor = None
-        self.starts = []                # (wall time before, wall time after) of each start
+        self.starts = []  # (wall time before, wall time after) of each start
         self._samples, self._befores, self._by_before = {}, [], []
         self._ends = {}
 
@@ -81,8 +81,8 @@ class Ledger:
 
     def _check_order(self, stream, cut):
         for before, after in zip(stream, stream[1:]):
-            require(after.sequence > before.sequence and after.before >= before.end, "records are not in order",
-                    before, after)
+            require(after.sequence > before.sequence and after.before >= before.end,
+                    "records are not in order", before, after)
             if after.sequence != before.sequence + 1 or after.before != before.end:
                 require(cut, "records are missing on the disk", before.sequence, after.sequence)
                 self.holes.add((before.end + 1, after.before - before.end))
@@ -90,11 +90,14 @@ class Ledger:
     def _check_holes(self, stream):
         present = {record.sequence for record in stream}
         for sequence in self.records:
-            require(sequence < stream[0].sequence or sequence in present, "a durable record is missing", sequence)
+            require(sequence < stream[0].sequence or sequence in present, "a durable record is missing",
+                    sequence)
 
     def check_removed(self, disk_bytes):
         """To be called after set_cursor()."""
-        removed = [self.records[n] for n in range(self._checked_from, self.first_on_disk) if n in self.records]
+        removed = [
+            self.records[n] for n in range(self._checked_from, self.first_on_disk) if n in self.records
+        ]
         self._checked_from = self.first_on_disk
         acknowledged = self.cursor.sequence if self.cursor else 0
         if removed and (self.keeps or removed[-1].sequence > acknowledged):
@@ -108,14 +111,16 @@ class Ledger:
         if cut and before and before.sequence != record.sequence - 1:
             return  # the power cut took the beginning of the epoch
         gap = record.gap
-        require(gap and gap.cause == "restart" and gap.samples == 0, "a start has no gap of cause restart", record)
+        require(gap and gap.cause == "restart" and gap.samples == 0, "a start has no gap of cause restart",
+                record)
         require(record.epoch == (before.epoch + 1 if before else gap.last_ns // 1_000_000_000),
                 "an epoch does not follow the one before", record)
         require(any(begin <= gap.last_ns <= end for begin, end in self.starts), "a gap ends at no start", gap)
         if not before:
             require(gap.first_ns == gap.last_ns, "the first gap has a length", gap)
         else:
-            require(gap.first_ns == before.wall_ns, "a gap does not begin at the last durable record", gap, before)
+            require(gap.first_ns == before.wall_ns, "a gap does not begin at the last durable record", gap,
+                    before)
 
     def _insert(self, record):
         self.records[record.sequence] = self.newest = record
@@ -130,15 +135,16 @@ class Ledger:
         require(cursor or not self.cursor, "the cursor is gone")
         if not cursor:
             return
-        require(cursor.delivered + cursor.dropped == cursor.samples, "the counters of the cursor do not add up", cursor)
+        require(cursor.delivered + cursor.dropped == cursor.samples,
+                "the counters of the cursor do not add up", cursor)
         last = self.cursor
         require(not last or cursor.sequence >= last.sequence, "the cursor went back", last, cursor)
         if acknowledged_to is not None:
             require(cursor.samples <= acknowledged_to, "the cursor is past the last acknowledgement", cursor,
                     acknowledged_to)
         record = self.records.get(cursor.sequence)
-        require(not record or record.end == cursor.samples, "the cursor counts other samples than its record", cursor,
-                record)
+        require(not record or record.end == cursor.samples, "the cursor counts other samples than its record",
+                cursor, record)
         self.cursor = cursor
 
     def go_back(self):

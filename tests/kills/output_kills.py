@@ -37,16 +37,19 @@ def arguments():
     parser.add_argument("--kills", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--takt", default=os.environ.get("TAKT", str(HERE.parent.parent / "build/release/bin/takt")))
+    parser.add_argument("--takt", default=os.environ.get("TAKT",
+                                                         str(HERE.parent.parent / "build/release/bin/takt")))
     parser.add_argument("--kind", choices=KINDS)
     parser.add_argument("--plant-kills", type=int, default=KILLS, help="kills of a plant")
-    parser.add_argument("--kept", help="folder for plants with a violation; it is created if it does not exist")
+    parser.add_argument("--kept",
+                        help="folder for plants with a violation; it is created if it does not exist")
     return parser.parse_args()
 
 
 def build_kill_points(folder):
     library = folder / "kill_points.so"
-    subprocess.run(["g++", "-std=c++20", "-O1", "-shared", "-fPIC", "-o", library, HERE / "kill_points.cpp"], check=True)
+    subprocess.run(["g++", "-std=c++20", "-O1", "-shared", "-fPIC", "-o", library, HERE / "kill_points.cpp"],
+                   check=True)
     return library
 
 
@@ -92,8 +95,10 @@ def main():
     for _ in range(options.jobs):
         plants.put(None)
     enough = multiprocessing.Event()
-    workers = [multiprocessing.Process(target=work, args=(options, library, folder, plants, results, enough))
-               for _ in range(options.jobs)]
+    workers = [
+        multiprocessing.Process(target=work, args=(options, library, folder, plants, results, enough))
+        for _ in range(options.jobs)
+    ]
     for worker in workers:
         worker.start()
     try:

@@ -51,7 +51,8 @@ class Plant:
         self.judged = [(self.journal, self.ledger, self.delivery)]
         self.history = Ledger() if self.kind == "history" else None
         if self.history:
-            self.judged.append((JournalFolder(self.folder / "plant.journal/hist", "hist"), self.history, None))
+            self.judged.append((JournalFolder(self.folder / "plant.journal/hist",
+                                              "hist"), self.history, None))
         self.synced, self._log_read = {}, 0  # by path: the size of a segment, the content of a cursor
         self.replayed = False
         self.broker_back = 0.0
@@ -61,7 +62,8 @@ class Plant:
         self.retention = "0s" if self.kind in ("plain", "link") and self.random.random() < 0.5 else "7d"
         large = self.kind == "quota"
         message = "device" if large else self.random.choice(("variable", "device"))
-        self.project.write_text(project_text(self.wire.port, message, large, self.retention, self.kind == "history"))
+        self.project.write_text(
+            project_text(self.wire.port, message, large, self.retention, self.kind == "history"))
 
     def run(self, kills, progress=lambda: None):
         """Kills the program so often. @returns the counts; raises Violation."""
@@ -96,8 +98,12 @@ class Plant:
 
     def _start(self, command, **popen):
         self.wire.begin_run()
-        environment = os.environ | {"LD_PRELOAD": str(self.kill_points), "TAKT_SYNC_LOG": str(self.folder / "sync.log"),
-                                    "LC_ALL": "C.UTF-8", "ASAN_OPTIONS": "verify_asan_link_order=0"}
+        environment = os.environ | {
+            "LD_PRELOAD": str(self.kill_points),
+            "TAKT_SYNC_LOG": str(self.folder / "sync.log"),
+            "LC_ALL": "C.UTF-8",
+            "ASAN_OPTIONS": "verify_asan_link_order=0"
+        }
         return subprocess.Popen([self.takt, *command], env=environment | popen.pop("env", {}), **popen)
 
     def _kill_once(self, delay):
@@ -109,7 +115,8 @@ class Plant:
             if call.startswith("slot") and count > 1:
                 delay = max(delay, 1.4)
         if self.kind == "link" and self.random.random() < 0.2:
-            delay = max(delay, self.random.uniform(1.3, 1.6))  # a cursor is written while nothing is acknowledged
+            delay = max(delay, self.random.uniform(1.3,
+                                                   1.6))  # a cursor is written while nothing is acknowledged
         actions = sorted(self._actions(delay), key=lambda action: action[0])
         begin = time.time_ns()
         with open(self.folder / "stderr.txt", "wb") as errors:
@@ -189,8 +196,8 @@ class Plant:
             delivery.epoch_of_run = ledger.epoch_since(ledger.starts[-1][0])
             delivery.check(self.wire)
         durable, on_disk = newest_slot(self.synced.get(str(journal.cursor_path), b"")), journal.cursor()
-        require(not durable or on_disk and on_disk.counter >= durable.counter, "a durable cursor is gone", durable,
-                on_disk)
+        require(not durable or on_disk and on_disk.counter >= durable.counter, "a durable cursor is gone",
+                durable, on_disk)
         cursor = durable if synced_only else on_disk
         ledger.set_cursor(cursor, delivery.acknowledged_to if delivery else None)
         ledger.check_removed(journal.bytes())
@@ -259,7 +266,8 @@ class Plant:
         with open(self.folder / "stdout.txt", "wb") as out, open(self.folder / "stderr.txt", "wb") as errors:
             program = self._start(["run", str(self.project), "--json"], stdout=out, stderr=errors)
             try:
-                wait_for(lambda: self.wire.acknowledged_to >= max(1, self.ledger.end()), "the delivery of what waits")
+                wait_for(lambda: self.wire.acknowledged_to >= max(1, self.ledger.end()),
+                         "the delivery of what waits")
                 time.sleep(self.random.uniform(0, 0.2))
                 program.send_signal(signal.SIGINT)
                 code = program.wait(LIMIT)
@@ -274,8 +282,9 @@ class Plant:
         if self.history:
             kept = outputs["hist"]
             owed = sum(1 for _ in self.history.numbers())
-            require(kept["sampled"] == self.history.end() and kept["waiting"] == 0 and kept["delivered"] == owed and
-                    kept["dropped"] == kept["sampled"] - owed, "the counters of the history", kept, owed)
+            require(
+                kept["sampled"] == self.history.end() and kept["waiting"] == 0 and kept["delivered"] == owed
+                and kept["dropped"] == kept["sampled"] - owed, "the counters of the history", kept, owed)
         self.counts["ends"] += 1
         return outputs
 
@@ -294,7 +303,8 @@ class Plant:
             self._await_arrival(seconds=1, required=False)
             lost = self.delivery.missing()
             not_acknowledged = [number for number in lost if number not in self.delivery.acknowledged]
-            require(not not_acknowledged, "samples did not arrive that no broker had acknowledged", not_acknowledged[:5])
+            require(not not_acknowledged, "samples did not arrive that no broker had acknowledged",
+                    not_acknowledged[:5])
             self.counts["lost by the broker"] += len(lost)
             self._replay()
             self._deliver_all()
@@ -343,14 +353,17 @@ class Plant:
         ledger = self.history
         begin = text_of(ledger.starts[0][0] - 60_000_000_000)
         command = [self.takt, "history", str(self.project), *VALUES, "--from", begin]
-        table = subprocess.run([*command, "--csv"], capture_output=True, text=True, timeout=LIMIT, check=False)
+        table = subprocess.run([*command, "--csv"], capture_output=True, text=True, timeout=LIMIT,
+                               check=False)
         require(table.returncode == 0, "takt history", table.stderr)
         rows = [(row["variable"], row["time_utc"], VALUES[row["variable"]](row["value"]), row["quality"])
                 for row in csv.DictReader(io.StringIO(table.stdout))]
-        picture = subprocess.run([*command, "--json"], capture_output=True, text=True, timeout=LIMIT, check=False)
+        picture = subprocess.run([*command, "--json"], capture_output=True, text=True, timeout=LIMIT,
+                                 check=False)
         require(picture.returncode == 0, "takt history", picture.stderr)
         shown = json.loads(picture.stdout)
-        check_history(ledger, rows, [(gap["from"], gap["to"]) for gap in shown["gaps"] if gap["cause"] == "restart"])
+        check_history(ledger, rows,
+                      [(gap["from"], gap["to"]) for gap in shown["gaps"] if gap["cause"] == "restart"])
         count = sum(variable["samples"] for variable in shown["variables"])
         require(count == len(rows), "takt history --json counts", count, len(rows))
         self.counts["in the history"] += len(rows)

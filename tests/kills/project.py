@@ -7,7 +7,13 @@ from ledger import float32
 
 QUOTA_MB = 32
 # A value as `takt history --csv` prints it.
-VALUES = {"Power": lambda text: float32(float(text)), "Energy": int, "Count": int, "Running": "true".__eq__, "Label": str}
+VALUES = {
+    "Power": lambda text: float32(float(text)),
+    "Energy": int,
+    "Count": int,
+    "Running": "true".__eq__,
+    "Label": str
+}
 SMALL = """
           - {name: Power, type: float, register: 0, read: 0x03, unit: kW}
           - {name: Energy, type: uint32, register: 2, read: 0x03}
@@ -15,8 +21,9 @@ SMALL = """
           - {name: Running, type: bool, register: 5, bit: 0, read: 0x03}
           - {name: Label, type: string, register: 10, length: 8, read: 0x03}"""
 # The value of a simulated string is the name of its variable.
-LARGE = "".join(f"\n          - {{name: {f'T{i:02}':x<128}, type: string, register: {100 * i}, length: 64, read: 0x03}}"
-                for i in range(40))
+LARGE = "".join(
+    f"\n          - {{name: {f'T{i:02}':x<128}, type: string, register: {100 * i}, length: 64, read: 0x03}}"
+    for i in range(40))
 PROJECT = """takt: 1
 lines:
   - name: sim

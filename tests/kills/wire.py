@@ -109,7 +109,7 @@ class Wire(threading.Thread):
         self.run_number = 0
         self.mode, self.cut_after = "pass", None
         self.acknowledged_to = 0  # the number of the last sample acknowledged in the newest run
-        self.events = []    # ("connect" | "publish" | "acknowledge", run, item), in the order of the link
+        self.events = []  # ("connect" | "publish" | "acknowledge", run, item), in the order of the link
         self.received = []  # of the subscriber
         self.subscribed = False
         self.subscriber_away = 0.0  # seconds from the loss of the subscriber's connection to its next attempt
@@ -254,7 +254,8 @@ class Wire(threading.Thread):
             name = b"subscriber"
             body = b"\0\4MQTT\4\2\0\0" + len(name).to_bytes(2, "big") + name
             filters = b"\0\1" + b"\0\1#\1"
-            self._subscriber.sendall(bytes((CONNECT, len(body))) + body + bytes((SUBSCRIBE, len(filters))) + filters)
+            self._subscriber.sendall(
+                bytes((CONNECT, len(body))) + body + bytes((SUBSCRIBE, len(filters))) + filters)
         except OSError:
             self._drop_subscriber()
         self._packets = PacketStream()

@@ -18,7 +18,9 @@ def ramp(unit):
     bits = [bool(a & 1) for a in range(COUNT)]
     registers = list(range(COUNT))
     blocks = {"co": bits, "di": bits, "hr": registers, "ir": registers}
-    slave = ModbusSlaveContext(zero_mode=True, **{k: ModbusSequentialDataBlock(0, list(v)) for k, v in blocks.items()})
+    slave = ModbusSlaveContext(zero_mode=True,
+                               **{k: ModbusSequentialDataBlock(0, list(v))
+                                  for k, v in blocks.items()})
     return ModbusServerContext(slaves={unit: slave}, single=False)
 
 

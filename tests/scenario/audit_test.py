@@ -15,7 +15,8 @@ STATE = ["name: state, type: int"]
 
 
 def value(name, wanted=None, quality="good"):
-    return lambda e: e["event"] == "value" and e["name"] == name and e["quality"] == quality and wanted in (None, e["value"])
+    return lambda e: e["event"] == "value" and e["name"] == name and e["quality"] == quality and wanted in (
+        None, e["value"])
 
 
 def status(code):
@@ -31,8 +32,9 @@ def outcome(run, command, after=None):
 def test_a_status_shows_success_every_exception_and_every_failure(project):
     device = Device({0: 7})
     with TcpSlave(device.over_tcp) as slave:
-        path = project(tcp([f"register: 0, {INT}, period: 20ms, status: state"], slave.port, local=STATE,
-                           response_timeout="50ms", backoff="100ms"))
+        path = project(
+            tcp([f"register: 0, {INT}, period: 20ms, status: state"], slave.port, local=STATE,
+                response_timeout="50ms", backoff="100ms"))
         with start("run", path, "--json") as run:
             run.wait_event(value("V1", 7), "a good value")
             for code in (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11):
@@ -42,8 +44,9 @@ def test_a_status_shows_success_every_exception_and_every_failure(project):
                 run.wait_event(status(0), "success again", after=seen)
             for code in (0x7F, 0xFF):
                 device.meddle = lambda pdu, code=code: bytes([0x83, code])
-                run.wait_event(lambda e, code=code: e["event"] == "value" and e["reason"] == f"exception {code}",
-                               f"exception {code} is reported unchanged")
+                run.wait_event(
+                    lambda e, code=code: e["event"] == "value" and e["reason"] == f"exception {code}",
+                    f"exception {code} is reported unchanged")
             device.meddle = lambda pdu: bytes([3, 4, 0, 1, 0, 2])
             run.wait_event(status(102), "another byte count than asked for")
             device.meddle, seen = lambda pdu: None, len(run.out)
@@ -65,7 +68,10 @@ def test_a_connection_lost_under_a_write_leaves_it_unknown_and_comes_back(projec
     def cut(adu):
         return "close" if adu[7] == 16 else device.over_tcp(adu)
 
-    variables = [f"name: V, register: 0, write: 0x10, {INT}", f"name: Safe, register: 5, write: 0x10, safe_to_repeat: true, {INT}"]
+    variables = [
+        f"name: V, register: 0, write: 0x10, {INT}",
+        f"name: Safe, register: 5, write: 0x10, safe_to_repeat: true, {INT}"
+    ]
     path = project(tcp(variables, port))
     with start("run", path, "--json", "--stdin") as run:
         with TcpSlave(cut, port):
@@ -74,13 +80,16 @@ def test_a_connection_lost_under_a_write_leaves_it_unknown_and_comes_back(projec
             assert (lost["outcome"], lost["reason"]) == ("unknown", "link_lost")
             before = len(run.out)
             run.send("write Safe 3")
-            run.wait_event(lambda e: e["event"] == "link" and not e["up"], "the connection goes again", after=before)
-        run.wait_event(lambda e: e["event"] == "link" and "refused" in e.get("text", ""), "no listener", after=before)
+            run.wait_event(lambda e: e["event"] == "link" and not e["up"], "the connection goes again",
+                           after=before)
+        run.wait_event(lambda e: e["event"] == "link" and "refused" in e.get("text", ""), "no listener",
+                       after=before)
         before = len(run.out)
         with TcpSlave(device.over_tcp, port):
             run.wait_event(value("V", 7), "the value again", after=before)
-            run.wait_event(lambda e: e["event"] == "outcome" and (e["name"], e["outcome"]) == ("Safe", "done"),
-                           "what is safe to repeat is repeated", after=before)
+            run.wait_event(
+                lambda e: e["event"] == "outcome" and (e["name"], e["outcome"]) == ("Safe", "done"),
+                "what is safe to repeat is repeated", after=before)
             run.interrupt()
     assert device.writes() == ["10 00 05 00 01 02 00 03"], "what is not, is not"
 
@@ -101,7 +110,8 @@ def test_an_adapter_pulled_out_under_a_write_and_plugged_in_again(project, tmp_p
         assert (lost["outcome"], lost["reason"]) == ("unknown", "link_lost")
         run.wait_event(lambda e: e["event"] == "link" and not e["up"], "the port is gone", after=before)
         before = len(run.out)
-        with contextlib.closing(endpoints.SerialPair(tmp_path)) as again, RtuDevices(again.b, {16: Device({0: 9})}) as slave:
+        with contextlib.closing(endpoints.SerialPair(tmp_path)) as again, RtuDevices(
+                again.b, {16: Device({0: 9})}) as slave:
             run.wait_event(value("V", 9), "it comes back by itself", after=before)
             assert not any(f[1] == 16 for f in slave.seen), "and does not repeat what may have been done"
             run.interrupt()
@@ -111,8 +121,11 @@ def test_a_group_never_writes_unknown_values(project):
     device = Device({0: 1, 1: 2})
     device.meddle = lambda pdu: bytes([0x83, 2]) if pdu[0] == 3 else None
     with TcpSlave(device.over_tcp) as slave:
-        path = project(tcp([f"name: A, register: 0, write: 0x10, write_on_change: true, {INT}",
-                            f"name: B, register: 1, write: 0x10, write_on_change: true, {INT}"], slave.port))
+        path = project(
+            tcp([
+                f"name: A, register: 0, write: 0x10, write_on_change: true, {INT}",
+                f"name: B, register: 1, write: 0x10, write_on_change: true, {INT}"
+            ], slave.port))
         with start("run", path, "--json", "--stdin") as run:
             run.send("set A 5")
             waiting = run.wait_event(lambda e: e["event"] == "write_waiting", "it reports that it waits")
@@ -121,16 +134,19 @@ def test_a_group_never_writes_unknown_values(project):
             device.meddle = lambda pdu: None
             until(device.writes, "written once the other is known")
             run.interrupt()
-    assert device.writes() == ["10 00 00 00 02 04 00 05 00 02"], "one request, with what was set and what was read"
+    assert device.writes() == ["10 00 00 00 02 04 00 05 00 02"
+                               ], "one request, with what was set and what was read"
 
 
 def test_default_or_last_value_while_a_device_does_not_answer_and_the_dead_band(project):
     device = Device({0: 100, 1: 7, 2: 9})
     with TcpSlave(device.over_tcp) as slave:
-        path = project(tcp([f"name: Band, register: 0, dead_band: 5, period: 20ms, {INT}",
-                            f"name: Held, register: 1, hold_last: true, default: -1, period: 20ms, {INT}",
-                            f"name: Default, register: 2, default: -2, period: 20ms, {INT}"], slave.port,
-                           response_timeout="50ms"))
+        path = project(
+            tcp([
+                f"name: Band, register: 0, dead_band: 5, period: 20ms, {INT}",
+                f"name: Held, register: 1, hold_last: true, default: -1, period: 20ms, {INT}",
+                f"name: Default, register: 2, default: -2, period: 20ms, {INT}"
+            ], slave.port, response_timeout="50ms"))
         with start("run", path, "--json") as run:
             run.wait_event(value("Default", 9), "all are read")
             for number in (103, 96, 105, 95, 106):
@@ -153,7 +169,9 @@ def test_an_overrun_is_reported_with_the_real_period(project):
         time.sleep(0.03)
         return device.over_tcp(adu)
 
-    with TcpSlave(slowly) as slave, start("run", project(tcp([f"register: 0, {INT}, period: 10ms"], slave.port)), "--json") as run:
+    with TcpSlave(slowly) as slave, start("run",
+                                          project(tcp([f"register: 0, {INT}, period: 10ms"], slave.port)),
+                                          "--json") as run:
         event = run.wait_event(lambda e: e["event"] == "overrun" and e["overrun"], "the overrun")
         assert event["period_ms"] == 10 and event["real_period_ms"] >= 30
         run.interrupt()
@@ -223,13 +241,15 @@ KINDS = {
 def test_nothing_false_ever_becomes_a_value(project, pair):
     """Late, double, foreign, oversized, cut and garbled answers: every good value is the one the device holds."""
     registers = {0: 1000, 10: 1010, 20: 1020}
-    text = serial(at(registers, INT + ", period: 30ms"), port=pair.a, response_timeout="150ms",
-                  attempts=50, strategy="single", group_requests="false")
-    with Nasty(pair.b, {16: Device(registers)}, seed=11) as slave, start("run", project(text), "--json") as run:
+    text = serial(at(registers, INT + ", period: 30ms"), port=pair.a, response_timeout="150ms", attempts=50,
+                  strategy="single", group_requests="false")
+    with Nasty(pair.b, {16: Device(registers)}, seed=11) as slave, start("run", project(text),
+                                                                         "--json") as run:
         until(lambda: not slave.to_play, "every kind was played, twice")
         calm = len(run.out)
         for name in ("V1", "V2", "V3"):
-            if next((e for e in reversed(run.events()) if e.get("name") == name), {"quality": ""})["quality"] != "good":
+            if next((e for e in reversed(run.events()) if e.get("name") == name),
+                    {"quality": ""})["quality"] != "good":
                 run.wait_event(value(name), f"{name} is well again", after=calm)
         run.interrupt()
         for number, true in enumerate(registers.values(), 1):
@@ -241,6 +261,7 @@ def test_one_late_answer_costs_one_request(project, pair):
     device, late = Device({0: 5}), []
 
     class Late(RtuDevices):
+
         def _take(self, frame):
             self.seen.append(frame)
             answer = request("rtu", frame[0], device(frame[1:-2]))
@@ -263,13 +284,15 @@ def test_the_response_to_a_write_must_repeat_it(project):
     device = Device()
     device.meddle = lambda pdu: bytes.fromhex("10 0000 0002") if pdu[0] == 16 else None
     with TcpSlave(device.over_tcp) as slave:
-        with start("run", project(tcp([f"name: V, register: 0, write: 0x10, {INT}"], slave.port)), "--json", "--stdin") as run:
+        with start("run", project(tcp([f"name: V, register: 0, write: 0x10, {INT}"], slave.port)), "--json",
+                   "--stdin") as run:
             run.wait_event(value("V", 0), "a value")
             result = outcome(run, "write V 5")
             assert (result["outcome"], result["reason"]) == ("unknown", "unexpected_reply")
             device.meddle = lambda pdu: bytes([0x90, 3]) if pdu[0] == 16 else None
             result = outcome(run, "write V 6")
-            assert (result["outcome"], result["reason"]) == ("refused", "exception 3"), "a refusal is not retried"
+            assert (result["outcome"], result["reason"]) == ("refused",
+                                                             "exception 3"), "a refusal is not retried"
             run.interrupt()
 
 
@@ -280,7 +303,9 @@ def test_answers_of_another_transaction_are_passed_over(project):
         wrong = tcp_answer(adu, "03 02 7E7E", transaction=int.from_bytes(adu[:2], "big") ^ 0x1234)
         return wrong + device.over_tcp(adu) + device.over_tcp(adu)
 
-    with TcpSlave(answer) as slave, start("run", project(tcp([f"register: 0, {INT}, period: 20ms"], slave.port)), "--json") as run:
+    with TcpSlave(answer) as slave, start("run",
+                                          project(tcp([f"register: 0, {INT}, period: 20ms"], slave.port)),
+                                          "--json") as run:
         run.wait_event(value("V1", 7), "the value")
         until(lambda: len(device.done) > 40, "more requests")
         run.interrupt()
@@ -309,7 +334,8 @@ def test_a_host_that_swallows_connections_holds_up_no_other(project):
             waiting.setblocking(False)
             waiting.connect_ex(full.getsockname())
         text = tcp(at([0], INT), full.getsockname()[1])
-        other = tcp([f"name: Alive, register: 5, period: 20ms, write: 0x06, {INT}"], slave.port).replace("name: net", "name: other")
+        other = tcp([f"name: Alive, register: 5, period: 20ms, write: 0x06, {INT}"],
+                    slave.port).replace("name: net", "name: other")
         text += other[other.index("  - name: other"):].replace("Node1", "Node2")
         with start("run", project(text), "--json", "--stdin") as run:
             run.wait_event(value("Alive", 55), "the other line's value")
@@ -322,7 +348,9 @@ def test_a_host_that_swallows_connections_holds_up_no_other(project):
 def test_writes_get_through_polling_without_pause(project):
     device = Device()
     with TcpSlave(device.over_tcp) as slave:
-        path = project(tcp([f"name: V{i}, register: {10 * i}, period: 0ms, write: 0x06, {INT}" for i in range(20)], slave.port))
+        path = project(
+            tcp([f"name: V{i}, register: {10 * i}, period: 0ms, write: 0x06, {INT}" for i in range(20)],
+                slave.port))
         with start("run", path, "--json", "--stdin") as run:
             run.wait_event(value("V19", 0), "all are polled")
             for number in range(1, 31):
@@ -332,4 +360,6 @@ def test_writes_get_through_polling_without_pause(project):
     written = [int(pdu[-5:].replace(" ", ""), 16) for pdu in device.writes()]
     assert written == list(range(1, 31)), "each once, in their order"
     positions = [i for i, pdu in enumerate(device.done) if pdu.startswith("06")]
-    assert all(b - a <= 2 for a, b in zip(positions, positions[1:])), "with at most one transaction between two that wait"
+    assert all(
+        b - a <= 2
+        for a, b in zip(positions, positions[1:])), "with at most one transaction between two that wait"

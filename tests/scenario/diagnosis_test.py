@@ -12,7 +12,8 @@ ANSWER = "03 02 0007"
 
 
 def value(name, wanted=None, quality="good"):
-    return lambda e: e["event"] == "value" and e["name"] == name and e["quality"] == quality and wanted in (None, e["value"])
+    return lambda e: e["event"] == "value" and e["name"] == name and e["quality"] == quality and wanted in (
+        None, e["value"])
 
 
 def is_late(e):
@@ -21,9 +22,11 @@ def is_late(e):
 
 def late(seconds, answer):
     """Answers that come `seconds` after their request."""
+
     def answers(request):
         time.sleep(seconds)
         return answer(request)
+
     return answers
 
 
@@ -49,7 +52,9 @@ def expect_late(project, text, answers_here, delay, tmp_path):
         event = run.wait_event(is_late, "the late answer is named")
         line, device = summary(run)
     assert event["device"] == "Node1" and event["delay_ms"] >= delay
-    assert re.fullmatch(r"Device Node1 answered \d+ ms after its request; response_timeout is 500 ms: set \d+ms", event["text"])
+    assert re.fullmatch(
+        r"Device Node1 answered \d+ ms after its request; response_timeout is 500 ms: set \d+ms",
+        event["text"])
     assert event["advised_ms"] >= 1.2 * event["delay_ms"] and event["limit_ms"] == 500
     assert "device Node1" in log.read_text() and "response_timeout is 500 ms: set" in log.read_text()
     assert device["late_answers"] >= 1 and device["delays"]["setting"] == "response_timeout"
@@ -80,20 +85,24 @@ def test_a_late_answer_is_in_the_summary_as_text(project):
             result = run.interrupt()
     said = re.search(r"Node1 answered .*", named)[0]
     assert "response_timeout is 100 ms: set" in said
-    assert any(re.match(r"  Device Node1 answered \d+ ms after its request; response_timeout is 100 ms: set \d+ms$", x) for x in result.lines)
+    assert any(
+        re.match(r"  Device Node1 answered \d+ ms after its request; response_timeout is 100 ms: set \d+ms$",
+                 x) for x in result.lines)
     request = next(x for x in result.lines if "0x03 0" in x)
     assert re.search(r" –  +–  500 ms → –$", request), "nothing was answered"
     assert "measured –" in result.out
 
 
 def test_answers_later_than_the_turnaround_are_named(project, pair):
-    text = serial([f"register: 0, {INT}, period: 500ms"], port=pair.a, response_timeout="2s", turnaround="20ms")
+    text = serial([f"register: 0, {INT}, period: 500ms"], port=pair.a, response_timeout="2s",
+                  turnaround="20ms")
     slave = lambda: SerialSlave(pair.b, late(0.2, rtu_answers({"03 0000 0001": ANSWER})))
     with slave(), start("run", project(text), "--json") as run:
         event = run.wait_event(is_late, "the turnaround is named")
         line, device = summary(run)
     assert event["setting"] == "turnaround" and event["limit_ms"] == 20 and event["delay_ms"] > 22
-    assert re.fullmatch(r"Device Node1 answered \d+ ms after its request; turnaround is 20 ms: set \d+ms", event["text"])
+    assert re.fullmatch(r"Device Node1 answered \d+ ms after its request; turnaround is 20 ms: set \d+ms",
+                        event["text"])
     assert device["late_answers"] == 0 and device["delays"]["setting"] == "turnaround"
     assert line["counters"]["timeouts"] == 0
     with slave(), start("run", project(follow_advice(text, event), "advised.yaml"), "--json") as run:
@@ -131,7 +140,9 @@ def test_a_bad_checksum_is_named_although_the_turnaround_is_short(project, pair)
         good = honest(frame)
         return good[:-1] + bytes([good[-1] ^ 1])
 
-    path = project(serial([f"register: 0, {INT}, period: 100ms"], port=pair.a, turnaround="15ms", response_timeout="17ms"))
+    path = project(
+        serial([f"register: 0, {INT}, period: 100ms"], port=pair.a, turnaround="15ms",
+               response_timeout="17ms"))
     with SerialSlave(pair.b, answers), start("run", path, "--json") as run:
         run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "bad", "a bad value")
         line, _ = summary(run)
@@ -142,7 +153,8 @@ def test_nothing_answered_is_null(project):
     with TcpSlave() as slave:
         path = project(tcp(at([0], INT), slave.port, response_timeout="50ms", attempts=2))
         with start("run", path, "--json") as run:
-            run.wait_event(lambda e: e["event"] == "device" and e["state"] == "not_answering", "it does not answer")
+            run.wait_event(lambda e: e["event"] == "device" and e["state"] == "not_answering",
+                           "it does not answer")
             line, device = summary(run)
     counters = line["requests"][0]["counters"]
     assert counters["sent"] >= 2 and counters["mean_ms"] is None and counters["longest_ms"] is None
@@ -162,10 +174,11 @@ def test_a_lost_connection_is_an_outage_of_its_devices(project):
         run.wait_event(value("V1", 7), "a good value")
         seen = len(run.out)
         closing[0] = True
-        lost = run.wait_event(lambda e: e["event"] == "link" and not e["up"], "the connection is lost", after=seen)
+        lost = run.wait_event(lambda e: e["event"] == "link" and not e["up"], "the connection is lost",
+                              after=seen)
         closing[0] = False
-        again = run.wait_event(lambda e: e["event"] == "device" and e["state"] == "answering", "it answers again",
-                               after=seen)
+        again = run.wait_event(lambda e: e["event"] == "device" and e["state"] == "answering",
+                               "it answers again", after=seen)
         line, device = summary(run)
     assert device["outages"] == 1
     assert 0 < device["availability_percent"] < 100

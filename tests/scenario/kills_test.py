@@ -19,8 +19,11 @@ from wire import Item  # noqa: E402
 
 def test_nothing_is_lost_by_kills(tmp_path):
     """Seven plants. The one whose quota is reached (seed 15) takes too long for a test."""
-    command = [sys.executable, KILLS / "output_kills.py", "--takt", TAKT, "--kills", "70", "--plant-kills", "10",
-               "--seed", "8", "--jobs", "4", "--kept", str(tmp_path)]
+    command = [
+        sys.executable, KILLS / "output_kills.py", "--takt", TAKT, "--kills", "70", "--plant-kills", "10",
+        "--seed", "8", "--jobs", "4", "--kept",
+        str(tmp_path)
+    ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
@@ -54,7 +57,7 @@ class Program:
 
 
 def varint(number):
-    return bytes((number,)) if number < 0x80 else bytes((number & 0x7F | 0x80,)) + varint(number >> 7)
+    return bytes((number, )) if number < 0x80 else bytes((number & 0x7F | 0x80, )) + varint(number >> 7)
 
 
 def samples(sequence, before, epoch, values):
@@ -74,7 +77,13 @@ def gap(sequence, before, epoch, cause=1, first=START):
 
 def item(seq, epoch, value, **changes):
     sequence = 2 if seq < 3 else 3
-    sent = {"variable": "x", "value": value, "quality": "good", "time": text_of(START + sequence * SECOND), "seq": seq}
+    sent = {
+        "variable": "x",
+        "value": value,
+        "quality": "good",
+        "time": text_of(START + sequence * SECOND),
+        "seq": seq
+    }
     return Item("sample", seq, 1, epoch, values={seq: sent | changes})
 
 
@@ -166,7 +175,8 @@ def test_a_record_that_is_removed_before_its_acknowledgement(program):
 def test_counters_with_a_mistake(program, counters):
     program.publish()
     with pytest.raises(Violation):
-        program.delivery.check_counters(dict(zip(("sampled", "delivered", "waiting", "dropped"), counters)), exact=True)
+        program.delivery.check_counters(dict(zip(("sampled", "delivered", "waiting", "dropped"), counters)),
+                                        exact=True)
 
 
 @pytest.mark.parametrize("rows", [

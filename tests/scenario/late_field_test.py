@@ -11,12 +11,42 @@ MIXED = {"units": 3, "shapes": "abcde"}
 
 @pytest.mark.parametrize("transport", ["pty", "tcp"])
 @pytest.mark.parametrize("field", [
-    ALIKE | {"factor": 4, "share": 40, "order": "in", "late": 1},
-    ALIKE | {"factor": 4, "share": 10, "order": "out", "late": 1},
-    ALIKE | {"factor": 1.2, "share": 4, "order": "in", "late": 1},
-    MIXED | {"factor": 4, "share": 4, "order": "in", "late": 3},
-    MIXED | {"factor": 1.2, "share": 10, "order": "out", "late": 3},
-    MIXED | {"factor": 40, "share": 40, "order": "in", "late": 1},
+    ALIKE | {
+        "factor": 4,
+        "share": 40,
+        "order": "in",
+        "late": 1
+    },
+    ALIKE | {
+        "factor": 4,
+        "share": 10,
+        "order": "out",
+        "late": 1
+    },
+    ALIKE | {
+        "factor": 1.2,
+        "share": 4,
+        "order": "in",
+        "late": 1
+    },
+    MIXED | {
+        "factor": 4,
+        "share": 4,
+        "order": "in",
+        "late": 3
+    },
+    MIXED | {
+        "factor": 1.2,
+        "share": 10,
+        "order": "out",
+        "late": 3
+    },
+    MIXED | {
+        "factor": 40,
+        "share": 40,
+        "order": "in",
+        "late": 1
+    },
 ], ids=lambda f: f"{f['units']}_units_1_in_{f['share']}_by_{f['factor']}_{f['order']}_order")
 def test_late_answers_are_never_good_values_of_another_register(transport, field):
     verdict, _, late, _, summary = run_field(transport, seconds=4, **field)

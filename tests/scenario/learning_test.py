@@ -22,7 +22,8 @@ lines:
         strategy: optimal
         gaps: learn
         variables:
-""" + "".join(f"          - {{name: V{i}, register: {5 * i}, type: int16, read: 0x03}}\n" for i in range(GAPS + 1))
+""" + "".join(f"          - {{name: V{i}, register: {5 * i}, type: int16, read: 0x03}}\n"
+              for i in range(GAPS + 1))
 
 
 class Device:
@@ -84,12 +85,14 @@ def test_the_bad_gap_is_given_up_and_remembered_after_a_kill(tmp_path, pair):
         assert 3 <= asked <= 3 + 2 * 3, "bisected, and confirmed"
         line = planned(project)
         assert [(r["start"], r["quantity"]) for r in line["requests"]] == [(0, 11), (15, 11)]
-        assert [(r["first"], r["last"], r["exception"]) for r in line["learnt"][0]["refused"]] == [(11, 14, 2)]
+        assert [(r["first"], r["last"], r["exception"])
+                for r in line["learnt"][0]["refused"]] == [(11, 14, 2)]
         assert not line["learnt"][0]["untried"]
         assert "11..14 (exception 2" in takt("plan", project).out
         seen = len(slave.seen)
         with start("run", project, "--json") as run:
-            run.wait_event(lambda e: e["event"] == "value" and e["name"] == "V5" and e["value"] == 25, "a value")
+            run.wait_event(lambda e: e["event"] == "value" and e["name"] == "V5" and e["value"] == 25,
+                           "a value")
             until(lambda: len(slave.seen) > seen + 10, "some rounds")
             run.interrupt()
         assert {(f[2] << 8 | f[3], f[4] << 8 | f[5]) for f in slave.seen[seen:]} == {(0, 11), (15, 11)}
@@ -108,14 +111,16 @@ def test_a_device_that_refuses_a_gap_later(tmp_path, pair):
         until(lambda: set(reads(slave)) == {(0, 21), (25, 1)}, "two reads around the gap")
         run.interrupt()
         for event in run.events():
-            assert event["event"] != "value" or event["quality"] != "bad" or "exception" not in event["reason"], event
+            assert event["event"] != "value" or event["quality"] != "bad" or "exception" not in event[
+                "reason"], event
 
 
 def test_a_damaged_file_is_reported_and_not_changed(tmp_path, pair):
     project = write_project(tmp_path / "plant.yaml", pair.a)
     path = pathlib.Path(tmp_path / "plant.learnt.json")
     path.write_text('{"takt_learnt": 1, "lines": [')
-    finding = next(f for f in takt("plan", project, "--json").json["findings"] if f["code"].startswith("learnt"))
+    finding = next(f for f in takt("plan", project, "--json").json["findings"]
+                   if f["code"].startswith("learnt"))
     assert (finding["code"], finding["severity"], finding["file"]) == ("learnt.damaged", "warning", str(path))
     with SerialSlave(pair.b, Device({12})) as slave, start("run", project, "--json") as run:
         run.wait_event(learnt("refused"), "it learns all the same")

@@ -11,17 +11,21 @@ HONEST = rtu_answers({"03 0000 0001": "03 02 0007"})
 
 
 def value(name, wanted=None, quality="good"):
-    return lambda e: e["event"] == "value" and e["name"] == name and e["quality"] == quality and wanted in (None, e["value"])
+    return lambda e: e["event"] == "value" and e["name"] == name and e["quality"] == quality and wanted in (
+        None, e["value"])
 
 
 def state(name):
     return lambda e: e["event"] == "device" and e["state"] == name
 
 
-@pytest.mark.parametrize("before, after", [(b"\x00", b""), (b"\xff", b"\xff"), (b"", b"\x00"), (b"\x10\x03\x20", b"")])
+@pytest.mark.parametrize("before, after", [(b"\x00", b""), (b"\xff", b"\xff"), (b"", b"\x00"),
+                                           (b"\x10\x03\x20", b"")])
 def test_answers_are_found_in_noise(project, pair, before, after):
     path = project(serial([f"register: 0, {INT}, period: 100ms"], port=pair.a))
-    with SerialSlave(pair.b, lambda frame: before + HONEST(frame) + after) as slave, start("run", path, "--json") as run:
+    with SerialSlave(pair.b,
+                     lambda frame: before + HONEST(frame) + after) as slave, start("run", path,
+                                                                                   "--json") as run:
         run.wait_event(value("V1", 7), "a good value")
         until(lambda: len(slave.seen) >= 8, "eight requests")
         run.interrupt()
@@ -38,7 +42,8 @@ def test_noise_before_answers_is_named(project, pair, tmp_path):
     log = tmp_path / "takt.log"
     control = tmp_path / "control"
     path = project(serial([f"register: 0, {INT}, period: 100ms"], port=pair.a))
-    with SerialSlave(pair.b, lambda frame: b"\x00" + HONEST(frame)), start("run", path, "--json", "--log", log, "--control", control) as run:
+    with SerialSlave(pair.b, lambda frame: b"\x00" + HONEST(frame)), start("run", path, "--json", "--log",
+                                                                           log, "--control", control) as run:
         event = run.wait_event(lambda e: e["event"] == "noise", "the noise is named")
         assert NAMED in takt("ctl", control, "status").out
         run.interrupt()
@@ -75,7 +80,8 @@ def test_a_damaged_answer_is_not_waited_for(project, pair):
             return good[:-1] + bytes([good[-1] ^ 1])
         return bytes([good[0] ^ 0x80]) + good[1:] if len(asked) % 4 == 0 else good
 
-    path = project(serial([f"register: 0, {INT}, period: 100ms"], port=pair.a, attempts=10, response_timeout="1min"))
+    path = project(
+        serial([f"register: 0, {INT}, period: 100ms"], port=pair.a, attempts=10, response_timeout="1min"))
     with SerialSlave(pair.b, answers), start("run", path, "--json") as run:
         until(lambda: len(asked) >= 24, "24 requests")
         run.interrupt()
@@ -87,8 +93,10 @@ def test_a_damaged_answer_is_not_waited_for(project, pair):
 def test_a_device_that_comes_back_is_polled_at_once(project, pair):
     """The back-off is a day: nothing but a probe in spare time finds the device."""
     alive = [False]
-    path = project(serial([f"register: 0, {INT}"], port=pair.a, poll_period="200ms", attempts=2, backoff="24h"))
-    with SerialSlave(pair.b, lambda frame: HONEST(frame) if alive[0] else None), start("run", path, "--json") as run:
+    path = project(
+        serial([f"register: 0, {INT}"], port=pair.a, poll_period="200ms", attempts=2, backoff="24h"))
+    with SerialSlave(pair.b, lambda frame: HONEST(frame)
+                     if alive[0] else None), start("run", path, "--json") as run:
         run.wait_event(state("not_answering"), "it does not answer")
         seen = len(run.out)
         alive[0] = True

@@ -23,8 +23,9 @@ class Plant:
     def start(self, keys=""):
         self.write(keys)
         self.out = open(self.folder / "out", "wb")
-        self.program = subprocess.Popen([TAKT, "run", self.project, "--json", "--quiet", "--log", self.folder / "log"],
-                                        stdout=self.out, stderr=self.out)
+        self.program = subprocess.Popen(
+            [TAKT, "run", self.project, "--json", "--quiet", "--log", self.folder / "log"], stdout=self.out,
+            stderr=self.out)
 
     def write(self, keys):
         self.project.write_text(PLANT.format(port=self.broker.port) + keys)
@@ -39,8 +40,9 @@ class Plant:
         return [event["output"] for event in events if event["event"] == "output"]
 
     def is_seen(self, **expected):
-        return lambda: any(all(str(output[key]).startswith(value) for key, value in expected.items())
-                           for output in self.outputs()[-1:])
+        return lambda: any(
+            all(str(output[key]).startswith(value) for key, value in expected.items())
+            for output in self.outputs()[-1:])
 
     def end(self):
         self.program.send_signal(signal.SIGINT)

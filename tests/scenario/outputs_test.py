@@ -109,7 +109,8 @@ def test_a_replay_delivers_again_what_the_broker_lost(plant):
     broker.start()
     program = run(project)
     time.sleep(2)
-    busy = subprocess.run([TAKT, "replay", project, "--output", "cloud", "--from", "-1h"], capture_output=True, text=True)
+    busy = subprocess.run([TAKT, "replay", project, "--output", "cloud", "--from", "-1h"],
+                          capture_output=True, text=True)
     assert busy.returncode == 3 and "takt run" in busy.stderr
     delivered = end(program)["delivered"]  # nobody subscribed: the broker kept nothing
     assert delivered > 20
@@ -134,8 +135,11 @@ def test_a_replay_delivers_again_what_the_broker_lost(plant):
 
 
 def command(broker, payload, *options, topic="takt/cloud/command"):
-    subprocess.run(["mosquitto_pub", "-p", str(broker.port), "-q", "1", "-t", topic, "-m",
-                    payload if isinstance(payload, str) else json.dumps(payload), *options], check=True)
+    subprocess.run([
+        "mosquitto_pub", "-p",
+        str(broker.port), "-q", "1", "-t", topic, "-m",
+        payload if isinstance(payload, str) else json.dumps(payload), *options
+    ], check=True)
 
 
 def answers(log):
@@ -169,12 +173,36 @@ def test_commands_have_one_outcome_each(commanded):
     log = folder / "sub"
     sent = "2020-01-01T00:00:00Z"
     expected = {
-        "ok": ({"command": "write", "variable": "Setpoint", "value": 1234}, "done", None),
-        "fixed": ({"command": "write", "variable": "Fixed", "value": 1}, "refused", "not_listed"),
-        "unknown": ({"command": "write", "variable": "Setpoin", "value": 1}, "refused", "unknown_variable"),
-        "old": ({"command": "write", "variable": "Setpoint", "value": 7, "sent": sent}, "expired", None),
-        "big": ({"command": "write", "variable": "Setpoint", "value": 70000}, "refused", None),
-        "get": ({"command": "get", "variable": "Setpoint"}, "done", None),
+        "ok": ({
+            "command": "write",
+            "variable": "Setpoint",
+            "value": 1234
+        }, "done", None),
+        "fixed": ({
+            "command": "write",
+            "variable": "Fixed",
+            "value": 1
+        }, "refused", "not_listed"),
+        "unknown": ({
+            "command": "write",
+            "variable": "Setpoin",
+            "value": 1
+        }, "refused", "unknown_variable"),
+        "old": ({
+            "command": "write",
+            "variable": "Setpoint",
+            "value": 7,
+            "sent": sent
+        }, "expired", None),
+        "big": ({
+            "command": "write",
+            "variable": "Setpoint",
+            "value": 70000
+        }, "refused", None),
+        "get": ({
+            "command": "get",
+            "variable": "Setpoint"
+        }, "done", None),
     }
     for name, (body, _, _) in expected.items():
         command(broker, {"id": name, **body})

@@ -6,13 +6,15 @@ from fractions import Fraction as Fr
 
 import pytest
 
-from plan_reference import (READ_LIMIT, Line, aligned_utilization, least_cost, response_times, with_dead_device, with_holds)
+from plan_reference import (READ_LIMIT, Line, aligned_utilization, least_cost, response_times,
+                            with_dead_device, with_holds)
 from program import takt
 
 TYPES = {"int16": 1, "uint32": 2, "float": 2, "double": 4, "int64": 4}
-LINES = [dict(framing=framing, baud=baud, turnaround_us=turnaround)
-         for framing in ("rtu", "ascii") for baud in (1200, 9600, 19200, 115200, 921600)
-         for turnaround in (None, 0, 5000, 50000)] + [dict(framing="tcp", round_trip_us=r) for r in (0, 1000, 40000)]
+LINES = [
+    dict(framing=framing, baud=baud, turnaround_us=turnaround) for framing in ("rtu", "ascii")
+    for baud in (1200, 9600, 19200, 115200, 921600) for turnaround in (None, 0, 5000, 50000)
+] + [dict(framing="tcp", round_trip_us=r) for r in (0, 1000, 40000)]
 
 
 def random_variables(random_, function, count, spread, periods):
@@ -26,29 +28,38 @@ def random_variables(random_, function, count, spread, periods):
         length = random_.randint(1, 20) if kind == "string" else TYPES[kind]
         start = random_.randrange(spread)
         extra = f", length: {length}" if kind == "string" else ""
-        made.append((f"v{i}", f"type: {kind}, register: {start}{extra}", start, start + length, random_.choice(periods)))
+        made.append((f"v{i}", f"type: {kind}, register: {start}{extra}", start, start + length,
+                     random_.choice(periods)))
     random_.shuffle(made)
     return made
 
 
 def project_text(line, devices, more_device=""):
-    head = ["takt: 1", f"timeout_margin: {line.margin_us}us",
-            f"host: {{jitter: {line.jitter_us}us, overhead: {line.overhead_us}us}}", "lines:"]
+    head = [
+        "takt: 1", f"timeout_margin: {line.margin_us}us",
+        f"host: {{jitter: {line.jitter_us}us, overhead: {line.overhead_us}us}}", "lines:"
+    ]
     if line.serial:
         bits = "parity: even"
         data = ", data_bits: 7" if line.framing == "ascii" else ""
-        head += [f"  - {{name: l, transport: serial, port: /dev/ttyS9, framing: {line.framing}, baud: {line.baud}, "
-                 f"{bits}{data}, request_gap: {line.request_gap_us}us, frame_gap: {line.frame_gap_us}us, devices: ["]
+        head += [
+            f"  - {{name: l, transport: serial, port: /dev/ttyS9, framing: {line.framing}, baud: {line.baud}, "
+            f"{bits}{data}, request_gap: {line.request_gap_us}us, frame_gap: {line.frame_gap_us}us, devices: ["
+        ]
     else:
         head += ["  - {name: l, transport: tcp, host: 127.0.0.1, devices: ["]
     for unit, settings, function, variables in devices:
         turnaround = "" if line.turnaround_us is None else f", turnaround: {line.turnaround_us}us"
         trip = "" if line.serial else f", round_trip: {line.round_trip_us}us"
         time_out = "" if line.derive else f", response_timeout: {line.response_timeout_us}us"
-        head += [f"     {{name: d{unit}, address: {unit}, group_requests: true, strategy: optimal{turnaround}{trip}"
-                 f"{time_out}{settings}, variables: ["]
-        head += [f"        {{name: d{unit}_{name}, {what}, read: 0x0{function}, period: {period}ms}},"
-                 for name, what, _, _, period in variables]
+        head += [
+            f"     {{name: d{unit}, address: {unit}, group_requests: true, strategy: optimal{turnaround}{trip}"
+            f"{time_out}{settings}, variables: ["
+        ]
+        head += [
+            f"        {{name: d{unit}_{name}, {what}, read: 0x0{function}, period: {period}ms}},"
+            for name, what, _, _, period in variables
+        ]
         head += ["     ]},"]
     return "\n".join(head + ["  ]}", ""])
 
@@ -74,7 +85,8 @@ def judge_coverage(line, requests, function, variables, unit, limit, readable):
         for r in mine:
             assert r["start"] <= start and end <= r["start"] + r["quantity"], (name, r)
         hyper = math.lcm(*(round(r["period_ms"]) for r in mine))
-        instants = sorted(t for r in mine for t in range(round(r.get("phase_ms", 0)), hyper, round(r["period_ms"])))
+        instants = sorted(t for r in mine
+                          for t in range(round(r.get("phase_ms", 0)), hyper, round(r["period_ms"])))
         gaps = [b - a for a, b in zip(instants, instants[1:] + [instants[0] + hyper])]
         assert max(gaps) <= period, (name, period, mine)
 
@@ -102,8 +114,11 @@ def judge(project, seed, line, gaps, periods, count, spread):
     assert plan["lines"][0]["utilization"] == pytest.approx(float(used), rel=1e-9)
     asked = {i for _, _, s, e, _ in variables for i in range(s, e)}
     best = aligned_utilization(line, function, [v[2:] for v in variables], limit, readable)
-    alone = sum(least_cost(line, function, [v[2:4] for v in variables if v[4] == p], limit,
-                           lambda i: i in asked or readable(i)) / (p * 1000) for p in {v[4] for v in variables})
+    alone = sum(
+        least_cost(line, function, [v[2:4] for v in variables
+                                    if v[4] == p], limit, lambda i: i in asked or readable(i)) / (p * 1000)
+        for p in {v[4]
+                  for v in variables})
     return used, best, alone
 
 
@@ -116,7 +131,8 @@ def test_one_period_costs_the_least(project, seed):
     assert used == best
 
 
-PERIODS = [(100, 1000), (100, 200, 500, 1000), (250, 1000, 5000), (300, 500), (100, 150, 1000), (97, 101, 103, 107)]
+PERIODS = [(100, 1000), (100, 200, 500, 1000), (250, 1000, 5000), (300, 500), (100, 150, 1000),
+           (97, 101, 103, 107)]
 
 
 @pytest.mark.parametrize("seed", range(24))
@@ -153,12 +169,16 @@ def judge_responses(project, seed):
         c, f = line.proved(r["function"], r["quantity"])
         assert (r["c_us"], r["f_us"]) == (c, f)
         assert r["deadline_us"] == r["period_ms"] * 1000
-        tasks.append(dict(c=[c], F=f, T=round(r["period_ms"] * 1000), J=line.jitter_us, b=1, prio=order.index(i),
-                          device=r["unit"], attempts=3))
+        tasks.append(
+            dict(c=[c], F=f, T=round(r["period_ms"] * 1000), J=line.jitter_us, b=1, prio=order.index(i),
+                 device=r["unit"], attempts=3))
     free = with_holds(tasks, response_times)
     faulty = with_holds(tasks, lambda made: response_times(made, 1, 1_000_000))
-    dead = {d: with_holds(tasks, lambda made, d=d: response_times(with_dead_device(made, d, 2_000_000)))
-            for d in {k["device"] for k in tasks}}
+    dead = {
+        d: with_holds(tasks, lambda made, d=d: response_times(with_dead_device(made, d, 2_000_000)))
+        for d in {k["device"]
+                  for k in tasks}
+    }
     for i, r in enumerate(requests):
         assert r["response_us"] == free[i]
         if line.turnaround_us is not None:  # else a request may have to wait for a late answer, too

@@ -109,6 +109,7 @@ def aligned_utilization(line, function, variables, limit, readable):
 
 def response_times(tasks, burst=0, every=None, failure_of=None):
     """Guarantees, "Fixed priority": tasks are dicts c (frames), F, T, J, b, prio; less is more urgent."""
+
     def errors(t, first):
         return 0 if not every else max(0, burst + t // every + first)
 
@@ -121,16 +122,20 @@ def response_times(tasks, burst=0, every=None, failure_of=None):
         blocking = max([k["F"] if lost else max(k["c"]) for k in lower], default=0)
         worst = max(k["F"] for k in higher + equal + [me])
         loss = -1 if lost else 0
-        if sum(Fr(sum(k["c"]), k["T"]) for k in higher + equal + [me]) + (Fr(worst, every) if every else 0) > 1:
+        if sum(Fr(sum(k["c"]), k["T"])
+               for k in higher + equal + [me]) + (Fr(worst, every) if every else 0) > 1:
             return None
+
         def half_open(k, t):
             return k["b"] + (t + k["J"] - 1) // k["T"]
+
         def closed(k, t):
             return k["b"] + (t + k["J"]) // k["T"]
+
         t = blocking + sum(sum(k["c"]) for k in higher + equal + [me])
         while True:
-            u = (blocking + sum(half_open(k, t) * sum(k["c"]) for k in higher + equal + [me])
-                 + errors(t, loss) * worst)
+            u = (blocking + sum(half_open(k, t) * sum(k["c"])
+                                for k in higher + equal + [me]) + errors(t, loss) * worst)
             if u == t:
                 break
             t = u
@@ -141,9 +146,8 @@ def response_times(tasks, burst=0, every=None, failure_of=None):
             a = max(0, q - me["b"] + 1) * me["T"] - me["J"]
             w = blocking + (q + 1) * total - last
             while True:
-                u = (blocking + (q + 1) * total - last + sum(closed(k, w) * sum(k["c"]) for k in higher)
-                     + sum(closed(k, max(0, a)) * sum(k["c"]) for k in equal)
-                     + errors(w + last, loss) * worst)
+                u = (blocking + (q + 1) * total - last + sum(closed(k, w) * sum(k["c"]) for k in higher) +
+                     sum(closed(k, max(0, a)) * sum(k["c"]) for k in equal) + errors(w + last, loss) * worst)
                 if u == w:
                     break
                 w = u
@@ -158,8 +162,10 @@ def response_times(tasks, burst=0, every=None, failure_of=None):
 
 def with_dead_device(tasks, device, backoff):
     """The same tasks while all requests of `device` fail."""
-    return [dict(k, c=[k["F"]] * k["attempts"], T=max(k["T"], backoff)) if k["device"] == device else k
-            for k in tasks]
+    return [
+        dict(k, c=[k["F"]] * k["attempts"], T=max(k["T"], backoff)) if k["device"] == device else k
+        for k in tasks
+    ]
 
 
 CHECK_US = 1_000_000  # each unit shows once in this time that it is in step (docs/decisions/0039-surplus-responses.md)

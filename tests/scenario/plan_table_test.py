@@ -21,81 +21,91 @@ def request(function, start, quantity, write_function=None):
 
 # name: (project, requests as (read function, write function, start, quantity)). Section 5's rows, in its order.
 ROWS = {
-    "two-register values in any order": (
-        serial(at([2, 8, 6, 4, 10], FLOAT)), [request(3, 2, 10)]),
-    "a gap and a limit of 5": (
-        serial(at([0, 2, 6, 8], FLOAT), registers_per_request=5), [request(3, 0, 4), request(3, 6, 4)]),
-    "five one-register values, at most 3": (
-        serial(at(range(5), INT16), registers_per_request=3), [request(3, 0, 3), request(3, 3, 2)]),
-    "three two-register values, at most 4": (
-        serial(at([0, 2, 4], INT32), registers_per_request=4), [request(3, 0, 4), request(3, 4, 2)]),
-    "float and two-register int": (
-        serial(at([0], FLOAT) + at([2], INT32)), [request(3, 0, 4)]),
-    "bool, int and float, all 0x03": (
-        serial(bits([(0, 0)], "0x03") + at([1], INT16) + at([2], FLOAT)),
-        [request(3, 0, 1), request(3, 1, 1), request(3, 2, 2)]),
-    "bits of one register": (
-        serial(bits([(3, 4), (3, 5), (3, 6)], "0x01")), [request(1, 52, 3)]),
-    "bits of one register, read as a register": (
-        serial(bits([(3, 4), (3, 5), (3, 6)], "0x03")), [request(3, 3, 1)]),
-    "bits of two registers": (
-        serial(bits([(3, 14), (3, 15), (4, 0), (4, 1)], "0x01")), [request(1, 62, 2), request(1, 64, 2)]),
-    "ASCII, 31 two-register ints": (
-        serial(at(range(0, 62, 2), INT32), framing="ascii", registers_per_request=61),
-        [request(3, 0, 60), request(3, 60, 2)]),
-    "ASCII, 62 one-register ints, 0x04": (
-        serial(at(range(62), "type: int16, read: 0x04"), framing="ascii", registers_per_request=61),
-        [request(4, 0, 61), request(4, 61, 1)]),
-    "ASCII, 30 two-register ints written": (
-        serial(at(range(0, 60, 2), WRITTEN_INT32), framing="ascii", registers_per_request=61, profile="owen-kc1"),
-        [request(None, 0, 58, 16), request(None, 58, 2, 16)]),
-    "RTU, 62 two-register ints written": (
-        serial(at(range(0, 124, 2), WRITTEN_INT32), registers_per_request=125),
-        [request(None, 0, 122, 16), request(None, 122, 2, 16)]),
-    "same register, 0x03 and 0x04": (
-        serial(at([7], INT16) + at([7], "type: int16, read: 0x04")), [request(3, 7, 1), request(4, 7, 1)]),
-    "read and written on change": (
-        serial(at(range(4), BOTH + ", write_on_change: true")), [request(3, 0, 4, 16)]),
-    "write on change yes, yes, no, no": (
-        serial([f"register: {i}, {BOTH}, write_on_change: {on}" for i, on in
-                enumerate(["true", "true", "false", "false"])]),
-        [request(3, 0, 4), request(None, 0, 2, 16)]),
-    "write on change yes, yes, no, no with one trigger": (
-        serial([f"register: {i}, {BOTH}, write_on_change: {on}, write_trigger: go" for i, on in
-                enumerate(["true", "true", "false", "false"])], local=GO),
-        [request(3, 0, 4), request(None, 0, 2, 16), request(None, 2, 2, 16)]),
+    "two-register values in any order": (serial(at([2, 8, 6, 4, 10], FLOAT)), [request(3, 2, 10)]),
+    "a gap and a limit of 5": (serial(at([0, 2, 6, 8], FLOAT),
+                                      registers_per_request=5), [request(3, 0, 4),
+                                                                 request(3, 6, 4)]),
+    "five one-register values, at most 3": (serial(at(range(5), INT16), registers_per_request=3),
+                                            [request(3, 0, 3), request(3, 3, 2)]),
+    "three two-register values, at most 4": (serial(at([0, 2, 4], INT32), registers_per_request=4),
+                                             [request(3, 0, 4), request(3, 4, 2)]),
+    "float and two-register int": (serial(at([0], FLOAT) + at([2], INT32)), [request(3, 0, 4)]),
+    "bool, int and float, all 0x03": (serial(bits([(0, 0)], "0x03") + at([1], INT16) + at([2], FLOAT)),
+                                      [request(3, 0, 1), request(3, 1, 1),
+                                       request(3, 2, 2)]),
+    "bits of one register": (serial(bits([(3, 4), (3, 5), (3, 6)], "0x01")), [request(1, 52, 3)]),
+    "bits of one register, read as a register": (serial(bits([(3, 4), (3, 5), (3, 6)],
+                                                             "0x03")), [request(3, 3, 1)]),
+    "bits of two registers": (serial(bits([(3, 14), (3, 15), (4, 0), (4, 1)],
+                                          "0x01")), [request(1, 62, 2), request(1, 64, 2)]),
+    "ASCII, 31 two-register ints": (serial(at(range(0, 62, 2), INT32), framing="ascii",
+                                           registers_per_request=61), [request(3, 0, 60),
+                                                                       request(3, 60, 2)]),
+    "ASCII, 62 one-register ints, 0x04": (serial(at(range(62), "type: int16, read: 0x04"), framing="ascii",
+                                                 registers_per_request=61),
+                                          [request(4, 0, 61), request(4, 61, 1)]),
+    "ASCII, 30 two-register ints written": (serial(at(range(0, 60, 2), WRITTEN_INT32), framing="ascii",
+                                                   registers_per_request=61, profile="owen-kc1"),
+                                            [request(None, 0, 58, 16),
+                                             request(None, 58, 2, 16)]),
+    "RTU, 62 two-register ints written": (serial(at(range(0, 124, 2), WRITTEN_INT32),
+                                                 registers_per_request=125),
+                                          [request(None, 0, 122, 16),
+                                           request(None, 122, 2, 16)]),
+    "same register, 0x03 and 0x04": (serial(at([7], INT16) + at([7], "type: int16, read: 0x04")),
+                                     [request(3, 7, 1), request(4, 7, 1)]),
+    "read and written on change": (serial(at(range(4),
+                                             BOTH + ", write_on_change: true")), [request(3, 0, 4, 16)]),
+    "write on change yes, yes, no, no": (serial([
+        f"register: {i}, {BOTH}, write_on_change: {on}"
+        for i, on in enumerate(["true", "true", "false", "false"])
+    ]), [request(3, 0, 4), request(None, 0, 2, 16)]),
+    "write on change yes, yes, no, no with one trigger": (serial([
+        f"register: {i}, {BOTH}, write_on_change: {on}, write_trigger: go"
+        for i, on in enumerate(["true", "true", "false", "false"])
+    ], local=GO), [request(3, 0, 4), request(None, 0, 2, 16),
+                   request(None, 2, 2, 16)]),
     # Section 3: the limit is cut to the contents of a frame.
-    "ASCII, 125 ints written": (
-        serial(at(range(125), WRITTEN_INT16), framing="ascii", registers_per_request=61, profile="owen-kc1"),
-        [request(None, 0, 59, 16), request(None, 59, 59, 16), request(None, 118, 7, 16)]),
-    "RTU, 125 ints written": (
-        serial(at(range(125), WRITTEN_INT16), registers_per_request=125),
-        [request(None, 0, 123, 16), request(None, 123, 2, 16)]),
-    "RTU, 126 ints read": (
-        serial(at(range(126), INT16), registers_per_request=125), [request(3, 0, 125), request(3, 125, 1)]),
-    "ASCII without the small buffer, 125 ints written": (
-        serial(at(range(125), WRITTEN_INT16), framing="ascii", registers_per_request=125),
-        [request(None, 0, 123, 16), request(None, 123, 2, 16)]),
+    "ASCII, 125 ints written": (serial(at(range(125), WRITTEN_INT16), framing="ascii",
+                                       registers_per_request=61, profile="owen-kc1"), [
+                                           request(None, 0, 59, 16),
+                                           request(None, 59, 59, 16),
+                                           request(None, 118, 7, 16)
+                                       ]),
+    "RTU, 125 ints written": (serial(at(range(125), WRITTEN_INT16), registers_per_request=125),
+                              [request(None, 0, 123, 16),
+                               request(None, 123, 2, 16)]),
+    "RTU, 126 ints read": (serial(at(range(126), INT16),
+                                  registers_per_request=125), [request(3, 0, 125),
+                                                               request(3, 125, 1)]),
+    "ASCII without the small buffer, 125 ints written": (serial(
+        at(range(125), WRITTEN_INT16), framing="ascii",
+        registers_per_request=125), [request(None, 0, 123, 16),
+                                     request(None, 123, 2, 16)]),
     # Section 4: 0x05 and 0x06 never group, unused variables make no traffic, a write by command only makes no entry.
-    "0x06 on change": (
-        serial(at(range(3), "type: int16, write: 0x06, write_on_change: true")),
-        [request(None, i, 1, 6) for i in range(3)]),
-    "an unused variable is a gap": (
-        serial([f"register: {i}, {INT16}, used: {used}" for i, used in enumerate(["true", "false", "true"])]),
-        [request(3, 0, 1), request(3, 2, 1)]),
-    "a write by command only": (serial(at([0], "type: int16, write: 0x06") + at([9], INT16)), [request(3, 9, 1)]),
+    "0x06 on change": (serial(at(range(3), "type: int16, write: 0x06, write_on_change: true")),
+                       [request(None, i, 1, 6) for i in range(3)]),
+    "an unused variable is a gap": (serial([
+        f"register: {i}, {INT16}, used: {used}" for i, used in enumerate(["true", "false", "true"])
+    ]), [request(3, 0, 1), request(3, 2, 1)]),
+    "a write by command only": (serial(at([0], "type: int16, write: 0x06") + at([9], INT16)),
+                                [request(3, 9, 1)]),
     "an order conflict": (  # rule 8: 0 and 2 are read and numbered before 1, which is only written
-        serial([f"register: {i}, type: int16, write: 0x10, write_on_change: true, read: {read}" for i, read in
-                enumerate(["0x03", "none", "0x03"])]),
-        [request(3, 0, 1, 16), request(3, 2, 1, 16), request(None, 1, 1, 16)]),
-    "not grouped by default": (
-        serial(at(range(3), INT16), group_requests="false", strategy="single"), [request(3, i, 1) for i in range(3)]),
+        serial([
+            f"register: {i}, type: int16, write: 0x10, write_on_change: true, read: {read}"
+            for i, read in enumerate(["0x03", "none", "0x03"])
+        ]), [request(3, 0, 1, 16), request(3, 2, 1, 16),
+             request(None, 1, 1, 16)]),
+    "not grouped by default": (serial(at(range(3), INT16), group_requests="false",
+                                      strategy="single"), [request(3, i, 1) for i in range(3)]),
     # Scenarios 1 and 2.
     "scenario 1": (scenario_1(), [request(3, 0, 20)]),
     "scenario 1, at most 20": (scenario_1(registers_per_request=20), [request(3, 0, 20)]),
     "scenario 2": (scenario_1(grouped=False), [request(3, i, 2) for i in range(0, 20, 2)]),
     "scenario 3": (scenario_3(), [request(3, 500, 2), request(4, 506, 1)]),
-    "scenario 3, ungrouped": (scenario_3(grouped=False), [request(3, 500, 1), request(3, 501, 1), request(4, 506, 1)]),
+    "scenario 3, ungrouped": (scenario_3(grouped=False),
+                              [request(3, 500, 1), request(3, 501, 1),
+                               request(4, 506, 1)]),
 }
 
 
@@ -110,7 +120,10 @@ def planned(project, text):
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.replace(" ", "-"))
 def test_requests(project, row):
     text, expected = ROWS[row]
-    got = [request(r["function"], r["start"], r["quantity"], r["write_function"]) for r in planned(project, text)["requests"]]
+    got = [
+        request(r["function"], r["start"], r["quantity"], r["write_function"])
+        for r in planned(project, text)["requests"]
+    ]
     key = lambda r: [-1 if x is None else x for x in r]  # noqa: E731
     assert sorted(got, key=key) == sorted(expected, key=key)
 
@@ -161,11 +174,12 @@ CONDITIONS = {
     "another period": (at([0], INT16 + ", period: 100ms") + at([1], INT16 + ", period: 200ms"), 2),
     "the device's period, stated and by default": (at([0], INT16) + at([1], INT16 + ", period: 100ms"), 1),
     "one start-reading trigger": (at([0, 1], INT16 + ", read_trigger: t1"), 1),
-    "two start-reading triggers": (at([0], INT16 + ", read_trigger: t1") + at([1], INT16 + ", read_trigger: t2"), 2),
+    "two start-reading triggers": (at([0], INT16 + ", read_trigger: t1") +
+                                   at([1], INT16 + ", read_trigger: t2"), 2),
     "a start-reading trigger and none": (at([0], INT16 + ", read_trigger: t1") + at([1], INT16), 2),
     "one start-writing trigger": (at([0, 1], BOTH + ", write_trigger: t1"), 1),
-    "two start-writing triggers": (at([0], "type: int16, write: 0x10, write_trigger: t1")
-                                   + at([1], "type: int16, write: 0x10, write_trigger: t2"), 2),
+    "two start-writing triggers": (at([0], "type: int16, write: 0x10, write_trigger: t1") +
+                                   at([1], "type: int16, write: 0x10, write_trigger: t2"), 2),
     "one status": (at([0, 1], INT16 + ", status: s1"), 1),
     "two statuses": (at([0], INT16 + ", status: s1") + at([1], INT16 + ", status: s2"), 2),
     "a status and none": (at([0], INT16 + ", status: s1") + at([1], INT16), 2),
@@ -189,7 +203,8 @@ def test_two_devices_never_share_a_request(project):
         variables:
           - {name: W1, type: int16, register: 1, read: 0x03}
 """
-    assert [(r["device"], r["unit"]) for r in planned(project, text)["requests"]] == [("Node1", 16), ("Node2", 17)]
+    assert [(r["device"], r["unit"]) for r in planned(project, text)["requests"]] == [("Node1", 16),
+                                                                                      ("Node2", 17)]
 
 
 def test_compare_shows_the_saving_of_grouping(project):

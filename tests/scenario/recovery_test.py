@@ -13,7 +13,8 @@ STATE = ["name: state, type: int", "name: enabled, type: bool, default: true"]
 
 
 def value(name, wanted=None, quality="good"):
-    return lambda e: e["event"] == "value" and e["name"] == name and e["quality"] == quality and wanted in (None, e["value"])
+    return lambda e: e["event"] == "value" and e["name"] == name and e["quality"] == quality and wanted in (
+        None, e["value"])
 
 
 def status(code):
@@ -67,7 +68,8 @@ def test_a_serial_device_that_falls_silent(project, pair):
             seen = len(run.out)
         run.wait_event(status(105), "not answering", after=seen)
         run.wait_event(value("V1", -1, "bad"), "the default value", after=seen)
-        run.wait_event(lambda e: e["event"] == "device" and e["state"] == "not_answering", "the device's state", after=seen)
+        run.wait_event(lambda e: e["event"] == "device" and e["state"] == "not_answering",
+                       "the device's state", after=seen)
         seen = len(run.out)
         with SerialSlave(pair.b, rtu_answers(answers)):
             run.wait_event(value("V1", 7), "a good value again", after=seen)
@@ -117,8 +119,11 @@ def test_a_late_response_is_never_taken_for_another_value(project, pair):
         timers[0].start()
         return None
 
-    path = project(serial(["name: Asked, register: 0, type: uint16, read: 0x03",
-                           "name: Other, register: 10, type: uint16, read: 0x03"], port=pair.a, response_timeout="1s"))
+    path = project(
+        serial([
+            "name: Asked, register: 0, type: uint16, read: 0x03",
+            "name: Other, register: 10, type: uint16, read: 0x03"
+        ], port=pair.a, response_timeout="1s"))
     with SerialSlave(pair.b, answer) as slave, start("run", path, "--json") as run:
         run.wait_event(value("Other", 0x2222), "the right value")
         run.wait_event(value("Asked", 0x1111), "the right value")
@@ -139,10 +144,12 @@ def test_a_dead_line_does_not_hold_up_another(project, pair, blank_device):
 def test_an_adapter_that_is_not_there_yet_ends_no_run_with_other_lines(project, pair, blank_device, tmp_path):
     adapter = tmp_path / "adapter"
     other = tcp(["name: Alive, register: 5, type: int16, read: 0x03"], blank_device("ramp"))
-    path = project(serial(at([0], INT), port=adapter) + other[other.index("  - name: net"):].replace("Node1", "Node2"))
+    path = project(
+        serial(at([0], INT), port=adapter) + other[other.index("  - name: net"):].replace("Node1", "Node2"))
     with start("run", path, "--json") as run:
         run.wait_event(value("Alive", 5), "the other line's value")
-        run.wait_event(lambda e: e["event"] == "link" and e["line"] == "rs485-1" and not e["up"], "the missing port is reported")
+        run.wait_event(lambda e: e["event"] == "link" and e["line"] == "rs485-1" and not e["up"],
+                       "the missing port is reported")
         with SerialSlave(pair.b, rtu_answers({"03 00 00 00 01": "03 02 0007"})):
             adapter.symlink_to(pair.a)
             run.wait_event(value("V1", 7), "the value behind the adapter")
@@ -159,10 +166,12 @@ def test_a_dead_device_does_not_hold_up_its_line(project, pair):
 """
     with SerialSlave(pair.b, lambda f: request("rtu", 16, "03 02 0007") if f[0] == 16 else None) as slave, \
             start("run", project(text), "--json") as run:
-        run.wait_event(lambda e: e["event"] == "device" and (e["device"], e["state"]) == ("Dead", "not_answering"),
-                       "the dead one is found out")
+        run.wait_event(
+            lambda e: e["event"] == "device" and (e["device"], e["state"]) == ("Dead", "not_answering"),
+            "the dead one is found out")
         dead = sum(f[0] == 17 for f in slave.seen)
         alive = sum(f[0] == 16 for f in slave.seen)
-        until(lambda: sum(f[0] == 16 for f in slave.seen) >= alive + 20, "twenty more answers of the living one")
+        until(lambda: sum(f[0] == 16 for f in slave.seen) >= alive + 20,
+              "twenty more answers of the living one")
         assert sum(f[0] == 17 for f in slave.seen) - dead <= 5, "only probed"
         run.interrupt()

@@ -89,7 +89,8 @@ def test_serving_without_rules_goes_on():
         device.interrupt()
 
 
-@pytest.mark.parametrize("options,said", [(["--no-web"], "it goes on"), ([], "in force")], ids=["without_file", "with_copy"])
+@pytest.mark.parametrize("options,said", [(["--no-web"], "it goes on"), ([], "in force")],
+                         ids=["without_file", "with_copy"])
 def test_a_demonstration_goes_on(options, said):
     with start("demo", "--json", *options) as run:
         run.wait_event(lambda e: e["event"] == "value", "a value")

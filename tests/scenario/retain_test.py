@@ -9,8 +9,10 @@ from program import start, until
 from projects import tcp
 
 READ = "type: int16, read: 0x03"
-LOCALS = ["name: limit, type: int32, retain: true, default: 5", "name: on, type: bool, retain: true, default: true",
-          "name: note, type: string, retain: true", "name: lost, type: int"]
+LOCALS = [
+    "name: limit, type: int32, retain: true, default: 5", "name: on, type: bool, retain: true, default: true",
+    "name: note, type: string, retain: true", "name: lost, type: int"
+]
 
 
 def value_event(run, name, quality="good"):
@@ -20,7 +22,8 @@ def value_event(run, name, quality="good"):
 def answer(run, command):
     before = len(run.out)
     run.send(command)
-    return run.wait_event(lambda e: e["event"] in ("answer", "outcome", "error"), f"an answer to {command!r}", after=before)
+    return run.wait_event(lambda e: e["event"] in ("answer", "outcome", "error"), f"an answer to {command!r}",
+                          after=before)
 
 
 def get(run, name):
@@ -59,7 +62,9 @@ def test_a_set_local_survives_a_kill_right_after_its_answer(project, slave, tmp_
 
 
 def test_a_write_only_variable_starts_with_its_kept_value(project, slave):
-    path = project(tcp(["name: SP, register: 5, type: uint16, write: 0x06, write_on_change: true, retain: true"], slave.port))
+    path = project(
+        tcp(["name: SP, register: 5, type: uint16, write: 0x06, write_on_change: true, retain: true"],
+            slave.port))
     last = None
     for number in (111, 222, 333):
         with start("run", path, "--stdin", "--json") as run:
@@ -70,7 +75,8 @@ def test_a_write_only_variable_starts_with_its_kept_value(project, slave):
 
 
 def test_a_kept_variable_is_uncertain_until_it_is_read(project, slave):
-    path = project(tcp(["name: V1, register: 0, retain: true, " + READ, "name: V2, register: 1, " + READ], slave.port))
+    path = project(
+        tcp(["name: V1, register: 0, retain: true, " + READ, "name: V2, register: 1, " + READ], slave.port))
     with start("run", path, "--json") as run:
         run.wait_event(value_event(run, "V1"), "a value")
         run.interrupt()
@@ -83,13 +89,16 @@ def test_a_kept_variable_is_uncertain_until_it_is_read(project, slave):
         slave.device.meddle = lambda pdu: None
         assert run.wait_event(value_event(run, "V1"), "the value of the device", after=seen)["value"] == 9
         run.interrupt()
-        assert not any(value_event(run, "V2", "uncertain")(e) and e["value"] is not None and e["age_ms"] is None
-                       for e in run.events()), "what is not retained has no value before it was read"
+        assert not any(
+            value_event(run, "V2", "uncertain")(e) and e["value"] is not None and e["age_ms"] is None
+            for e in run.events()), "what is not retained has no value before it was read"
 
 
 def test_a_restart_is_no_change_and_the_last_value_set_still_counts(project, slave):
-    variables = ["name: A, register: 0, type: int16, read: none, write: 0x10, write_on_change: true, retain: true",
-                 "name: B, register: 1, type: int16, read: none, write: 0x10, write_on_change: true, retain: true"]
+    variables = [
+        "name: A, register: 0, type: int16, read: none, write: 0x10, write_on_change: true, retain: true",
+        "name: B, register: 1, type: int16, read: none, write: 0x10, write_on_change: true, retain: true"
+    ]
     path = project(tcp(variables, slave.port, local=["name: go, type: bool, retain: true"]))
     with start("run", path, "--stdin", "--json") as run:
         assert answer(run, "set A 41")["event"] == "answer"
@@ -102,7 +111,8 @@ def test_a_restart_is_no_change_and_the_last_value_set_still_counts(project, sla
         assert get(run, "go") == "true"
         assert len(slave.device.writes()) == before
         run.send("set B 43")
-        until(lambda: slave.device.writes()[before:] == ["10 00 00 00 02 04 00 29 00 2B"], "the group with the kept value")
+        until(lambda: slave.device.writes()[before:] == ["10 00 00 00 02 04 00 29 00 2B"],
+              "the group with the kept value")
         run.interrupt()
 
 
@@ -120,13 +130,18 @@ def test_a_device_that_was_switched_off_stays_so(project, slave):
 
 
 def test_other_types_and_names(project, slave):
-    first = ["name: a, type: int32, retain: true", "name: b, type: int32, retain: true", "name: gone, type: int, retain: true"]
-    with start("run", project(tcp(["register: 0, " + READ], slave.port, local=first)), "--stdin", "--json") as run:
+    first = [
+        "name: a, type: int32, retain: true", "name: b, type: int32, retain: true",
+        "name: gone, type: int, retain: true"
+    ]
+    with start("run", project(tcp(["register: 0, " + READ], slave.port, local=first)), "--stdin",
+               "--json") as run:
         for command in ("set a 77", "set b 77000", "set gone 1"):
             answer(run, command)
         run.interrupt()
     second = ["name: a, type: float, retain: true", "name: b, type: int, retain: true, default: 3"]
-    with start("run", project(tcp(["register: 0, " + READ], slave.port, local=second)), "--stdin", "--json") as run:
+    with start("run", project(tcp(["register: 0, " + READ], slave.port, local=second)), "--stdin",
+               "--json") as run:
         assert (get(run, "a"), get(run, "b")) == ("77", "3")
         result = run.interrupt()
     assert "b: the kept value 77000 does not fit its type int16" in result.err

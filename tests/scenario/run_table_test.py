@@ -28,8 +28,10 @@ def frames_of(command, tmp_path, name, least=1, script=()):
 @pytest.fixture
 def both(project, tmp_path, pair):
     """Runs a project and its table, one after the other, each against a new blank device; gives the frames of each."""
+
     def served(command, name, least, script):
-        with start("serve", "--port", f"rtu://{pair.b}?baud=115200&parity=none", "--unit", 16, "--fill", "ramp") as device:
+        with start("serve", "--port", f"rtu://{pair.b}?baud=115200&parity=none", "--unit", 16, "--fill",
+                   "ramp") as device:
             endpoints.wait_slave(pair.a, 16, "rtu", device)
             frames = frames_of(command, tmp_path, name, least, script)
             device.interrupt()
@@ -42,6 +44,7 @@ def both(project, tmp_path, pair):
         first = served(["run", path], "project", least, script)
         path.rename(tmp_path / "gone.yaml")  # nothing of the file is needed any more
         return first, served(["run", "--table", table], "table", least, script)
+
     return run
 
 
@@ -59,12 +62,13 @@ def test_scenario_2_in_its_order(both, pair):
 
 
 def test_triggers_and_writes(both, pair):
-    text = serial(["name: A, type: int, register: 1, read: 0x03, period: 1h, write: 0x10, write_on_change: true",
-                   "name: B, type: int, register: 2, read: 0x03, period: 1h, write: 0x10, write_on_change: true",
-                   "name: T, type: float, register: 10, read: 0x04, period: 1h, read_trigger: go",
-                   "name: P, type: bool, register: 0, bit: 2, read: 0x01, period: 1h, write: 0x05, write_trigger: out",
-                   "name: S, type: string, length: 3, register: 20, read: none, write: 0x10"],
-                  port=pair.a, local=["name: go, type: bool", "name: out, type: bool"])
+    text = serial([
+        "name: A, type: int, register: 1, read: 0x03, period: 1h, write: 0x10, write_on_change: true",
+        "name: B, type: int, register: 2, read: 0x03, period: 1h, write: 0x10, write_on_change: true",
+        "name: T, type: float, register: 10, read: 0x04, period: 1h, read_trigger: go",
+        "name: P, type: bool, register: 0, bit: 2, read: 0x01, period: 1h, write: 0x05, write_trigger: out",
+        "name: S, type: string, length: 3, register: 20, read: none, write: 0x10"
+    ], port=pair.a, local=["name: go, type: bool", "name: out, type: bool"])
     script = ["set A -2", "set go true", "set out true", "write S abc", "write B 7"]
     first, second = both(text, 3, script)
     assert first == second
@@ -78,7 +82,8 @@ def test_json_names_and_values(project, tmp_path, pair):
     takt("table", "build", path, "-o", table)
     with start("serve", path, "--port", pair.b) as device, start("run", "--table", table, "--json") as run:
         for name in ("First", "Second", "Third"):
-            run.wait_event(lambda e, n=name: e["event"] == "value" and e["name"] == n and e["quality"] == "good", name)
+            run.wait_event(
+                lambda e, n=name: e["event"] == "value" and e["name"] == n and e["quality"] == "good", name)
         run.interrupt()
         device.interrupt()
     summary = run.events()[-1]

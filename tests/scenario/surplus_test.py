@@ -32,8 +32,9 @@ class Doubling(SerialSlave):
 
 
 def test_values_behind_a_doubled_answer_are_marked_within_a_second(project, pair):
-    path = project(serial(at(REGISTERS, "type: int16, read: 0x03, period: 20ms"), port=pair.a, group_requests="false",
-                          response_timeout="100ms"))
+    path = project(
+        serial(at(REGISTERS, "type: int16, read: 0x03, period: 20ms"), port=pair.a, group_requests="false",
+               response_timeout="100ms"))
     with Doubling(pair.b), start("run", path, "--json") as run:
         found = run.wait_event(lambda e: e["event"] == "surplus", "the device is named")
         time.sleep(2)
@@ -70,14 +71,18 @@ class Twofold(SerialSlave):
             self.written = number
         for _ in range(2):
             time.sleep(SERVICE)
-            data = self.written.to_bytes(2, "big") if number == 1 else address.to_bytes(2, "big") + len(self.seen).to_bytes(2, "big")
-            self._line.write(request("rtu", frame[0], frame[1:6] if frame[1] == 6 else bytes([3, len(data)]) + data))
+            data = self.written.to_bytes(
+                2, "big") if number == 1 else address.to_bytes(2, "big") + len(self.seen).to_bytes(2, "big")
+            self._line.write(
+                request("rtu", frame[0], frame[1:6] if frame[1] == 6 else bytes([3, len(data)]) + data))
 
 
 def test_a_device_that_answers_everything_twice_is_read_and_written(project, pair):
-    path = project(serial(at(REGISTERS, "type: uint32, read: 0x03, period: 0ms") +
-                          ["name: W, register: 1000, type: uint16, read: 0x03, write: 0x06, verify: true, period: 0ms"],
-                          port=pair.b, group_requests="false", response_timeout="200ms", high_register_first="true"))
+    path = project(
+        serial(
+            at(REGISTERS, "type: uint32, read: 0x03, period: 0ms") +
+            ["name: W, register: 1000, type: uint16, read: 0x03, write: 0x06, verify: true, period: 0ms"],
+            port=pair.b, group_requests="false", response_timeout="200ms", high_register_first="true"))
     with Twofold(pair.a) as slave, start("run", path, "--json", "--stdin") as run:
         found = run.wait_event(lambda e: e["event"] == "surplus", "the device is named")
         for number in range(1, 11):

@@ -15,7 +15,8 @@ def good(name):
 def test_every_value_of_the_example_is_read(tmp_path):
     (tmp_path / "plant.yaml").write_text(TEXT)
     with start("run", tmp_path / "plant.yaml", "--json") as run:
-        for name in ("Level1", "Level2", "Temperature1", "Temperature2", "HighLimit1", "HighLimit2", "Valve1", "Valve2", "Tripped"):
+        for name in ("Level1", "Level2", "Temperature1", "Temperature2", "HighLimit1", "HighLimit2", "Valve1",
+                     "Valve2", "Tripped"):
             run.wait_event(good(name), name)
         run.interrupt()
 
@@ -23,8 +24,10 @@ def test_every_value_of_the_example_is_read(tmp_path):
 @pytest.fixture
 def plant(tmp_path, pair):
     """The project on a line of its own; its devices are served at the other end."""
-    text = TEXT.replace("poll_period: 1min", "poll_period: 300ms").replace("min_interval: 5s", "min_interval: 20ms")
-    text = text.replace("response_timeout: 500ms", "response_timeout: 5s").replace("derive_timeouts: true\n", "")
+    text = TEXT.replace("poll_period: 1min", "poll_period: 300ms").replace("min_interval: 5s",
+                                                                           "min_interval: 20ms")
+    text = text.replace("response_timeout: 500ms",
+                        "response_timeout: 5s").replace("derive_timeouts: true\n", "")
     text = text.replace("byte_timeout: 50ms", "byte_timeout: 1s")  # a busy machine is no broken line
     path = tmp_path / "plant.yaml"
     path.write_text(text.replace("transport: simulated", f"transport: serial\n    port: {pair.a}"))
@@ -47,6 +50,7 @@ def test_writes_are_verified_and_retained_values_survive(plant, tmp_path):
     written = next(i for i, pdu in enumerate(sent) if pdu.startswith("01 10 00 10 00 04"))
     assert sent[written + 1].startswith("01 03 00 10 00 04"), "a write is followed by the read that compares"
     with start("run", plant, "--control", tmp_path / "again", "--json") as run:
-        until(lambda: takt("ctl", tmp_path / "again", "get", "order", code=None).out == "ok order 2.25\n", "what was ordered")
+        until(lambda: takt("ctl", tmp_path / "again", "get", "order", code=None).out == "ok order 2.25\n",
+              "what was ordered")
         run.wait_event(lambda e: good("HighLimit1")(e) and e["value"] == 3.5, "the limit in the device")
         run.interrupt()

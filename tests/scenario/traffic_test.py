@@ -63,7 +63,8 @@ def test_scenario_1_sends_one_request_and_nothing_else(project, pair, tmp_path):
 
 
 def test_scenario_1_in_ascii(project, pair, tmp_path):
-    text = scenario_1(registers_per_request=61, port=pair.a).replace("framing: rtu", "framing: ascii\n    data_bits: 7")
+    text = scenario_1(registers_per_request=61, port=pair.a).replace("framing: rtu",
+                                                                     "framing: ascii\n    data_bits: 7")
     path = project(text)
     with served(path, pair, "ascii"):
         frames = run_until(path, pair, tmp_path, 3)
@@ -92,8 +93,10 @@ def test_scenario_3_ungrouped_sends_three_requests(project, pair, tmp_path):
     path = project(scenario_3(grouped=False, port=pair.a))
     with served(path, pair):
         sent = requests_of(run_until(path, pair, tmp_path, 12))
-    singles = {body + " " + crc16(bytes.fromhex(body)).hex(" ").upper()
-               for body in ("10 03 01 F4 00 01", "10 03 01 F5 00 01")}
+    singles = {
+        body + " " + crc16(bytes.fromhex(body)).hex(" ").upper()
+        for body in ("10 03 01 F4 00 01", "10 03 01 F5 00 01")
+    }
     assert set(sent) == singles | {THIRD}
 
 
@@ -120,22 +123,32 @@ def test_a_trigger_puts_one_request_at_once(project, pair, tmp_path):
 
 
 # docs/specification.md, section 5: responses captured with the values 1.0 to 5.0.
-GOLDEN_FLOATS = {0: ("3F 80", 1.0, "EB 62"), 2: ("40 00", 2.0, "CA F2"), 4: ("40 40", 3.0, "CB 02"),
-                 6: ("40 80", 4.0, "CB 52"), 8: ("40 A0", 5.0, "CA 8A")}
+GOLDEN_FLOATS = {
+    0: ("3F 80", 1.0, "EB 62"),
+    2: ("40 00", 2.0, "CA F2"),
+    4: ("40 40", 3.0, "CB 02"),
+    6: ("40 80", 4.0, "CB 52"),
+    8: ("40 A0", 5.0, "CA 8A")
+}
 
 
 def golden_slave(port):
-    return SerialSlave(port, rtu_answers({f"03 00 {r:02X} 00 02": f"03 04 00 00 {high}"
-                                          for r, (high, _, _) in GOLDEN_FLOATS.items()}))
+    return SerialSlave(
+        port,
+        rtu_answers(
+            {f"03 00 {r:02X} 00 02": f"03 04 00 00 {high}"
+             for r, (high, _, _) in GOLDEN_FLOATS.items()}))
 
 
 def test_golden_floats(project, pair, tmp_path):
-    path = project(serial(at(GOLDEN_FLOATS, "type: float, read: 0x03"), port=pair.a, group_requests="false",
-                          strategy="single"))
+    path = project(
+        serial(at(GOLDEN_FLOATS, "type: float, read: 0x03"), port=pair.a, group_requests="false",
+               strategy="single"))
     with golden_slave(pair.b), start("run", path, "--json") as run:
         for number, (_, value, _) in enumerate(GOLDEN_FLOATS.values(), 1):
-            run.wait_event(lambda e, n=number, v=value: e["event"] == "value" and e["name"] == f"V{n}"
-                           and e["value"] == v and e["quality"] == "good", f"V{number} = {value}")
+            run.wait_event(
+                lambda e, n=number, v=value: e["event"] == "value" and e["name"] == f"V{n}" and e["value"] ==
+                v and e["quality"] == "good", f"V{number} = {value}")
         run.interrupt()
     answers = split_rtu(pair.answered(), [9])
     captured = {bytes.fromhex(f"10 03 04 00 00 {high} {crc}") for high, _, crc in GOLDEN_FLOATS.values()}
@@ -148,7 +161,8 @@ def test_the_slave_side_puts_a_float_as_the_source_does(pair, tmp_path):
         endpoints.wait_slave(pair.a, 16, process=device)
         for register, (_, value, _) in GOLDEN_FLOATS.items():
             takt("write", f"rtu://{pair.a}", "--unit", 16, "--type", "float", "holding", register, value)
-            takt("read", f"rtu://{pair.a}", "--unit", 16, "--type", "float", "holding", register, "--traffic", log)
+            takt("read", f"rtu://{pair.a}", "--unit", 16, "--type", "float", "holding", register, "--traffic",
+                 log)
         device.interrupt()
     seen = {f.hex for f in traffic(log.read_text()) if f.way == "Rx"}
     assert f"10 03 04 00 00 {GOLDEN_FLOATS[8][0]} {GOLDEN_FLOATS[8][2]}" in seen
@@ -162,8 +176,8 @@ def test_the_slave_side_puts_a_float_as_the_source_does(pair, tmp_path):
 def test_frames_of_section_8(pair, tmp_path, unit, asked, answer, code, frames):
     log = tmp_path / "traffic.log"
     with SerialSlave(pair.b, rtu_answers({asked: answer})):
-        result = takt("read", f"rtu://{pair.a}", "--unit", unit, "input", 0, int(asked[-2:], 16), "--traffic", log,
-                      code=code)
+        result = takt("read", f"rtu://{pair.a}", "--unit", unit, "input", 0, int(asked[-2:], 16), "--traffic",
+                      log, code=code)
     assert [f.hex for f in traffic(log.read_text())] == frames
     if code == 0:
         assert [line.split()[-1] for line in result.lines] == ["2", "3"]

@@ -44,6 +44,7 @@ def late_after(seconds, count, answer):
             left[0] -= 1
             time.sleep(seconds)
         return answer(request)
+
     return answers
 
 
@@ -72,18 +73,22 @@ def test_a_learnt_turnaround_is_kept_and_used(project, pair, tmp_path):
         kept = json.loads(path.with_suffix(".learnt.json").read_text())
         assert kept["takt_learnt"] == 2
         times = kept["lines"][0]["devices"][0]["times"]
-        assert times["exchanges"] == device["turnaround"]["exchanges"] == sum(count for _, count in times["counts"])
+        assert times["exchanges"] == device["turnaround"]["exchanges"] == sum(count
+                                                                              for _, count in times["counts"])
 
         plan = takt("plan", path, "--json", code=None).json
         note = next(f for f in plan["findings"] if f["code"] == "guarantee.response_measured")
-        assert note["severity"] == "note" and f"over {times['exchanges']} exchanges, not known" in note["message"]
-        assert note["advice"].startswith(f"{note['value']} is the longest response time measured, late responses included")
+        assert note["severity"] == "note" and f"over {times['exchanges']} exchanges, not known" in note[
+            "message"]
+        assert note["advice"].startswith(
+            f"{note['value']} is the longest response time measured, late responses included")
         line = plan["lines"][0]
         assert line["response_times"][0]["turnaround"]["exchanges"] == times["exchanges"]
         assert line["requests"][0]["c_us"] < first["requests"][0]["c_us"], "not the whole time-out"
         assert line["requests"][0]["f_us"] < first["requests"][0]["f_us"]
         known = takt("check", path, "--json", code=None).json["response_times"]
-        assert [(d["line"], d["device"], d["turnaround"]["exchanges"]) for d in known] == [("rs485-1", "Node1", times["exchanges"])]
+        assert [(d["line"], d["device"], d["turnaround"]["exchanges"])
+                for d in known] == [("rs485-1", "Node1", times["exchanges"])]
         assert f"learnt over {times['exchanges']} exchanges" in takt("plan", path, code=None).out
 
         again = measure(path, tmp_path / "again", times["exchanges"] + 10)

@@ -16,17 +16,20 @@ def outcome(run, command):
 
 def lowered(device):
     """The device limits what is written to 40."""
+
     def meddle(pdu):
         answer = device.obey(pdu)
         device.registers = {a: min(v, 40) for a, v in device.registers.items()}
         return answer
+
     return meddle
 
 
 @pytest.mark.parametrize("more", ["", ", write_on_change: true"])
 def test_on_a_serial_line(project, pair, more):
     device = Device({0: 7})
-    path = project(serial(["name: V, register: 0, " + VERIFIED + more], port=pair.a, response_timeout="500ms"))
+    path = project(serial(["name: V, register: 0, " + VERIFIED + more], port=pair.a,
+                          response_timeout="500ms"))
     with RtuDevices(pair.b, {16: device}), start("run", path, "--json", "--stdin") as run:
         run.wait_event(lambda e: e.get("value") == 7, "the first value")
         assert outcome(run, "write V 30")["outcome"] == "done"

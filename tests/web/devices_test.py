@@ -108,11 +108,13 @@ def test_a_device_that_does_not_answer_is_tried_now(site, meter):
 
 
 def test_learnt_gaps_are_those_that_the_device_answers_and_refuses(site):
+
     def learnt():
         lines = get(site, "/devices/learnt")["lines"]
         assert lines[0]["name"] == "net" and lines[0]["learns"]
         its = [g for g in lines[0]["learnt"] if g["function"] == 3]
         return its[0] if its and its[0]["refused"] else None
+
     its = until(learnt, "a refused gap", deadline=60)
     assert any(r["first"] <= 1 and r["last"] >= 2 for r in its["confirmed"]), its
     refused = its["refused"][0]
@@ -121,9 +123,11 @@ def test_learnt_gaps_are_those_that_the_device_answers_and_refuses(site):
 
 def test_registers_are_those_of_the_wire(site, meter):
     path = "/registers?variable=C&variable=D"
+
     def known():
         its = get(site, path)["registers"]
         return its if all(x["items"] for x in its) else None
+
     its = until(known, "registers")
     assert [x["variable"] for x in its] == ["C", "D"]
     assert its[0]["items"] == [1008] and its[1]["items"] == [1010, 1011]
@@ -165,7 +169,8 @@ def test_ages_of_values_that_stay_the_same_are_right(site):
 
 
 def wait_for_end(site):
-    return until(lambda: s if not (s := get(site, "/search"))["running"] else None, "the end of the search", deadline=60)
+    return until(lambda: s if not (s := get(site, "/search"))["running"] else None, "the end of the search",
+                 deadline=60)
 
 
 def test_a_scan_of_hosts_becomes_a_device_of_the_project(site, meter):
@@ -190,10 +195,16 @@ def test_a_scan_of_hosts_becomes_a_device_of_the_project(site, meter):
         project = get(site, "/project")
         document = project["document"]
         document["lines"].append({**found["line_node"], "name": "found", "devices": [found["device_node"]]})
-        status, text = site.send("\r\n".join([
-            "PUT /api/v1/project HTTP/1.1", f"Host: 127.0.0.1:{site.port}", "X-Takt: 1", "Content-Type: application/json",
-            "Content-Length: " + str(len(body := json.dumps({"document": document, "revision": project["revision"], "apply": True})))]),
-            body)
+        status, text = site.send(
+            "\r\n".join([
+                "PUT /api/v1/project HTTP/1.1", f"Host: 127.0.0.1:{site.port}", "X-Takt: 1",
+                "Content-Type: application/json", "Content-Length: " + str(
+                    len(body := json.dumps({
+                        "document": document,
+                        "revision": project["revision"],
+                        "apply": True
+                    })))
+            ]), body)
         assert status == 200, text
         until(lambda: len(get(site, "/status")["lines"]) == 2, "the new line")
         assert get(site, "/search")["devices"][0]["known_as"] == found["device_node"]["name"]
@@ -230,7 +241,12 @@ lines:
 """)
     with start("run", path, "--json", "--web", "127.0.0.1:0", "--allow-write") as run:
         site = Site(run)
-        post(site, "/search/scan", {"targets": ["line:bus"], "units": "14-18", "timeout_ms": 50, "spare": spare})
+        post(site, "/search/scan", {
+            "targets": ["line:bus"],
+            "units": "14-18",
+            "timeout_ms": 50,
+            "spare": spare
+        })
         assert [d["unit"] for d in wait_for_end(site)["devices"]] == [16]
         post(site, "/search/probe", {"target": "line:bus", "unit": 16, "to": 9, "spare": spare})
         assert not wait_for_end(site)["error"]
@@ -269,18 +285,50 @@ def test_the_run_ends_during_a_search(site):
 
 
 @pytest.mark.parametrize("path,body,status,code", [
-    ("/search/scan", {"targets": []}, 400, "body"),
-    ("/search/scan", {"targets": ["10.0.0.1"]}, 422, "syntax"),
-    ("/search/scan", {"targets": ["tcp://10.0.0.1"], "units": "0-256"}, 422, "out_of_range"),
-    ("/search/scan", {"targets": ["tcp://10.0.0.0/20"]}, 422, "too_large"),
-    ("/search/scan", {"targets": ["tcp://10.0.0.1"], "timeout_ms": 1}, 422, "out_of_range"),
-    ("/search/scan", {"targets": ["rtu:///etc/passwd"]}, 422, "port"),
-    ("/search/scan", {"targets": ["rtu:///dev/tty/../watchdog"]}, 422, "port"),
-    ("/search/scan", {"targets": ["line:none"]}, 404, "line"),
-    ("/search/probe", {"target": "tcp://10.0.0.1", "unit": 256}, 422, "out_of_range"),
-    ("/search/probe", {"target": "tcp://10.0.0.1"}, 400, "body"),
-    ("/search/probe", {"target": "tcp://10.0.0.1", "unit": 1, "from": 9, "to": 5}, 422, "out_of_range"),
-    ("/search/probe", {"target": "tcp://10.0.0.1", "unit": 1, "max_requests": 0}, 422, "out_of_range"),
+    ("/search/scan", {
+        "targets": []
+    }, 400, "body"),
+    ("/search/scan", {
+        "targets": ["10.0.0.1"]
+    }, 422, "syntax"),
+    ("/search/scan", {
+        "targets": ["tcp://10.0.0.1"],
+        "units": "0-256"
+    }, 422, "out_of_range"),
+    ("/search/scan", {
+        "targets": ["tcp://10.0.0.0/20"]
+    }, 422, "too_large"),
+    ("/search/scan", {
+        "targets": ["tcp://10.0.0.1"],
+        "timeout_ms": 1
+    }, 422, "out_of_range"),
+    ("/search/scan", {
+        "targets": ["rtu:///etc/passwd"]
+    }, 422, "port"),
+    ("/search/scan", {
+        "targets": ["rtu:///dev/tty/../watchdog"]
+    }, 422, "port"),
+    ("/search/scan", {
+        "targets": ["line:none"]
+    }, 404, "line"),
+    ("/search/probe", {
+        "target": "tcp://10.0.0.1",
+        "unit": 256
+    }, 422, "out_of_range"),
+    ("/search/probe", {
+        "target": "tcp://10.0.0.1"
+    }, 400, "body"),
+    ("/search/probe", {
+        "target": "tcp://10.0.0.1",
+        "unit": 1,
+        "from": 9,
+        "to": 5
+    }, 422, "out_of_range"),
+    ("/search/probe", {
+        "target": "tcp://10.0.0.1",
+        "unit": 1,
+        "max_requests": 0
+    }, 422, "out_of_range"),
 ])
 def test_wrong_searches_are_refused(site, path, body, status, code):
     assert post(site, path, body, status)["error"]["code"] == code
@@ -297,7 +345,8 @@ def test_searches_need_allow_write(tmp_path, meter):
     path.write_text(LEARNING.format(port=meter.slave.port))
     with start("run", path, "--json", "--web", "127.0.0.1:0") as run:
         site = Site(run)
-        assert post(site, "/search/scan", {"targets": ["tcp://127.0.0.1:1"]}, 403)["error"]["code"] == "read_only"
+        assert post(site, "/search/scan", {"targets": ["tcp://127.0.0.1:1"]},
+                    403)["error"]["code"] == "read_only"
         assert get(site, "/search")["kind"] == "none"
 
 
@@ -307,11 +356,14 @@ def test_thousands_of_idle_connections_give_way(site):
         s = socket.socket()
         s.connect(("127.0.0.1", site.port))
         idle.append(s)
+
     def answered():
         try:
             return site.get("/api/v1/info")[0] == 200
-        except (ConnectionError, IndexError):  # closed at once: none of the others has been idle for long enough
+        except (ConnectionError,
+                IndexError):  # closed at once: none of the others has been idle for long enough
             return False
+
     until(answered, "an answer", deadline=10)
     for _ in range(20):
         assert site.get("/api/v1/info")[0] == 200

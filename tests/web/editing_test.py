@@ -29,8 +29,10 @@ class Api:
     """A client of /api/v1 of one running program."""
 
     def __init__(self, run):
-        found = until(lambda: next((m for line in [*run.err, *run.out]
-                                    if (m := re.search(r"http://127\.0\.0\.1:(\d+)/", line))), None), f"an address\n{run!r}")
+        found = until(
+            lambda: next((m for line in [*run.err, *run.out]
+                          if (m := re.search(r"http://127\.0\.0\.1:(\d+)/", line))), None),
+            f"an address\n{run!r}")
         self.port = int(found[1])
 
     def __call__(self, method, path, body=None):
@@ -54,7 +56,8 @@ def plant(tmp_path):
 def test_a_saved_project_runs_and_keeps_its_comments(plant):
     with start("run", plant, "--json", "--web", "127.0.0.1:0", "--allow-write") as run:
         api = Api(run)
-        run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Level" and e["quality"] == "good", "a value")
+        run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Level" and e["quality"] == "good",
+                       "a value")
         _, project = api("GET", "/project")
         device = project["document"]["lines"][0]["devices"][0]
         device["variables"].append({"name": "Second", "type": "int16", "register": "4", "read": "0x03"})
@@ -66,7 +69,8 @@ def test_a_saved_project_runs_and_keeps_its_comments(plant):
             ["+          - {name: Second, type: int16, register: 4, read: 0x03}"]
         status, saved = api("PUT", "/project", body)
         assert status == 200 and saved["applied"], saved
-        run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Second" and e["quality"] == "good", "the new value")
+        run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Second" and e["quality"] == "good",
+                       "the new value")
         added = "read: 0x03}\n          - {name: Second, type: int16, register: 4, read: 0x03}\n"
         assert plant.read_text() == PROJECT.replace("read: 0x03}\n", added)
         assert plant.with_name("plant.yaml~").read_text() == PROJECT
@@ -93,6 +97,9 @@ def test_nothing_is_saved_read_only_or_with_errors(plant):
 def test_texts_are_in_the_language_of_the_request(plant):
     with start("run", plant, "--json", "--web", "127.0.0.1:0") as run:
         api = Api(run)
-        texts = {api("GET", f"/history/series?lang={language}")[1]["error"]["text"] for language in ("en", "ru", "uk")}
+        texts = {
+            api("GET", f"/history/series?lang={language}")[1]["error"]["text"]
+            for language in ("en", "ru", "uk")
+        }
         assert len(texts) == 3
         run.interrupt(signal.SIGTERM)

@@ -117,7 +117,8 @@ def test_a_second_program_keeps_its_marks_in_memory(plant, tmp_path):
         write(Api(first), 1)
         until(lambda: "Wanted = 1" in marks_of(plant), "the mark in the file")
         with run(plant, "--log", tmp_path / "log") as second:
-            until(lambda: "plant.marks.jsonl: used by another program" in text_of(tmp_path / "log"), "the message")
+            until(lambda: "plant.marks.jsonl: used by another program" in text_of(tmp_path / "log"),
+                  "the message")
             api = Api(second)
             write(api, 2)
             assert commands(api) == ["Wanted = 2"]
@@ -140,13 +141,20 @@ def test_a_read_only_folder_costs_the_file_only(plant, tmp_path):
     folder, log = tmp_path / "read_only", tmp_path / "log"
     folder.mkdir()
     plant = plant.rename(folder / plant.name)
-    mounted = ["unshare", "-m", "sh", "-c", f"mount --bind {folder} {folder} && mount -o remount,bind,ro {folder} && exec \"$@\"", "sh"]
+    mounted = [
+        "unshare", "-m", "sh", "-c",
+        f"mount --bind {folder} {folder} && mount -o remount,bind,ro {folder} && exec \"$@\"", "sh"
+    ]
     if subprocess.run([*mounted, "true"], check=False, capture_output=True).returncode:
         pytest.skip("nothing can be mounted here")
-    with Running([*mounted, TAKT, "run", plant, "--quiet", "--web", "127.0.0.1:0", "--allow-write", "--log", log]) as takt:
+    with Running(
+        [*mounted, TAKT, "run", plant, "--quiet", "--web", "127.0.0.1:0", "--allow-write", "--log",
+         log]) as takt:
         api = Api(takt)
         write(api, 1)
-        until(lambda: re.search("marks of trends cannot .*Read-only file system", text_of(log)), f"the message\n{takt!r}")
+        until(lambda: re.search("marks of trends cannot .*Read-only file system", text_of(log)),
+              f"the message\n{takt!r}")
         assert commands(api) == ["Wanted = 1"]
-        assert any("marks of trends cannot be written" in e["text"] for e in api("GET", "/events")[1]["events"])
+        assert any("marks of trends cannot be written" in e["text"]
+                   for e in api("GET", "/events")[1]["events"])
     assert not plant.with_name("plant.marks.jsonl").exists()

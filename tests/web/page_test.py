@@ -30,8 +30,10 @@ class Site:
     """A running program with its page."""
 
     def __init__(self, run):
-        found = until(lambda: next((m for line in [*run.err, *run.out]
-                                    if (m := re.search(r"http://127\.0\.0\.1:(\d+)/", line))), None), f"an address\n{run!r}")
+        found = until(
+            lambda: next((m for line in [*run.err, *run.out]
+                          if (m := re.search(r"http://127\.0\.0\.1:(\d+)/", line))), None),
+            f"an address\n{run!r}")
         self.port = int(found[1])
 
     def connect(self):
@@ -55,8 +57,11 @@ class Site:
 
     def post(self, path, body, *fields):
         text = json.dumps(body)
-        return self.send("\r\n".join([f"POST /api/v1{path} HTTP/1.1", f"Host: 127.0.0.1:{self.port}", "X-Takt: 1",
-                                      "Content-Type: application/json", f"Content-Length: {len(text)}", *fields]), text)
+        return self.send(
+            "\r\n".join([
+                f"POST /api/v1{path} HTTP/1.1", f"Host: 127.0.0.1:{self.port}", "X-Takt: 1",
+                "Content-Type: application/json", f"Content-Length: {len(text)}", *fields
+            ]), text)
 
 
 @pytest.fixture
@@ -115,11 +120,27 @@ def test_changes_need_the_mark_and_json(site):
 
 
 def test_wrong_commands_say_what_is_wrong(site):
-    for body in ({}, {"kind": "write", "variable": "Nothing", "value": 1}, {"kind": "write", "variable": "Wanted", "value": "x"},
-                 {"kind": "write", "variable": "Level", "value": 1}, {"kind": "jump", "variable": "Wanted", "value": 1}):
+    for body in ({}, {
+            "kind": "write",
+            "variable": "Nothing",
+            "value": 1
+    }, {
+            "kind": "write",
+            "variable": "Wanted",
+            "value": "x"
+    }, {
+            "kind": "write",
+            "variable": "Level",
+            "value": 1
+    }, {
+            "kind": "jump",
+            "variable": "Wanted",
+            "value": 1
+    }):
         status, text = site.post("/commands", body)
         answer = json.loads(text)
-        assert status >= 400 and answer["error"]["text"] or answer.get("outcome") == "refused", (body, status, text)
+        assert status >= 400 and answer["error"]["text"] or answer.get("outcome") == "refused", (body, status,
+                                                                                                 text)
     status, text = site.post("/commands", {"kind": "write", "variable": "Wanted", "value": 7})
     assert status == 200 and json.loads(text)["outcome"] == "done"
 
