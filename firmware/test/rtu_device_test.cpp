@@ -10,7 +10,7 @@
 #include "takt/wire/frame.hpp"
 
 namespace takt::firmware {
-namespace {
+namespace rtu_device_test {
 
 using Frame = std::vector<std::uint8_t>;
 
@@ -93,5 +93,5 @@ RC_GTEST_PROP(RtuDevice, AnyFrameGetsAFrameOrNothing, ()) {
     RC_ASSERT((answer[1] & 0x7F) == (pdu[0] & 0x7F));
 }
 
-}  // namespace
+}  // namespace rtu_device_test
 }  // namespace takt::firmware

@@ -16,7 +16,7 @@
 #include "takt/os/descriptor.hpp"
 
 namespace takt::host::test {
-namespace {
+namespace servers_test {
 
 /// A project whose devices do not answer for a minute, with a server in front of them.
 model::Project silent_plant_with_server(const takt::test::Folder& folder) {
@@ -188,5 +188,5 @@ TEST(HostServers, SnapshotsHaveTheStatisticsOfServersWhileTheyWorkAndAfterwards)
     EXPECT_EQ(host->served().listeners[0].counters.requests, 1U);
 }
 
-}  // namespace
+}  // namespace servers_test
 }  // namespace takt::host::test

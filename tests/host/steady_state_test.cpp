@@ -31,7 +31,7 @@ extern "C" void __sanitizer_print_stack_trace();
 // NOLINTEND(*-reserved-identifier)
 
 namespace takt::host::test {
-namespace {
+namespace steady_state_test {
 
 thread_local bool t_is_io_thread = false;
 std::atomic<bool> g_counting = false;
@@ -175,5 +175,5 @@ TEST(SteadyState, TheIoThreadAllocatesNothing) {
 #endif
 }
 
-}  // namespace
+}  // namespace steady_state_test
 }  // namespace takt::host::test

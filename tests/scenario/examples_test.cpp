@@ -11,7 +11,7 @@
 #include "takt/plan/plan.hpp"
 
 namespace takt {
-namespace {
+namespace examples_test {
 
 struct Example {
     std::string_view file;
@@ -81,5 +81,5 @@ TEST(ExampleFiles, AreWrittenAsTheyAreRead) {
     EXPECT_GE(count, 10U);
 }
 
-}  // namespace
+}  // namespace examples_test
 }  // namespace takt

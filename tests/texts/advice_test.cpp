@@ -9,7 +9,7 @@
 #include "takt/model/findings.hpp"
 
 namespace takt {
-namespace {
+namespace advice_test {
 
 using model::Severity;
 
@@ -568,5 +568,5 @@ TEST(Advice, IsOfARule) {
     for (const Case& each : cases()) EXPECT_TRUE(rules.contains(each.code)) << each.code;
 }
 
-}  // namespace
+}  // namespace advice_test
 }  // namespace takt

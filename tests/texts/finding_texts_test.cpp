@@ -11,7 +11,7 @@
 #include "takt/text/catalogue.hpp"
 
 namespace takt {
-namespace {
+namespace finding_texts_test {
 
 std::string repeated(int times, const std::string& text) {
     std::string all;
@@ -219,5 +219,5 @@ TEST(FindingTexts, EveryRuleIsBrokenAndSpokenOf) {
     for (const auto code : model::finding_codes()) EXPECT_TRUE(broken.contains(std::string(code))) << code;
 }
 
-}  // namespace
+}  // namespace finding_texts_test
 }  // namespace takt

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::app {
-namespace {
+namespace blank_options_test {
 
 TEST(BlankOptions, AnItemRangeHasAnAreaAndAddresses) {
     const auto range = parse_item_range("holding:5..0x10");
@@ -48,5 +48,5 @@ TEST(BlankOptions, FilesQueuesAndObjectsHaveTheirLimits) {
     EXPECT_FALSE(parse_object("0=" + std::string(245, 'x')));
 }
 
-}  // namespace
+}  // namespace blank_options_test
 }  // namespace takt::app

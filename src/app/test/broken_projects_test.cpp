@@ -26,7 +26,7 @@
 #include "takt/host/project_file.hpp"
 
 namespace takt::app {
-namespace {
+namespace broken_projects_test {
 
 using Words = std::vector<std::string>;
 
@@ -473,5 +473,5 @@ TEST_F(BrokenProjects, EveryWayOfBreakingAProjectIsRefusedInOrder) {
     RecordProperty("runs", static_cast<int>(runs_));
 }
 
-}  // namespace
+}  // namespace broken_projects_test
 }  // namespace takt::app

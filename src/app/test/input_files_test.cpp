@@ -9,7 +9,7 @@
 #include "takt/table/format.hpp"
 
 namespace takt::app {
-namespace {
+namespace input_files_test {
 
 const std::string kServer = R"(takt: 1
 servers:
@@ -140,5 +140,5 @@ TEST_F(InputFilesTest, ATableIsOfTheControllerByItsFirstBytes) {
     EXPECT_FALSE(quietly([&] { return read_table_file(texts_, huge); }));
 }
 
-}  // namespace
+}  // namespace input_files_test
 }  // namespace takt::app

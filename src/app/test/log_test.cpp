@@ -10,7 +10,7 @@
 #include "folder.hpp"
 
 namespace takt::app {
-namespace {
+namespace log_test {
 
 /// The lines that `write` logs at a level, without the time of each line.
 template <class Write>
@@ -108,5 +108,5 @@ TEST(Log, AFileThatCannotBeOpenedIsAnError) {
     EXPECT_EQ(begun.error().code, Code::cannot_open);
 }
 
-}  // namespace
+}  // namespace log_test
 }  // namespace takt::app

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::app {
-namespace {
+namespace option_error_test {
 
 TEST(OptionError, NamesAndValuesAreTakenFromTheWordsOfTheParser) {
     EXPECT_EQ(option_error("START is required"), (OptionError{"app.option.required", {{"option", "START"}}}));
@@ -28,5 +28,5 @@ TEST(OptionError, OtherWordsAreKept) {
               (OptionError{"app.option.other", {{"words", "words: unknown"}}}));
 }
 
-}  // namespace
+}  // namespace option_error_test
 }  // namespace takt::app

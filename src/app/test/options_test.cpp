@@ -19,7 +19,7 @@
 #include "parsed.hpp"
 
 namespace takt::app {
-namespace {
+namespace options_test {
 
 using namespace std::chrono_literals;
 using test::options_of;
@@ -502,5 +502,5 @@ TEST(Options, HelpIsGivenInsteadOfAnError) {
     EXPECT_NE(nothing.text.find("build"), std::string::npos) << "the commands to choose from";
 }
 
-}  // namespace
+}  // namespace options_test
 }  // namespace takt::app

@@ -10,7 +10,7 @@
 #include "progress.hpp"
 
 namespace takt::app {
-namespace {
+namespace output_test {
 
 using namespace std::chrono_literals;
 
@@ -122,5 +122,5 @@ TEST(Progress, StaysSilentWhereItIsNotWanted) {
     EXPECT_EQ(stderr_of([&] { progress.show(Instant{1h}, {.done = 1, .total = 2}, "x"); }), "");
 }
 
-}  // namespace
+}  // namespace output_test
 }  // namespace takt::app

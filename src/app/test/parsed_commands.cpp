@@ -21,7 +21,7 @@
 #include "parsed.hpp"
 
 namespace takt::app {
-namespace {
+namespace parsed_commands {
 
 std::any g_options;  // of the command that ran last
 
@@ -31,7 +31,7 @@ ExitCode keep(const Options& options) {
     return ExitCode::ok;
 }
 
-}  // namespace
+}  // namespace parsed_commands
 
 ExitCode check(const CommonOptions&, const CheckOptions& options) {
     return keep(options);

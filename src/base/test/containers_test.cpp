@@ -9,7 +9,7 @@
 #include "takt/base/inplace_vector.hpp"
 
 namespace takt {
-namespace {
+namespace containers_test {
 
 TEST(InplaceString, CutsWhatDoesNotFit) {
     EXPECT_EQ(InplaceString<4>("abcdef").view(), "abcd");
@@ -57,5 +57,5 @@ TEST(InplaceVectorDeathTest, StopsAtAWrongIndex) {
     EXPECT_DEATH((void)values[1], "");
 }
 
-}  // namespace
+}  // namespace containers_test
 }  // namespace takt

@@ -7,7 +7,7 @@
 #include <string>
 
 namespace takt {
-namespace {
+namespace network_test {
 
 std::string text_of(const IpAddress& address) {
     char text[INET6_ADDRSTRLEN] = {};
@@ -97,5 +97,5 @@ RC_GTEST_PROP(Network, ReadsAddressesAsTheSystemDoes, ()) {
     if (!six && !four) RC_ASSERT(!parsed.has_value());
 }
 
-}  // namespace
+}  // namespace network_test
 }  // namespace takt

@@ -9,7 +9,7 @@
 #include "takt/base/time.hpp"
 
 namespace takt {
-namespace {
+namespace result_test {
 
 Result<int> half(int value) {
     if (value % 2 != 0) return fail(Code::malformed, "odd", value);
@@ -51,5 +51,5 @@ TEST(Time, AfterDoesNotOverflow) {
     EXPECT_EQ(after(Instant{}, std::chrono::seconds(1)), Instant{} + std::chrono::seconds(1));
 }
 
-}  // namespace
+}  // namespace result_test
 }  // namespace takt

@@ -4,7 +4,7 @@
 #include <rapidcheck/gtest.h>
 
 namespace takt {
-namespace {
+namespace token_bucket_test {
 
 using namespace std::chrono_literals;
 
@@ -48,5 +48,5 @@ RC_GTEST_PROP(TokenBucket, NeverAdmitsMoreThanItsBound, ()) {
             RC_ASSERT(last - first + 1 <= burst + (admitted[last] - admitted[first]) / 10ms);
 }
 
-}  // namespace
+}  // namespace token_bucket_test
 }  // namespace takt

@@ -5,7 +5,7 @@
 #include <string>
 
 namespace takt {
-namespace {
+namespace utf8_test {
 
 TEST(Utf8, EveryCharacterIsDecodedAsItWasEncoded) {
     for (char32_t code = 0; code <= 0x10FFFF; ++code) {
@@ -47,5 +47,5 @@ TEST(Utf8, TextIsCutBetweenCharacters) {
     EXPECT_EQ(whole_characters("€", 0), "");
 }
 
-}  // namespace
+}  // namespace utf8_test
 }  // namespace takt

@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace takt::bus {
-namespace {
+namespace arbiter_test {
 
 using namespace std::chrono_literals;
 
@@ -398,5 +398,5 @@ RC_GTEST_PROP(ArbiterProperty, PrioritiesChangeOnlyWhenAnnounced, ()) {
     RC_ASSERT(changed == (line.changes_at(t, read) <= later));
 }
 
-}  // namespace
+}  // namespace arbiter_test
 }  // namespace takt::bus

@@ -4,7 +4,7 @@
 #include "rig.hpp"
 
 namespace takt::bus {
-namespace {
+namespace damaged_response_test {
 
 using namespace test;
 
@@ -246,5 +246,5 @@ TEST(DamagedResponse, NoiseOfItsLengthIsNoDamagedResponse) {
     EXPECT_EQ(rig.last().response.registers()[0], 1U);
 }
 
-}  // namespace
+}  // namespace damaged_response_test
 }  // namespace takt::bus

@@ -5,7 +5,7 @@
 #include "rig.hpp"
 
 namespace takt::bus {
-namespace {
+namespace echo_filter_test {
 
 using test::at;
 using test::hex;
@@ -145,5 +145,5 @@ TEST(EchoFilter, WhereEchoesCannotBeNothingIsHeldBack) {
     EXPECT_EQ(filter.filter(at(1ms), write).consumed, 0U);
 }
 
-}  // namespace
+}  // namespace echo_filter_test
 }  // namespace takt::bus

@@ -5,7 +5,7 @@
 #include "rig.hpp"
 
 namespace takt::bus {
-namespace {
+namespace failure_time_test {
 
 using namespace test;
 
@@ -39,5 +39,5 @@ TEST(FailureTime, IsWhatTheEngineTakes) {
         }
 }
 
-}  // namespace
+}  // namespace failure_time_test
 }  // namespace takt::bus

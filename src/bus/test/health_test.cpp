@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::bus {
-namespace {
+namespace health_test {
 
 using namespace std::chrono_literals;
 
@@ -66,5 +66,5 @@ TEST(Health, ProbesAtOnceOnRequest) {
     EXPECT_EQ(health.probe_at(), at(7s));  // the back-off grows as before
 }
 
-}  // namespace
+}  // namespace health_test
 }  // namespace takt::bus

@@ -6,7 +6,7 @@
 #include "rig.hpp"
 
 namespace takt::bus {
-namespace {
+namespace in_step_test {
 
 using namespace test;
 
@@ -274,5 +274,5 @@ TEST(InStep, ALinkThatIsLostWhileAResponseIsConfirmedEndsTheTransaction) {
     EXPECT_EQ(line.last().status, Status::link_lost);
 }
 
-}  // namespace
+}  // namespace in_step_test
 }  // namespace takt::bus

@@ -5,7 +5,7 @@
 #include "rig.hpp"
 
 namespace takt::bus {
-namespace {
+namespace late_response_test {
 
 using test::at;
 using test::hex;
@@ -175,5 +175,5 @@ TEST(LateResponses, ATransactionIdThatIsOwedAResponseIsSkipped) {
     EXPECT_EQ(rig.sent.back()[1], 2U) << "not 1";
 }
 
-}  // namespace
+}  // namespace late_response_test
 }  // namespace takt::bus

@@ -8,7 +8,7 @@
 #include "rig.hpp"
 
 namespace takt::bus {
-namespace {
+namespace mistaken_identity_test {
 
 using namespace test;
 
@@ -87,5 +87,5 @@ RC_GTEST_PROP(TransactionEngine, NeverGivesARequestTheDataOfAnother, ()) {
     }
 }
 
-}  // namespace
+}  // namespace mistaken_identity_test
 }  // namespace takt::bus

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::bus {
-namespace {
+namespace outcome_status_test {
 
 // The numbers are those of docs/specification.md, section 7.
 TEST(OutcomeStatus, OfEveryOutcome) {
@@ -60,5 +60,5 @@ TEST(OutcomeStatus, AttemptsAreLeftLongerWhereTheResponseIsInDoubt) {
     EXPECT_EQ(failures, 2U);
 }
 
-}  // namespace
+}  // namespace outcome_status_test
 }  // namespace takt::bus

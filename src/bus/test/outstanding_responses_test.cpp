@@ -5,7 +5,7 @@
 #include "rig.hpp"
 
 namespace takt::bus {
-namespace {
+namespace outstanding_responses_test {
 
 using test::at;
 using test::hex;
@@ -302,5 +302,5 @@ TEST(OutstandingResponses, MemoryIsLentWhenTheFirstResponseIsMissing) {
     EXPECT_FALSE(none.remembers(kUnit, kRead2));
 }
 
-}  // namespace
+}  // namespace outstanding_responses_test
 }  // namespace takt::bus

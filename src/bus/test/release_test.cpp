@@ -4,7 +4,7 @@
 #include <rapidcheck/gtest.h>
 
 namespace takt::bus {
-namespace {
+namespace release_test {
 
 using namespace std::chrono_literals;
 
@@ -213,5 +213,5 @@ TEST(PeriodMeter, AnIntervalOfMoreThanFourPeriodsIsAnOverrunWhileItLasts) {
     EXPECT_EQ(PeriodMeter(0ms).overrun_due(), kNever);
 }
 
-}  // namespace
+}  // namespace release_test
 }  // namespace takt::bus

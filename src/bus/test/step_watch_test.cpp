@@ -7,7 +7,7 @@
 #include "takt/bus/unit_times.hpp"
 
 namespace takt::bus {
-namespace {
+namespace step_watch_test {
 
 using namespace test;
 
@@ -236,5 +236,5 @@ TEST(StepWatch, AShiftOfABusyUnitIsFoundWithinASecondAndEnds) {
     EXPECT_LE(*since, doubled + 30ms);
 }
 
-}  // namespace
+}  // namespace step_watch_test
 }  // namespace takt::bus

@@ -5,7 +5,7 @@
 #include "rig.hpp"
 
 namespace takt::bus {
-namespace {
+namespace transaction_engine_test {
 
 using namespace test;
 
@@ -566,5 +566,5 @@ TEST(TransactionEngine, GivesUpWhatIsCancelled) {
     EXPECT_GT(rig.engine.earliest_start(UnitId{1}, {3, 4}), at(100ms));
 }
 
-}  // namespace
+}  // namespace transaction_engine_test
 }  // namespace takt::bus

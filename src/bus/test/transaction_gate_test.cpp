@@ -6,7 +6,7 @@
 #include <vector>
 
 namespace takt::bus {
-namespace {
+namespace transaction_gate_test {
 
 using namespace std::chrono_literals;
 
@@ -127,5 +127,5 @@ RC_GTEST_PROP(TransactionGate, LeavesTheLineToOthers, ()) {
     }
 }
 
-}  // namespace
+}  // namespace transaction_gate_test
 }  // namespace takt::bus

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::bus {
-namespace {
+namespace unit_times_test {
 
 using namespace std::chrono_literals;
 
@@ -106,5 +106,5 @@ TEST(UnitTimes, TheDelayEndsWithTheFirstByteOfTheResponse) {
     EXPECT_EQ(response_delay(serial, outcome), 11ms);
 }
 
-}  // namespace
+}  // namespace unit_times_test
 }  // namespace takt::bus

@@ -13,7 +13,7 @@
 #include "takt/wire/frame.hpp"
 
 namespace takt::capture {
-namespace {
+namespace analysis_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -494,5 +494,5 @@ TEST(Analysis, CountsPacketsByTheirContent) {
     EXPECT_EQ(counts.first_ns, 1'000'000);
 }
 
-}  // namespace
+}  // namespace analysis_test
 }  // namespace takt::capture

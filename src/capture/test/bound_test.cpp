@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace takt::capture {
-namespace {
+namespace bound_test {
 
 TEST(Bound, RuleOfThree) {
     EXPECT_DOUBLE_EQ(upper_bound(0, 99'000), 3.0 / 99'000);
@@ -56,5 +56,5 @@ TEST(Bound, OneInHasTwoDigits) {
     EXPECT_EQ(one_in(1.0 / 12'345), 12'000u);
 }
 
-}  // namespace
+}  // namespace bound_test
 }  // namespace takt::capture

@@ -8,7 +8,7 @@
 #include "capture_bytes.hpp"
 
 namespace takt::capture {
-namespace {
+namespace capture_reader_test {
 
 using namespace test;
 
@@ -205,5 +205,5 @@ TEST(CaptureReader, KeepsThePacketsBeforeAFault) {
     EXPECT_EQ(reader.error()->packet, 1u);
 }
 
-}  // namespace
+}  // namespace capture_reader_test
 }  // namespace takt::capture

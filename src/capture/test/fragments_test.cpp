@@ -7,7 +7,7 @@
 #include "capture_bytes.hpp"
 
 namespace takt::capture {
-namespace {
+namespace fragments_test {
 
 using test::Octets;
 
@@ -75,5 +75,5 @@ TEST_F(FragmentsTest, AreGivenUpAfterATimeAndWhenThereAreTooMany) {
     EXPECT_EQ(table.lost(), 2u + FragmentTable::kMost);
 }
 
-}  // namespace
+}  // namespace fragments_test
 }  // namespace takt::capture

@@ -12,7 +12,7 @@
 #include "takt/capture/upper_pdu.hpp"
 
 namespace takt::capture {
-namespace {
+namespace frame_capture_test {
 
 const std::vector<std::uint8_t> kRequest{0x03, 0x00, 0x00, 0x00, 0x01};
 const std::vector<std::uint8_t> kResponse{0x03, 0x02, 0x12, 0x34};
@@ -257,5 +257,5 @@ TEST(UpperPdu, CutTagsAreNone) {
         EXPECT_FALSE(decode_upper_pdu({reinterpret_cast<const std::uint8_t*>(packet.data()), size})) << size;
 }
 
-}  // namespace
+}  // namespace frame_capture_test
 }  // namespace takt::capture

@@ -6,7 +6,7 @@
 #include "takt/capture/analysis.hpp"
 
 namespace takt::capture {
-namespace {
+namespace latency_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -190,5 +190,5 @@ TEST(Latency, RequestsThatWereNotSentAreUnanswered) {
     }
 }
 
-}  // namespace
+}  // namespace latency_test
 }  // namespace takt::capture

@@ -6,7 +6,7 @@
 #include "capture_bytes.hpp"
 
 namespace takt::capture {
-namespace {
+namespace mbap_stream_test {
 
 using namespace test;
 
@@ -144,5 +144,5 @@ RC_GTEST_PROP(MbapStream, AnyBytesAreSafe, (const std::vector<std::vector<std::u
     RC_ASSERT(reader.stream.skipped_bytes() <= total);
 }
 
-}  // namespace
+}  // namespace mbap_stream_test
 }  // namespace takt::capture

@@ -6,7 +6,7 @@
 #include "capture_bytes.hpp"
 
 namespace takt::capture {
-namespace {
+namespace segment_test {
 
 using namespace test;
 
@@ -155,5 +155,5 @@ TEST(Segment, FragmentsHaveTheirPlace) {
     EXPECT_EQ(fragment.payload.size(), 22u);
 }
 
-}  // namespace
+}  // namespace segment_test
 }  // namespace takt::capture

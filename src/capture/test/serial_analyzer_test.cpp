@@ -9,7 +9,7 @@
 #include "takt/wire/frame.hpp"
 
 namespace takt::capture {
-namespace {
+namespace serial_analyzer_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -121,5 +121,5 @@ TEST(SerialAnalyzer, SkipsTheHeaderOfAnRtac) {
     EXPECT_EQ(line.analyzer.counts().line_errors, 1u);
 }
 
-}  // namespace
+}  // namespace serial_analyzer_test
 }  // namespace takt::capture

@@ -10,7 +10,7 @@
 #include "takt/capture/upper_pdu.hpp"
 
 namespace takt::capture {
-namespace {
+namespace serial_packet_test {
 
 using namespace test;
 
@@ -113,5 +113,5 @@ TEST_F(SerialPacketTest, ExportedPdusAreUnwrapped) {
               (std::vector<std::string>{"frame  16 7 77 178", "damaged  16 7 77 178", "none "}));
 }
 
-}  // namespace
+}  // namespace serial_packet_test
 }  // namespace takt::capture

@@ -8,7 +8,7 @@
 #include "capture_bytes.hpp"
 
 namespace takt::capture {
-namespace {
+namespace serial_pairing_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -163,5 +163,5 @@ TEST(SerialPairing, HoldsAtMostFourRequests) {
     EXPECT_EQ(line.text, "Q Q! Q! Q! U7 Q! U8 Q! U9 U10 U11 U12 ");
 }
 
-}  // namespace
+}  // namespace serial_pairing_test
 }  // namespace takt::capture

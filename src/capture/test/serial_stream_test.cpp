@@ -8,7 +8,7 @@
 #include "capture_bytes.hpp"
 
 namespace takt::capture {
-namespace {
+namespace serial_stream_test {
 
 using test::hex;
 using test::joined;
@@ -69,5 +69,5 @@ TEST(SerialStream, TimesThatGoBackwardsAreAccepted) {
     EXPECT_EQ(messages.pdus.size(), 2u);
 }
 
-}  // namespace
+}  // namespace serial_stream_test
 }  // namespace takt::capture

@@ -12,7 +12,7 @@
 #include "capture_bytes.hpp"
 
 namespace takt::capture {
-namespace {
+namespace tcp_stream_test {
 
 using namespace test;
 
@@ -180,5 +180,5 @@ RC_GTEST_PROP(TcpStream, AnyCutsInAnyOrderGiveTheSameBytes, ()) {
     RC_ASSERT(sender.stream.counts().gaps == 0u);
 }
 
-}  // namespace
+}  // namespace tcp_stream_test
 }  // namespace takt::capture

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::capture {
-namespace {
+namespace time_line_test {
 
 using namespace std::chrono_literals;
 
@@ -41,5 +41,5 @@ TEST(TimeLine, TimesBeforeTheFirstCountAsIt) {
     EXPECT_LE(line.size(), TimeLine::kMost);
 }
 
-}  // namespace
+}  // namespace time_line_test
 }  // namespace takt::capture

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::capture {
-namespace {
+namespace usual_times_test {
 
 TEST(UsualTimes, AreTheSecondLongestOfTheLastEight) {
     UsualTimes times;
@@ -19,5 +19,5 @@ TEST(UsualTimes, AreTheSecondLongestOfTheLastEight) {
     EXPECT_EQ(times.of(2), std::nullopt);
 }
 
-}  // namespace
+}  // namespace usual_times_test
 }  // namespace takt::capture

@@ -8,7 +8,7 @@
 #include "takt/client/raw_request.hpp"
 
 namespace takt::client {
-namespace {
+namespace client_test {
 
 using namespace test;
 
@@ -186,5 +186,5 @@ TEST(RawRequest, RejectsOddForeignAndTooManyDigits) {
     EXPECT_EQ(longer.error().numbers[0], static_cast<std::int64_t>(wire::kMaxPdu) + 1);
 }
 
-}  // namespace
+}  // namespace client_test
 }  // namespace takt::client

@@ -11,7 +11,7 @@
 #include "takt/wire/pdu.hpp"
 
 namespace takt::client {
-namespace {
+namespace load_test {
 
 using namespace std::chrono_literals;
 
@@ -346,5 +346,5 @@ TEST_F(LoadTest, ReportsWhatALineDoesNotAllow) {
     EXPECT_EQ(refused(), Code::cannot_open);
 }
 
-}  // namespace
+}  // namespace load_test
 }  // namespace takt::client

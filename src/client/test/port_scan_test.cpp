@@ -8,7 +8,7 @@
 #include "loop_turn.hpp"
 
 namespace takt::client {
-namespace {
+namespace port_scan_test {
 
 using namespace std::chrono_literals;
 
@@ -127,5 +127,5 @@ TEST(ScanTargets, NamesEachTargetOnce) {
     EXPECT_EQ(scan_targets(std::vector<std::string>{"10.0.0.1"}, {}).error().code, Code::syntax);
 }
 
-}  // namespace
+}  // namespace port_scan_test
 }  // namespace takt::client

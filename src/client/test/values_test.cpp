@@ -5,7 +5,7 @@
 #include "scripted_connection.hpp"
 
 namespace takt::client {
-namespace {
+namespace values_test {
 
 using namespace test;
 using wire::Area;
@@ -155,5 +155,5 @@ TEST(WriteValues, TheOutcomeDependsOnWhatTheDeviceMayHaveDone) {
     EXPECT_EQ(outcome({}), Outcome("unknown", 0));
 }
 
-}  // namespace
+}  // namespace values_test
 }  // namespace takt::client

@@ -5,7 +5,7 @@
 #include "scripted_connection.hpp"
 
 namespace takt::client {
-namespace {
+namespace watch_test {
 
 using namespace test;
 using wire::Area;
@@ -111,5 +111,5 @@ TEST(ReadVariables, DecodesTheVariablesOfARequestOfThePlan) {
     EXPECT_EQ(read_variables(*rig.client, requests[0], variables).error().code, Code::timed_out);
 }
 
-}  // namespace
+}  // namespace watch_test
 }  // namespace takt::client

@@ -20,7 +20,7 @@
 #include "takt/capture/capture_reader.hpp"
 
 namespace takt::console {
-namespace {
+namespace capture_log_test {
 
 using test::Folder;
 
@@ -247,5 +247,5 @@ TEST(CaptureFile, PutsTheNumberBeforeTheExtension) {
     EXPECT_EQ(CaptureFile::numbered("b.pcapng", 0), "b.pcapng");
 }
 
-}  // namespace
+}  // namespace capture_log_test
 }  // namespace takt::console

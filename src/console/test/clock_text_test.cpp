@@ -9,7 +9,7 @@
 #include "takt/line/loop.hpp"
 
 namespace takt::console {
-namespace {
+namespace clock_text_test {
 
 /// The zone of the process for one test.
 class Zone {
@@ -39,5 +39,5 @@ TEST(ClockText, IsoTimeHasTheOffsetOfTheZone) {
     }
 }
 
-}  // namespace
+}  // namespace clock_text_test
 }  // namespace takt::console

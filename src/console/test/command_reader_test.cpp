@@ -20,7 +20,7 @@
 #include "takt/console/input_commands.hpp"
 
 namespace takt::console {
-namespace {
+namespace command_reader_test {
 
 using namespace test;
 
@@ -342,5 +342,5 @@ TEST(FaultCommands, SwitchFaultsAndListThoseInForce) {
     EXPECT_TRUE(quit);
 }
 
-}  // namespace
+}  // namespace command_reader_test
 }  // namespace takt::console

@@ -5,7 +5,7 @@
 #include <vector>
 
 namespace takt::console {
-namespace {
+namespace control_test {
 
 using Verb = ControlCommand::Verb;
 
@@ -64,5 +64,5 @@ TEST(LineSplitter, CutsAnyChunksAndReportsAnOverlongLineOnce) {
     EXPECT_EQ(errors, 1);
 }
 
-}  // namespace
+}  // namespace control_test
 }  // namespace takt::console

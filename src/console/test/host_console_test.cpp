@@ -12,7 +12,7 @@
 #include "support.hpp"
 
 namespace takt::console {
-namespace {
+namespace host_console_test {
 
 using namespace test;
 
@@ -206,5 +206,5 @@ TEST_F(HostConsoleTest, FailsIfASessionOrTheSocketCannotBeOpened) {
     EXPECT_EQ(begin({.control_path = "/dev/null/control"}).error().code, Code::cannot_open);
 }
 
-}  // namespace
+}  // namespace host_console_test
 }  // namespace takt::console

@@ -6,7 +6,7 @@
 #include <vector>
 
 namespace takt::console {
-namespace {
+namespace keys_test {
 
 using Name = Key::Name;
 
@@ -109,5 +109,5 @@ TEST_F(ApplyKey, ShowsWhatIsNotGoodAndEnds) {
     EXPECT_FALSE(press("q"));
 }
 
-}  // namespace
+}  // namespace keys_test
 }  // namespace takt::console

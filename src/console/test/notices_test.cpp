@@ -5,7 +5,7 @@
 #include "support.hpp"
 
 namespace takt::console {
-namespace {
+namespace notices_test {
 
 using namespace test;
 
@@ -28,5 +28,5 @@ TEST(PutNotice, WarningsAreErrorsAndTheRestIsStatus) {
     }
 }
 
-}  // namespace
+}  // namespace notices_test
 }  // namespace takt::console

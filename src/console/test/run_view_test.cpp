@@ -7,7 +7,7 @@
 #include "takt/console/clock_text.hpp"
 
 namespace takt::console {
-namespace {
+namespace run_view_test {
 
 using namespace test;
 
@@ -159,5 +159,5 @@ TEST(OutputOptions, ReportMissedLinesInTheFormOfTheOutput) {
     EXPECT_NE(output_options(true).gap_line(3).find('{'), std::string::npos);
 }
 
-}  // namespace
+}  // namespace run_view_test
 }  // namespace takt::console

@@ -9,7 +9,7 @@
 #include "takt/sim/devices.hpp"
 
 namespace takt::console {
-namespace {
+namespace served_devices_test {
 
 using namespace std::chrono_literals;
 using wire::Area;
@@ -131,5 +131,5 @@ TEST(ServedDevices, WithoutDevicesTheCommandsHaveNoNames) {
         EXPECT_EQ(execute(wrong, [](const Answer&) {}).error().code, Code::syntax) << wrong;
 }
 
-}  // namespace
+}  // namespace served_devices_test
 }  // namespace takt::console

@@ -6,7 +6,7 @@
 #include "support.hpp"
 
 namespace takt::console {
-namespace {
+namespace session_commands_test {
 
 using namespace test;
 
@@ -141,5 +141,5 @@ TEST_F(SessionCommandsTest, QuitIsAnsweredAtOnce) {
     EXPECT_TRUE(quit);
 }
 
-}  // namespace
+}  // namespace session_commands_test
 }  // namespace takt::console

@@ -12,7 +12,7 @@
 #include "takt/wire/words.hpp"
 
 namespace takt::console {
-namespace {
+namespace traffic_log_test {
 
 using namespace test;
 using wire::Direction;
@@ -186,5 +186,5 @@ TEST(TrafficLogFile, ReportsOnceThatItIsNotRotated) {
     EXPECT_EQ(reports, 1);
 }
 
-}  // namespace
+}  // namespace traffic_log_test
 }  // namespace takt::console

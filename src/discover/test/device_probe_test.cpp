@@ -7,7 +7,7 @@
 #include <set>
 
 namespace takt::discover {
-namespace {
+namespace device_probe_test {
 
 using namespace std::chrono_literals;
 using Ranges = std::vector<model::ItemRange>;
@@ -234,5 +234,5 @@ TEST(DeviceProbe, TheStepThatFitsTheNumberOfRequests) {
         EXPECT_EQ(step_within(c.max_requests, c.first, c.last), c.step) << c.max_requests << ' ' << c.last;
 }
 
-}  // namespace
+}  // namespace device_probe_test
 }  // namespace takt::discover

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::discover {
-namespace {
+namespace found_project_test {
 
 using namespace std::chrono_literals;
 
@@ -157,5 +157,5 @@ TEST(FoundProject, ManyHosts) {
     EXPECT_EQ(found_project(findings).lines.size(), 2000U);
 }
 
-}  // namespace
+}  // namespace found_project_test
 }  // namespace takt::discover

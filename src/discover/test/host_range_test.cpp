@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::discover {
-namespace {
+namespace host_range_test {
 
 constexpr std::uint32_t ip(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
     return a << 24U | b << 16U | c << 8U | d;
@@ -59,5 +59,5 @@ TEST(HostRange, AddressesAsText) {
     EXPECT_EQ(ipv4_text(0xFFFFFFFFU), "255.255.255.255");
 }
 
-}  // namespace
+}  // namespace host_range_test
 }  // namespace takt::discover

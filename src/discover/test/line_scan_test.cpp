@@ -10,7 +10,7 @@
 #include "takt/wire/frame.hpp"
 
 namespace takt::discover {
-namespace {
+namespace line_scan_test {
 
 using namespace std::chrono_literals;
 using ByteVector = std::vector<std::uint8_t>;
@@ -429,5 +429,5 @@ TEST(LineScan, AGatewayThatWaitsForAbsentUnitsLosesNone) {
     EXPECT_EQ(units, (std::vector{1, 7, 120, 247}));
 }
 
-}  // namespace
+}  // namespace line_scan_test
 }  // namespace takt::discover

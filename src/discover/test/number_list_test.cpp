@@ -5,7 +5,7 @@
 #include <string>
 
 namespace takt::discover {
-namespace {
+namespace number_list_test {
 
 using Numbers = std::vector<std::uint32_t>;
 using Parities = std::vector<wire::Parity>;
@@ -51,5 +51,5 @@ TEST(NumberList, ReadsParities) {
     EXPECT_EQ(parse_parities("none,mark").error().subject.view(), "mark");
 }
 
-}  // namespace
+}  // namespace number_list_test
 }  // namespace takt::discover

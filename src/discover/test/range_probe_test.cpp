@@ -15,7 +15,7 @@ std::ostream& operator<<(std::ostream& out, const ItemRange& range) {
 }  // namespace takt::model
 
 namespace takt::discover {
-namespace {
+namespace range_probe_test {
 
 using Ranges = std::vector<model::ItemRange>;
 
@@ -287,5 +287,5 @@ TEST(RangeProbe, StopsOnRequest) {
     EXPECT_EQ(result.readable, (Ranges{{0, 250}}));
 }
 
-}  // namespace
+}  // namespace range_probe_test
 }  // namespace takt::discover

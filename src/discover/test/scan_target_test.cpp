@@ -8,7 +8,7 @@
 #include "takt/model/target_url.hpp"
 
 namespace takt::discover {
-namespace {
+namespace scan_target_test {
 
 using namespace std::chrono_literals;
 using wire::Parity;
@@ -146,5 +146,5 @@ TEST(ScanTarget, TheRequestGoesIntoTheConfiguration) {
     EXPECT_EQ(none.error(), fail(Code::out_of_range, 0, 1, 247).error());
 }
 
-}  // namespace
+}  // namespace scan_target_test
 }  // namespace takt::discover

@@ -10,7 +10,7 @@
 #include "takt/wire/frame.hpp"
 
 namespace takt::discover {
-namespace {
+namespace target_scan_test {
 
 using namespace std::chrono_literals;
 using ByteVector = std::vector<std::uint8_t>;
@@ -233,5 +233,5 @@ TEST(ScanOutcome, OfDevicesFailuresAndInterruptions) {
     }
 }
 
-}  // namespace
+}  // namespace target_scan_test
 }  // namespace takt::discover

@@ -11,7 +11,7 @@
 #include "folder.hpp"
 
 namespace takt::endpoint {
-namespace {
+namespace audit_log_test {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
@@ -202,5 +202,5 @@ TEST_F(AuditLogTest, SaysWhereItCannotBe) {
     EXPECT_EQ(AuditLog::open(folder_ / "nowhere/x").error().code, Code::cannot_open);
 }
 
-}  // namespace
+}  // namespace audit_log_test
 }  // namespace takt::endpoint

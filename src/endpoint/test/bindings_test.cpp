@@ -12,7 +12,7 @@
 #include "takt/line/loop.hpp"
 
 namespace takt::endpoint {
-namespace {
+namespace bindings_test {
 
 using namespace std::chrono_literals;
 using wire::Area;
@@ -393,5 +393,5 @@ TEST(Bindings, WhatIsOnlyKeptIsAnsweredByWhoKeepsIt) {
     EXPECT_EQ(bench.answers.completed.at(0).second, "0600010001");
 }
 
-}  // namespace
+}  // namespace bindings_test
 }  // namespace takt::endpoint

@@ -8,7 +8,7 @@
 #include "takt/endpoint/local_values.hpp"
 
 namespace takt::endpoint {
-namespace {
+namespace endpoint_test {
 
 using test::pdu;
 using test::to_hex;
@@ -404,5 +404,5 @@ TEST(UnitsText, RunsOfMoreThanThree) {
     EXPECT_EQ(units_text({UnitId{1}, UnitId{2}, UnitId{3}, UnitId{4}, UnitId{9}}), "1..4, 9");
 }
 
-}  // namespace
+}  // namespace endpoint_test
 }  // namespace takt::endpoint

@@ -9,7 +9,7 @@
 #include "support.hpp"
 
 namespace takt::endpoint {
-namespace {
+namespace line_gateway_test {
 
 using namespace std::chrono_literals;
 using test::FakeLine;
@@ -133,5 +133,5 @@ TEST(LineGateway, AClientMayAskAgainFromInsideItsAnswer) {
     EXPECT_EQ(bench.line.flight->unit, UnitId{2});
 }
 
-}  // namespace
+}  // namespace line_gateway_test
 }  // namespace takt::endpoint

@@ -11,7 +11,7 @@
 #include "support.hpp"
 
 namespace takt::endpoint {
-namespace {
+namespace pending_answers_test {
 
 using test::pdu;
 using test::to_hex;
@@ -171,5 +171,5 @@ RC_GTEST_PROP(PendingAnswers, EachIsAnsweredOnceAfterItsLastPart, ()) {
     RC_ASSERT(bench.answers.given.size() == left.size());
 }
 
-}  // namespace
+}  // namespace pending_answers_test
 }  // namespace takt::endpoint

@@ -13,7 +13,7 @@
 #include "takt/serve/server.hpp"
 
 namespace takt::endpoint {
-namespace {
+namespace request_handler_test {
 
 using namespace std::chrono_literals;
 using test::pdu;
@@ -554,5 +554,5 @@ TEST(RequestHandler, ALateRefusalOfAnOwnUnitIsRecordedToo) {
     EXPECT_EQ(bench.answers.of(bench.token), "86 04");
 }
 
-}  // namespace
+}  // namespace request_handler_test
 }  // namespace takt::endpoint

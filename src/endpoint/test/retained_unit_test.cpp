@@ -13,7 +13,7 @@
 #include "tasks.hpp"
 
 namespace takt::endpoint {
-namespace {
+namespace retained_unit_test {
 
 namespace fs = std::filesystem;
 using store::Durability;
@@ -217,5 +217,5 @@ TEST_F(RetainedFile, ThatIsSomethingElseIsLeftAlone) {
     EXPECT_TRUE(fs::is_directory(spec_.path));
 }
 
-}  // namespace
+}  // namespace retained_unit_test
 }  // namespace takt::endpoint

@@ -6,7 +6,7 @@
 #include "rules_world.hpp"
 
 namespace takt::endpoint {
-namespace {
+namespace rules_test {
 
 using test::Pdu;
 using test::RulesWorld;
@@ -202,5 +202,5 @@ TEST(RulesOnTheWireProperties, WhatReachesTheLineIsWhatTheRulesAllow) {
     }));
 }
 
-}  // namespace
+}  // namespace rules_test
 }  // namespace takt::endpoint

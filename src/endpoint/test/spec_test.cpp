@@ -6,7 +6,7 @@
 #include "support.hpp"
 
 namespace takt::endpoint {
-namespace {
+namespace spec_test {
 
 using namespace std::chrono_literals;
 using wire::Area;
@@ -170,5 +170,5 @@ TEST(Spec, LimitsThatAreNotGivenStay) {
     EXPECT_EQ(overrides.instead_of(limits).max_per_peer, 3u);
 }
 
-}  // namespace
+}  // namespace spec_test
 }  // namespace takt::endpoint

@@ -8,7 +8,7 @@
 #include "takt/model/fields.hpp"
 
 namespace takt::file {
-namespace {
+namespace convert_random_test {
 
 using model::Node;
 
@@ -220,5 +220,5 @@ RC_GTEST_PROP(Convert, AnyBytesAreATableOrFindings, ()) {
     }
 }
 
-}  // namespace
+}  // namespace convert_random_test
 }  // namespace takt::file

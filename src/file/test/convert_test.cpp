@@ -10,7 +10,7 @@
 #include "takt/model/target_url.hpp"
 
 namespace takt::file {
-namespace {
+namespace convert_test {
 
 constexpr std::string_view kIdeTable =
     "Имя переменной;Тип переменной;Функция чтения;Функция записи;Адрес регистра;Адрес "
@@ -328,5 +328,5 @@ TEST(ConnectionKeys, OfSerialAndNetworkLines) {
               (Keys{{"transport", "tcp"}, {"host", "host"}, {"tcp_port", "502"}, {"framing", "tcp"}}));
 }
 
-}  // namespace
+}  // namespace convert_test
 }  // namespace takt::file

@@ -3,7 +3,7 @@
 #include "outline.hpp"
 
 namespace takt::file {
-namespace {
+namespace csv_test {
 
 using Findings = std::vector<std::string>;
 
@@ -123,5 +123,5 @@ TEST(Csv, TablesThatCannotBeHadArePlacedAtTheirName) {
         << outline(loaded.document.root);
 }
 
-}  // namespace
+}  // namespace csv_test
 }  // namespace takt::file

@@ -8,7 +8,7 @@
 #include "takt/model/findings.hpp"
 
 namespace takt::file {
-namespace {
+namespace device_template_test {
 
 using Findings = std::vector<std::string>;
 using Files = std::map<std::string, std::string>;
@@ -130,5 +130,5 @@ TEST(DeviceTemplates, ASmallProjectCannotBecomeALargeOne) {
     EXPECT_TRUE(findings.back().ends_with("template.too_large")) << findings.back();
 }
 
-}  // namespace
+}  // namespace device_template_test
 }  // namespace takt::file

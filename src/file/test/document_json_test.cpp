@@ -6,7 +6,7 @@
 #include "takt/file/load.hpp"
 
 namespace takt::file {
-namespace {
+namespace document_json_test {
 
 using model::Node;
 
@@ -63,5 +63,5 @@ TEST(DocumentJson, HasTheLimitsOfFiles) {
     EXPECT_EQ(document_of(Json(std::move(keys)), nullptr).error().code, Code::too_long);
 }
 
-}  // namespace
+}  // namespace document_json_test
 }  // namespace takt::file

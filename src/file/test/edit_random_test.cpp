@@ -10,7 +10,7 @@
 #include "takt/file/edit.hpp"
 
 namespace takt::file {
-namespace {
+namespace edit_random_test {
 
 using model::Node;
 
@@ -316,5 +316,5 @@ RC_GTEST_PROP(EditRandom, UnchangedEntriesKeepTheirBytes, ()) {
     RC_ASSERT(locals == std::string::npos || same_back >= text.size() - locals || text == *changed);
 }
 
-}  // namespace
+}  // namespace edit_random_test
 }  // namespace takt::file

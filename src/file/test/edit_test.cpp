@@ -9,7 +9,7 @@
 #include "takt/file/read.hpp"
 
 namespace takt::file {
-namespace {
+namespace edit_test {
 
 using model::Node;
 
@@ -229,5 +229,5 @@ TEST(Edit, ChangesOneLineOfEachExample) {
     EXPECT_GE(files, 15U);
 }
 
-}  // namespace
+}  // namespace edit_test
 }  // namespace takt::file

@@ -13,7 +13,7 @@
 #include "takt/file/read.hpp"
 
 namespace takt::file {
-namespace {
+namespace files_test {
 
 using Findings = std::vector<std::string>;
 
@@ -103,5 +103,5 @@ TEST_F(Files, ReadsUpToItsLimitExactly) {
     EXPECT_EQ(read_file("/proc/self/mem", 10).error().code, Code::io_failed);
 }
 
-}  // namespace
+}  // namespace files_test
 }  // namespace takt::file

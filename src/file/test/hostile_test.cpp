@@ -6,7 +6,7 @@
 #include "takt/base/utf8.hpp"
 
 namespace takt::file {
-namespace {
+namespace hostile_test {
 
 using Findings = std::vector<std::string>;
 
@@ -207,5 +207,5 @@ TEST(Hostile, ALongLineCostsNoMoreThanManyShortOnes) {
     EXPECT_EQ(loaded.document.root.items.back().location.column, 2U + 99'999 * 7);
 }
 
-}  // namespace
+}  // namespace hostile_test
 }  // namespace takt::file

@@ -11,7 +11,7 @@
 #include "words.hpp"
 
 namespace takt::file {
-namespace {
+namespace ide_tables_test {
 
 using Findings = std::vector<std::string>;
 
@@ -223,5 +223,5 @@ TEST(IdeTables, AreWrittenInTheSameWords) {
     EXPECT_EQ(written(kList, TableKind::list), as_typed(kList));
 }
 
-}  // namespace
+}  // namespace ide_tables_test
 }  // namespace takt::file

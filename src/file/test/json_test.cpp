@@ -13,7 +13,7 @@
 #include "takt/base/ascii.hpp"
 
 namespace takt::file {
-namespace {
+namespace json_test {
 
 TEST(Json, IsWrittenInTheOrderItWasMade) {
     auto inner = Json::array();
@@ -156,5 +156,5 @@ RC_GTEST_PROP(Json, FloatsAreShort, (float number)) {
     RC_ASSERT(static_cast<float>(std::get<double>(json.value())) == number);
 }
 
-}  // namespace
+}  // namespace json_test
 }  // namespace takt::file

@@ -6,7 +6,7 @@
 #include "takt/text/catalogue.hpp"
 
 namespace takt::file {
-namespace {
+namespace learnt_test {
 
 using namespace std::chrono_literals;
 using model::ItemRange;
@@ -185,5 +185,5 @@ TEST(Learnt, EachFindingHasItsTexts) {
                 EXPECT_TRUE(text::has(language, key)) << key;
 }
 
-}  // namespace
+}  // namespace learnt_test
 }  // namespace takt::file

@@ -9,7 +9,7 @@
 #include "takt/model/fields.hpp"
 
 namespace takt::file {
-namespace {
+namespace words_test {
 
 using Word = std::optional<std::string>;
 
@@ -172,5 +172,5 @@ TEST(Headings, AreReadInAnySpelling) {
     EXPECT_FALSE(likely_heading("Цвет").typing_mistake);
 }
 
-}  // namespace
+}  // namespace words_test
 }  // namespace takt::file

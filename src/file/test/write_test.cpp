@@ -10,7 +10,7 @@
 #include "takt/file/read.hpp"
 
 namespace takt::file {
-namespace {
+namespace write_test {
 
 namespace fs = std::filesystem;
 
@@ -56,5 +56,5 @@ TEST_F(Write, OnlyRegularFiles) {
     EXPECT_EQ(files(), 0U);
 }
 
-}  // namespace
+}  // namespace write_test
 }  // namespace takt::file

@@ -3,7 +3,7 @@
 #include "outline.hpp"
 
 namespace takt::file {
-namespace {
+namespace yaml_test {
 
 using namespace std::string_view_literals;
 using Findings = std::vector<std::string>;
@@ -146,5 +146,5 @@ TEST(Yaml, FindingsNameTheFieldAndWhereItWasFirst) {
     EXPECT_EQ(finding.severity, model::Severity::error);
 }
 
-}  // namespace
+}  // namespace yaml_test
 }  // namespace takt::file

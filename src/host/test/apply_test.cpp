@@ -7,7 +7,7 @@
 #include "rig.hpp"
 
 namespace takt::host::test {
-namespace {
+namespace apply_test {
 
 using value::CommandResult;
 using value::Quality;
@@ -119,5 +119,5 @@ TEST(Apply, ARemovedDeviceIsNotAskedAnyMore) {
     EXPECT_EQ(rig.engine->master().store()[rig.slot("Speed")].quality, Quality::good);
 }
 
-}  // namespace
+}  // namespace apply_test
 }  // namespace takt::host::test

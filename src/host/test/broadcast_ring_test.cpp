@@ -6,7 +6,7 @@
 #include <vector>
 
 namespace takt::host {
-namespace {
+namespace broadcast_ring_test {
 
 using Words = std::vector<std::uint64_t>;
 
@@ -86,5 +86,5 @@ TEST(BroadcastRing, ConcurrentReadersSeeWholeRecordsInOrder) {
     second.join();
 }
 
-}  // namespace
+}  // namespace broadcast_ring_test
 }  // namespace takt::host

@@ -15,7 +15,7 @@
 #include "rig.hpp"
 
 namespace takt::host::test {
-namespace {
+namespace endpoints_test {
 
 using endpoint::test::Answers;
 using endpoint::test::pdu;
@@ -257,5 +257,5 @@ TEST(Endpoints, RulesOfAnotherProjectComeIntoForce) {
     EXPECT_FALSE(plant.endpoints->set_access(changed));
 }
 
-}  // namespace
+}  // namespace endpoints_test
 }  // namespace takt::host::test

@@ -11,7 +11,7 @@
 #include "rig.hpp"
 
 namespace takt::host::test {
-namespace {
+namespace failure_log_test {
 
 struct Lines {
     std::vector<std::string> all;
@@ -154,5 +154,5 @@ TEST(FailureLog, WithoutASinkNothingIsKept) {
     log.finish(Instant{});
 }
 
-}  // namespace
+}  // namespace failure_log_test
 }  // namespace takt::host::test

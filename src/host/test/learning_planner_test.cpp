@@ -12,7 +12,7 @@
 #include "tasks.hpp"
 
 namespace takt::host::test {
-namespace {
+namespace learning_planner_test {
 
 const std::string kLearning =
     project_with(line_of("main", device_of("Boiler", 1, variable_of("Low", 0) + variable_of("High", 5),
@@ -133,5 +133,5 @@ TEST_F(LearningPlannerTest, AFileThatCannotBeWrittenIsReportedOnceAndPollingGoes
     rig_->engine->finish(rig_->now);
 }
 
-}  // namespace
+}  // namespace learning_planner_test
 }  // namespace takt::host::test

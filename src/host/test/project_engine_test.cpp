@@ -9,7 +9,7 @@
 #include "rig.hpp"
 
 namespace takt::host::test {
-namespace {
+namespace project_engine_test {
 
 using value::CommandResult;
 
@@ -422,5 +422,5 @@ TEST(ProjectEngine, ATapGetsTheFramesAndCostsNothingWhenItIsClosed) {
     EXPECT_EQ(rig.link->traffic.end().position, end);
 }
 
-}  // namespace
+}  // namespace project_engine_test
 }  // namespace takt::host::test

@@ -10,7 +10,7 @@
 #include "takt/file/learnt.hpp"
 
 namespace takt::host {
-namespace {
+namespace project_file_test {
 
 constexpr const char* kLearning = R"(takt: 1
 lines:
@@ -213,5 +213,5 @@ TEST_F(FolderTest, AFolderInPlaceOfTheFileIsAWarning) {
     EXPECT_EQ(count_of(loaded, "learnt.unreadable"), 1U);
 }
 
-}  // namespace
+}  // namespace project_file_test
 }  // namespace takt::host

@@ -19,7 +19,7 @@
 #include "takt/store/retained.hpp"
 
 namespace takt::host::test {
-namespace {
+namespace project_host_test {
 
 const std::string kPlant = project_with(line_of("main", boiler(), "tcp"));
 
@@ -215,5 +215,5 @@ TEST(ProjectHost, SnapshotsInProgressEndWhenTheHostStops) {
     }
 }
 
-}  // namespace
+}  // namespace project_host_test
 }  // namespace takt::host::test

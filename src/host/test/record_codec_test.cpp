@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace takt::host {
-namespace {
+namespace record_codec_test {
 
 Event decoded(const Event& event) {
     std::vector<std::uint64_t> record;
@@ -166,5 +166,5 @@ TEST(RecordCodec, KeepsFramesAndFaults) {
     EXPECT_EQ(frame.raw, raw);
 }
 
-}  // namespace
+}  // namespace record_codec_test
 }  // namespace takt::host

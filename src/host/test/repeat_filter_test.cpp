@@ -6,7 +6,7 @@
 #include <string>
 
 namespace takt::host::test {
-namespace {
+namespace repeat_filter_test {
 
 using namespace std::chrono_literals;
 
@@ -78,5 +78,5 @@ TEST(RepeatFilter, RemembersABoundedNumberOfKeys) {
     EXPECT_TRUE(bench.filter.admit(bench.now, 9)) << "the window is over";
 }
 
-}  // namespace
+}  // namespace repeat_filter_test
 }  // namespace takt::host::test

@@ -11,7 +11,7 @@
 #include "tasks.hpp"
 
 namespace takt::host::test {
-namespace {
+namespace retention_test {
 
 /// A line without retained variables, and this local.
 std::string plant_with(const std::string& local) {
@@ -180,5 +180,5 @@ TEST_F(RetentionTest, NamesThatAreGoneAndTypesThatChangedAreReported) {
     EXPECT_EQ(notices_, (std::vector<std::string>{"host.retain.other_type", "host.retain.unknown"}));
 }
 
-}  // namespace
+}  // namespace retention_test
 }  // namespace takt::host::test

@@ -5,7 +5,7 @@
 #include "rig.hpp"
 
 namespace takt::host::test {
-namespace {
+namespace service_values_test {
 
 ProjectEngine::Options options() {
     ProjectEngine::Options options;
@@ -164,5 +164,5 @@ TEST(ServiceVariablesOfARun, AllocateNothing) {
     EXPECT_EQ(takt::test::allocations().count, before);
 }
 
-}  // namespace
+}  // namespace service_values_test
 }  // namespace takt::host::test

@@ -9,7 +9,7 @@
 #include "rig.hpp"
 
 namespace takt::host::test {
-namespace {
+namespace session_test {
 
 const std::string kPlant = project_with(line_of("main", boiler()));
 
@@ -119,5 +119,5 @@ TEST(Session, RefusesCommandsOfAHostThatHasStoppedAndGivesThemAnOutcome) {
     EXPECT_FALSE(session->submit(get));
 }
 
-}  // namespace
+}  // namespace session_test
 }  // namespace takt::host::test

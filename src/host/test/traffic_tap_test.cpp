@@ -5,7 +5,7 @@
 #include <vector>
 
 namespace takt::host {
-namespace {
+namespace traffic_tap_test {
 
 const std::vector<std::uint8_t> kPdu{3, 2, 0, 1};
 
@@ -45,5 +45,5 @@ TEST(TrafficTap, CountsWhatWasOverwritten) {
     EXPECT_EQ(reader.missed() + static_cast<std::uint64_t>(left), static_cast<std::uint64_t>(many));
 }
 
-}  // namespace
+}  // namespace traffic_tap_test
 }  // namespace takt::host

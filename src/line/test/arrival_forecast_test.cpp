@@ -5,7 +5,7 @@
 #include <vector>
 
 namespace takt::line {
-namespace {
+namespace arrival_forecast_test {
 
 using namespace std::chrono_literals;
 using Spans = std::vector<Duration>;
@@ -53,5 +53,5 @@ TEST(ArrivalForecast, AnExpectationThatHasPassedStays) {
     EXPECT_EQ(forecast.next(), Instant{20ms}) << "one arrival may be missing";
 }
 
-}  // namespace
+}  // namespace arrival_forecast_test
 }  // namespace takt::line

@@ -14,7 +14,7 @@
 #include "takt/line/tcp_server.hpp"
 
 namespace takt::line {
-namespace {
+namespace connect_gate_test {
 
 TEST(ConnectGate, LetsInTheFirstOnesFirstAndNoMoreThanItsLimit) {
     const auto loop = make_loop();
@@ -145,5 +145,5 @@ TEST(ConnectGate, HostsThatHangOrRefuseDelayNoOther) {
     EXPECT_EQ(drivers[0]->counters().failed_attempts, 0U) << "it still waits";
 }
 
-}  // namespace
+}  // namespace connect_gate_test
 }  // namespace takt::line

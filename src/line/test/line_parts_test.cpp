@@ -9,7 +9,7 @@
 #include "takt/line/marked_input.hpp"
 
 namespace takt::line {
-namespace {
+namespace line_parts_test {
 
 using namespace std::chrono_literals;
 using Input = std::vector<std::uint8_t>;
@@ -100,5 +100,5 @@ TEST(Backoff, DoublesToItsLimitAndBeginsAnew) {
     EXPECT_EQ(backoff.next(), 250ms);
 }
 
-}  // namespace
+}  // namespace line_parts_test
 }  // namespace takt::line

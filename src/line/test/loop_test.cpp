@@ -14,7 +14,7 @@
 #include "support.hpp"
 
 namespace takt::line {
-namespace {
+namespace loop_test {
 
 TEST(Loop, TimersRunInOrderAndNeverEarly) {
     const auto loop = make_loop();
@@ -336,5 +336,5 @@ TEST(Clock, GoesWithTheWallClock) {
     EXPECT_LT(difference, 61min);
 }
 
-}  // namespace
+}  // namespace loop_test
 }  // namespace takt::line

@@ -12,7 +12,7 @@
 #include "takt/line/serial_port.hpp"
 
 namespace takt::line {
-namespace {
+namespace serial_test {
 
 SerialSettings settings_of(const std::string& path) {
     SerialSettings settings;
@@ -313,5 +313,5 @@ TEST(OpenLine, ChoosesTheTransport) {
     EXPECT_EQ(tls.error(), (Error{Code::unsupported, "tls", {}}));
 }
 
-}  // namespace
+}  // namespace serial_test
 }  // namespace takt::line

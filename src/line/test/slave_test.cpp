@@ -10,7 +10,7 @@
 #include "takt/sim/simulated_line.hpp"
 
 namespace takt::line {
-namespace {
+namespace slave_test {
 
 std::string bytes(std::initializer_list<int> values) {
     return {values.begin(), values.end()};
@@ -261,5 +261,5 @@ TEST(Simulated, SpendsTheLinesByteTimes) {
     EXPECT_TRUE(loop->run_until([&] { return master.input.size() == 2 * kResponse; }, kDeadline));
 }
 
-}  // namespace
+}  // namespace slave_test
 }  // namespace takt::line

@@ -5,7 +5,7 @@
 #include "localhost.hpp"
 
 namespace takt::line {
-namespace {
+namespace target_test {
 
 using model::Rs485;
 using model::Transport;
@@ -179,5 +179,5 @@ TEST(Listen, TakesANameOfThisMachine) {
     EXPECT_EQ(address->port, 1502);
 }
 
-}  // namespace
+}  // namespace target_test
 }  // namespace takt::line

@@ -11,7 +11,7 @@
 #include "takt/line/tcp_server.hpp"
 
 namespace takt::line {
-namespace {
+namespace tcp_test {
 
 /// A session that answers "re:" and the request; "bye" makes it close the connection, after "wait" it
 /// owes another answer.
@@ -447,5 +447,5 @@ TEST(Socket, AcknowledgesAtOnceAfterEachRead) {
     }
 }
 
-}  // namespace
+}  // namespace tcp_test
 }  // namespace takt::line

@@ -10,7 +10,7 @@
 #include "hex.hpp"
 
 namespace takt::listen {
-namespace {
+namespace frame_finder_test {
 
 using namespace std::chrono_literals;
 using takt::test::from_hex;
@@ -189,5 +189,5 @@ TEST(FrameFinder, ReportsEveryByteOnceAndFindsTheFramesInAnyNoise) {
     EXPECT_EQ(found, kRounds);
 }
 
-}  // namespace
+}  // namespace frame_finder_test
 }  // namespace takt::listen

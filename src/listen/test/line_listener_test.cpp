@@ -11,7 +11,7 @@
 #include "takt/listen/heard_project.hpp"
 
 namespace takt::listen {
-namespace {
+namespace line_listener_test {
 
 using namespace std::chrono_literals;
 using takt::test::from_hex;
@@ -273,5 +273,5 @@ TEST(LineListener, MemoryIsBounded) {
     EXPECT_EQ(device.answered, 2000U);
 }
 
-}  // namespace
+}  // namespace line_listener_test
 }  // namespace takt::listen

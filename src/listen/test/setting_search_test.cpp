@@ -10,7 +10,7 @@
 #include "uart.hpp"
 
 namespace takt::listen {
-namespace {
+namespace setting_search_test {
 
 using namespace test;
 using wire::Parity;
@@ -167,5 +167,5 @@ TEST(SettingSearch, OfAPseudoTerminalOnlyTheFramingIsSearched) {
     }
 }
 
-}  // namespace
+}  // namespace setting_search_test
 }  // namespace takt::listen

@@ -7,7 +7,7 @@
 #include "findings_text.hpp"
 
 namespace takt::model::test {
-namespace {
+namespace byte_order_test {
 
 TEST(ByteOrders, ByteOrder) {
     const Case devices[] = {
@@ -117,5 +117,5 @@ TEST(ByteOrder, EveryPermutationHasAName) {
     EXPECT_EQ(std::size(names), kByteOrders.size());
 }
 
-}  // namespace
+}  // namespace byte_order_test
 }  // namespace takt::model::test

@@ -9,7 +9,7 @@
 #include "takt/model/findings.hpp"
 
 namespace takt::model::test {
-namespace {
+namespace continued_test {
 
 const std::string kBus =
     "{name: bus, port: /dev/ttyS7, devices: [{name: D, address: 1, variables: "
@@ -100,5 +100,5 @@ TEST(Continued, AValueOfAnInstrumentFollowsTheInstrument) {
     EXPECT_EQ(continued_servers(before, now), (Continued{std::nullopt}));
 }
 
-}  // namespace
+}  // namespace continued_test
 }  // namespace takt::model::test

@@ -10,7 +10,7 @@
 #include "takt/model/findings.hpp"
 
 namespace takt::model::test {
-namespace {
+namespace findings_test {
 
 /// "code path line:column" of each finding; a warning's code behind '?'.
 std::vector<std::string> located(const Checked& checked) {
@@ -293,5 +293,5 @@ TEST(Fields, RangesFollowTheContext) {
     EXPECT_EQ(find_field(Object::local, "register"), nullptr);
 }
 
-}  // namespace
+}  // namespace findings_test
 }  // namespace takt::model::test

@@ -7,7 +7,7 @@
 #include "takt/model/findings.hpp"
 
 namespace takt::model::test {
-namespace {
+namespace interpret_test {
 
 using namespace std::chrono_literals;
 
@@ -402,5 +402,5 @@ TEST(Interpret, RequestsThatOnlyWriteAreCutSooner) {
     EXPECT_EQ(findings("registers_per_request: 62", written), "device.registers_cut 62 [2..125]");
 }
 
-}  // namespace
+}  // namespace interpret_test
 }  // namespace takt::model::test

@@ -8,7 +8,7 @@
 #include "takt/model/findings.hpp"
 
 namespace takt::model::test {
-namespace {
+namespace interpret_variable_test {
 
 TEST(Interpret, Variable) {
     const Case cases[] = {
@@ -244,5 +244,5 @@ TEST(Interpret, Constants) {
               "default.too_long default=abcde [0..4]");
 }
 
-}  // namespace
+}  // namespace interpret_variable_test
 }  // namespace takt::model::test

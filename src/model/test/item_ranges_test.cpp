@@ -6,7 +6,7 @@
 #include <set>
 
 namespace takt::model {
-namespace {
+namespace item_ranges_test {
 
 ItemRanges ranges_of(const std::set<int>& items) {
     ItemRanges ranges;
@@ -46,5 +46,5 @@ TEST(ItemRanges, AllButNothingIsAll) {
     EXPECT_FALSE(holds({{0, 4}, {6, 9}}, {4, 6}));
 }
 
-}  // namespace
+}  // namespace item_ranges_test
 }  // namespace takt::model

@@ -7,7 +7,7 @@
 #include "takt/model/findings.hpp"
 
 namespace takt::model {
-namespace {
+namespace mirror_test {
 
 using namespace test;
 
@@ -100,5 +100,5 @@ TEST(Mirror, MistakesAreFindings) {
     for (const auto& [unit, codes] : cases) EXPECT_EQ(codes_of(with_unit(unit)), codes) << unit;
 }
 
-}  // namespace
+}  // namespace mirror_test
 }  // namespace takt::model

@@ -6,7 +6,7 @@
 #include <tuple>
 
 namespace takt::model {
-namespace {
+namespace name_filter_test {
 
 TEST(NameFilter, PatternsFitAsInAShell) {
     const std::tuple<std::string_view, std::string_view, bool> cases[] = {
@@ -58,5 +58,5 @@ TEST(NameFilter, ManyStarsTakeNoTime) {
     EXPECT_FALSE(fits(name, pattern + "b"));
 }
 
-}  // namespace
+}  // namespace name_filter_test
 }  // namespace takt::model

@@ -11,7 +11,7 @@
 #include "takt/model/findings.hpp"
 
 namespace takt::model {
-namespace {
+namespace output_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -431,5 +431,5 @@ TEST(Output, TheJournalIsBesideTheProject) {
     EXPECT_EQ(journal_directory("a/.yaml"), "a/.yaml.journal");
 }
 
-}  // namespace
+}  // namespace output_test
 }  // namespace takt::model

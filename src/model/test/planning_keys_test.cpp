@@ -9,7 +9,7 @@
 #include "takt/model/findings.hpp"
 
 namespace takt::model::test {
-namespace {
+namespace planning_keys_test {
 
 using namespace std::chrono_literals;
 
@@ -395,5 +395,5 @@ TEST(PlanningKeys, TheControllerAsksASilentDeviceOnceEachPeriod) {
     EXPECT_FALSE(device("{}").backoff);
 }
 
-}  // namespace
+}  // namespace planning_keys_test
 }  // namespace takt::model::test

@@ -11,7 +11,7 @@
 #include "takt/model/findings.hpp"
 
 namespace takt::model::test {
-namespace {
+namespace random_test {
 
 std::vector<std::string> keys() {
     std::vector<std::string> all{"", "x", "servers"};
@@ -172,5 +172,5 @@ RC_GTEST_PROP(Random, AVariableInAGoodProject, ()) {
     judge(source);
 }
 
-}  // namespace
+}  // namespace random_test
 }  // namespace takt::model::test

@@ -6,7 +6,7 @@
 #include <limits>
 
 namespace takt::model {
-namespace {
+namespace scalar_test {
 
 using namespace std::chrono_literals;
 
@@ -132,5 +132,5 @@ RC_GTEST_PROP(Scalar, NoTextDoesHarm, ()) {
     if (const auto duration = parse_duration(text)) RC_ASSERT(*duration >= Duration::zero());
 }
 
-}  // namespace
+}  // namespace scalar_test
 }  // namespace takt::model

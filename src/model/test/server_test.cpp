@@ -7,7 +7,7 @@
 #include "takt/model/findings.hpp"
 
 namespace takt::model::test {
-namespace {
+namespace server_test {
 
 using namespace std::chrono_literals;
 
@@ -447,5 +447,5 @@ TEST(Servers, AProjectNeedsLinesOrServers) {
     EXPECT_EQ(checked.findings[0].path, "lines");
 }
 
-}  // namespace
+}  // namespace server_test
 }  // namespace takt::model::test

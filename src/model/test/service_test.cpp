@@ -11,7 +11,7 @@
 #include "takt/model/findings.hpp"
 
 namespace takt::model::test {
-namespace {
+namespace service_test {
 
 using namespace std::chrono_literals;
 
@@ -274,5 +274,5 @@ TEST(ServiceTable, EachTriggerHasARateLimit) {
     }
 }
 
-}  // namespace
+}  // namespace service_test
 }  // namespace takt::model::test

@@ -7,7 +7,7 @@
 #include "takt/model/findings.hpp"
 
 namespace takt::model::test {
-namespace {
+namespace source_test {
 
 using namespace std::chrono_literals;
 
@@ -306,5 +306,5 @@ TEST(Instruments, MistakesOfCommandsAreReported) {
               "?field.without_effect silent_after; field.out_of_range start");
 }
 
-}  // namespace
+}  // namespace source_test
 }  // namespace takt::model::test

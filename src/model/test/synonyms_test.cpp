@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::model {
-namespace {
+namespace synonyms_test {
 
 TEST(Synonyms, TheKeyThatTheObjectHas) {
     const struct {
@@ -53,5 +53,5 @@ TEST(Synonyms, TheValueThatIsMeant) {
         EXPECT_EQ(value_synonym(key, find_field(object, key)->words, value), word) << value;
 }
 
-}  // namespace
+}  // namespace synonyms_test
 }  // namespace takt::model

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::model {
-namespace {
+namespace target_url_test {
 
 Line serial_line(wire::Framing framing, wire::CharacterFormat format, Rs485 rs485 = Rs485::automatic) {
     Line line;
@@ -56,5 +56,5 @@ TEST(TargetUrl, HostsWithTheirPort) {
     EXPECT_EQ(host_and_port("fe80::1%eth0", 502), "[fe80::1%eth0]:502");
 }
 
-}  // namespace
+}  // namespace target_url_test
 }  // namespace takt::model

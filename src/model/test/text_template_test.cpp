@@ -4,7 +4,7 @@
 #include <rapidcheck/gtest.h>
 
 namespace takt::model {
-namespace {
+namespace text_template_test {
 
 /// "N name|L literal|…" or "@ position".
 std::string findings_text(std::string_view text) {
@@ -64,5 +64,5 @@ RC_GTEST_PROP(TextTemplate, AnyTextIsReadOrRefusedAtAPlaceInIt, (const std::stri
     if (!parsed) RC_ASSERT(parsed.error().position >= 1 && parsed.error().position <= text.size() + 1);
 }
 
-}  // namespace
+}  // namespace text_template_test
 }  // namespace takt::model

@@ -6,7 +6,7 @@
 #include <tuple>
 
 namespace takt::model {
-namespace {
+namespace topic_test {
 
 constexpr TopicNames kNames{.output = "cloud", .line = "L1", .device = "Meter", .variable = "Power"};
 
@@ -58,5 +58,5 @@ TEST(Topic, OthersAreRejected) {
     }
 }
 
-}  // namespace
+}  // namespace topic_test
 }  // namespace takt::model

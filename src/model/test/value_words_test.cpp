@@ -6,7 +6,7 @@
 #include "flow.hpp"
 
 namespace takt::model {
-namespace {
+namespace value_words_test {
 
 using namespace test;
 
@@ -46,5 +46,5 @@ TEST(ValueWords, MistakesAreFindings) {
     for (const auto& [keys, expected] : cases) EXPECT_EQ(findings_text({.variable = keys}), expected) << keys;
 }
 
-}  // namespace
+}  // namespace value_words_test
 }  // namespace takt::model

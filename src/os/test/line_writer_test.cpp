@@ -20,7 +20,7 @@
 #include "takt/os/rotating_file.hpp"
 
 namespace takt::os {
-namespace {
+namespace line_writer_test {
 
 using test::Folder;
 
@@ -303,5 +303,5 @@ TEST(RecordWriter, LimitsTheBytesOfRecords) {
     EXPECT_TRUE(text.find("gap ") != std::string::npos) << text;
 }
 
-}  // namespace
+}  // namespace line_writer_test
 }  // namespace takt::os

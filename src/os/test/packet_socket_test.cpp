@@ -11,7 +11,7 @@
 #include <string_view>
 
 namespace takt::os {
-namespace {
+namespace packet_socket_test {
 
 /// Sends a datagram to a free port of the loopback interface.
 void send_datagram(std::string_view text) {
@@ -60,5 +60,5 @@ TEST(PacketSocket, AnUnknownInterfaceIsAnError) {
     EXPECT_EQ(socket.error().numbers[0], ENODEV);
 }
 
-}  // namespace
+}  // namespace packet_socket_test
 }  // namespace takt::os

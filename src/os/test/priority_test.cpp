@@ -7,7 +7,7 @@
 #include <thread>
 
 namespace takt::os {
-namespace {
+namespace priority_test {
 
 int nice_value() {
     return ::getpriority(PRIO_PROCESS, 0);
@@ -28,5 +28,5 @@ TEST(Priority, ABackgroundThreadAndItsThreadsGetLess) {
     EXPECT_EQ(nice_value(), before);
 }
 
-}  // namespace
+}  // namespace priority_test
 }  // namespace takt::os

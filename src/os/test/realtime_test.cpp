@@ -10,7 +10,7 @@
 #include <thread>
 
 namespace takt::os {
-namespace {
+namespace realtime_test {
 
 const RealtimeResult* find(const std::vector<RealtimeResult>& results, RealtimeStep step) {
     const auto found = std::ranges::find(results, step, &RealtimeResult::step);
@@ -71,5 +71,5 @@ TEST(Realtime, APriorityIsInForceOrRefused) {
     });
 }
 
-}  // namespace
+}  // namespace realtime_test
 }  // namespace takt::os

@@ -13,7 +13,7 @@
 #include "takt/os/open.hpp"
 
 namespace takt::os {
-namespace {
+namespace replace_test {
 
 using test::Folder;
 
@@ -289,5 +289,5 @@ TEST(ReadAll, ReadsUpToALimit) {
     EXPECT_EQ(read_all(-1, "a", 1).error(), fail(Code::io_failed, "a", EBADF).error());
 }
 
-}  // namespace
+}  // namespace replace_test
 }  // namespace takt::os

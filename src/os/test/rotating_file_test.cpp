@@ -11,7 +11,7 @@
 #include "folder.hpp"
 
 namespace takt::os {
-namespace {
+namespace rotating_file_test {
 
 using test::Folder;
 
@@ -136,5 +136,5 @@ TEST(RotatingFile, LeavesNoPartOfALineWhenAWriteFails) {
     EXPECT_EQ(folder.read("log"), "first\nfourth\n");
 }
 
-}  // namespace
+}  // namespace rotating_file_test
 }  // namespace takt::os

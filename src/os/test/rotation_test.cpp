@@ -14,7 +14,7 @@
 #include "takt/os/open.hpp"
 
 namespace takt::os {
-namespace {
+namespace rotation_test {
 
 using Names = std::vector<std::string>;
 
@@ -107,5 +107,5 @@ TEST_F(RotationTest, AFailureCostsNoOldFile) {
     EXPECT_EQ(folder.read("a.2"), "old");
 }
 
-}  // namespace
+}  // namespace rotation_test
 }  // namespace takt::os

@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace takt::os {
-namespace {
+namespace worker_test {
 
 using namespace std::chrono_literals;
 using AtEnd = Worker::AtEnd;
@@ -130,5 +130,5 @@ TEST(Worker, LeavesAJobThatDoesNotEndBehind) {
     blocker.release();
 }
 
-}  // namespace
+}  // namespace worker_test
 }  // namespace takt::os

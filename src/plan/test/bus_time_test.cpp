@@ -4,7 +4,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace bus_time_test {
 
 using namespace test;
 using wire::Framing;
@@ -169,5 +169,5 @@ TEST(Utilization, IsAboveOneForALineThatCannotHoldItsPeriods) {
     EXPECT_NEAR(plan_of({16}, {real(0).read(3).every(5ms)}).utilization, 1.6451388889, 1e-9);
 }
 
-}  // namespace
+}  // namespace bus_time_test
 }  // namespace takt::plan

@@ -10,7 +10,7 @@
 #include <set>
 
 namespace takt::plan {
-namespace {
+namespace calendar_test {
 
 using namespace std::chrono_literals;
 
@@ -111,5 +111,5 @@ INSTANTIATE_TEST_SUITE_P(Sets, CalendarLimits,
                                          Limit{{1ns, 24h}, false}, Limit{{97ms, 101ms, 103ms, 107ms}, false},
                                          Limit{{13ms, 17ms}, true}, Limit{{61ms, 67ms}, false}));
 
-}  // namespace
+}  // namespace calendar_test
 }  // namespace takt::plan

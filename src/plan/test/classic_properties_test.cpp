@@ -12,7 +12,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace classic_properties_test {
 
 using namespace test;
 using model::Profile;
@@ -354,5 +354,5 @@ TEST(Classic, PlansAWholeAreaOfRegisters) {
     EXPECT_EQ(plan.requests.back().start + plan.requests.back().quantity, 65536);
 }
 
-}  // namespace
+}  // namespace classic_properties_test
 }  // namespace takt::plan

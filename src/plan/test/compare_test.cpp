@@ -5,7 +5,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace compare_test {
 
 using namespace test;
 
@@ -126,5 +126,5 @@ TEST(Compare, SavesNothingWithoutGrouping) {
     EXPECT_EQ(compared[1].single.requests, 0U);
 }
 
-}  // namespace
+}  // namespace compare_test
 }  // namespace takt::plan

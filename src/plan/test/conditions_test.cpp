@@ -4,7 +4,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace conditions_test {
 
 using namespace test;
 using model::Strategy;
@@ -178,5 +178,5 @@ TEST(Plans, AreEmptyForEmptyProjects) {
     EXPECT_EQ(plan.utilization, 0);
 }
 
-}  // namespace
+}  // namespace conditions_test
 }  // namespace takt::plan

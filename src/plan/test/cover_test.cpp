@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace takt::plan {
-namespace {
+namespace cover_test {
 
 struct Problem {
     std::vector<Span> spans;
@@ -223,7 +223,7 @@ TEST(Cover, UnitesSpansThatTouchOrOverlap) {
     EXPECT_TRUE(united({}).empty());
 }
 
-}  // namespace
+}  // namespace cover_test
 
 void PrintTo(const Span& span, std::ostream* out) {
     *out << '[' << span.start << ", " << span.end << ')';

@@ -5,7 +5,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace examples_test {
 
 using namespace test;
 using model::Profile;
@@ -235,5 +235,5 @@ TEST(Limits, NeverSplitAValue) {
         << "a value longer than registers per request still goes alone";
 }
 
-}  // namespace
+}  // namespace examples_test
 }  // namespace takt::plan

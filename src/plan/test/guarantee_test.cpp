@@ -5,7 +5,7 @@
 #include "golden_project.hpp"
 
 namespace takt::plan {
-namespace {
+namespace guarantee_test {
 
 using namespace test;
 
@@ -496,5 +496,5 @@ TEST(Guarantee, DevicesThatTakeLessShareTheConnection) {
     EXPECT_GE(limited.requests[7].response, all.requests[7].response);
 }
 
-}  // namespace
+}  // namespace guarantee_test
 }  // namespace takt::plan

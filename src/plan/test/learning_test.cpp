@@ -9,7 +9,7 @@
 #include "takt/plan/guarantee.hpp"
 
 namespace takt::plan {
-namespace {
+namespace learning_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -153,5 +153,5 @@ RC_GTEST_PROP(Learning, TriesExactlyWhatThePlanWouldBridge, ()) {
     RC_ASSERT(reads(learning_plan(described, 0).plan) == reads(make_plan(described).lines[0]));
 }
 
-}  // namespace
+}  // namespace learning_test
 }  // namespace takt::plan

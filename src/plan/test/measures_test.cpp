@@ -8,7 +8,7 @@
 #include "takt/text/catalogue.hpp"
 
 namespace takt::plan {
-namespace {
+namespace measures_test {
 
 using namespace test;
 using model::Severity;
@@ -472,5 +472,5 @@ TEST(GuaranteeFindings, ReportsBoundsThatAreLargerThanExactOnes) {
     EXPECT_EQ(std::ranges::count_if(findings, is_rough), 1);
 }
 
-}  // namespace
+}  // namespace measures_test
 }  // namespace takt::plan

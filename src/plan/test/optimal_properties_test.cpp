@@ -12,7 +12,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace optimal_properties_test {
 
 using namespace test;
 using model::Variable;
@@ -291,5 +291,5 @@ RC_GTEST_PROP(Optimal, ListsEntriesByFunctionAndStart, ()) {
     }
 }
 
-}  // namespace
+}  // namespace optimal_properties_test
 }  // namespace takt::plan

@@ -11,7 +11,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace optimal_rounds_test {
 
 using namespace test;
 using PeriodSet = std::vector<Duration>;
@@ -204,5 +204,5 @@ TEST(OptimalRounds, KeepPhaseZeroWithOnePeriod) {
     for (const auto& request : plan_of(settings, items).requests) EXPECT_EQ(request.phase, 0ms);
 }
 
-}  // namespace
+}  // namespace optimal_rounds_test
 }  // namespace takt::plan

@@ -5,7 +5,7 @@
 #include "takt/text/catalogue.hpp"
 
 namespace takt::plan {
-namespace {
+namespace optimal_test {
 
 using namespace test;
 using wire::Framing;
@@ -251,5 +251,5 @@ TEST(OptimalReasons, ShowEnoughDigitsToDistinguishTheTimes) {
     EXPECT_EQ(why.arguments[4].second, "7.985");
 }
 
-}  // namespace
+}  // namespace optimal_test
 }  // namespace takt::plan

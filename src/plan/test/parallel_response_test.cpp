@@ -10,7 +10,7 @@
 #include "parallel_simulation.hpp"
 
 namespace takt::plan {
-namespace {
+namespace parallel_response_test {
 
 using Random = std::mt19937;
 
@@ -261,5 +261,5 @@ TEST(ParallelResponse, AnExhaustedEffortLeavesNoBound) {
     EXPECT_FALSE(bounds[0]);
 }
 
-}  // namespace
+}  // namespace parallel_response_test
 }  // namespace takt::plan

@@ -9,7 +9,7 @@
 #include "takt/plan/applied_measures.hpp"
 
 namespace takt::plan {
-namespace {
+namespace proof_test {
 
 using namespace test;
 
@@ -106,5 +106,5 @@ TEST(AppliedMeasures, AKeyThatTwoLinesChangeIsListedOnce) {
     EXPECT_EQ(applied.changes.size(), 1U);
 }
 
-}  // namespace
+}  // namespace proof_test
 }  // namespace takt::plan

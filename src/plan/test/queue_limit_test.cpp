@@ -8,7 +8,7 @@
 #include "takt/text/catalogue.hpp"
 
 namespace takt::plan {
-namespace {
+namespace queue_limit_test {
 
 /// Devices of `sizes` variables that are read one by one, each also by a trigger: one record each.
 model::Project project(const std::vector<std::pair<int, int>>& addresses_and_sizes) {
@@ -86,5 +86,5 @@ TEST(QueueLimit, IsSpokenOf) {
             EXPECT_TRUE(text::has(language, code)) << code;
 }
 
-}  // namespace
+}  // namespace queue_limit_test
 }  // namespace takt::plan

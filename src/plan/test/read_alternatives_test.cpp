@@ -5,7 +5,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace read_alternatives_test {
 
 using namespace test;
 using Kind = ReadAlternative::Kind;
@@ -76,5 +76,5 @@ TEST(ReadAlternatives, InOwenKc1RequestsAreSplitOnly) {
         << "a value is never read in part";
 }
 
-}  // namespace
+}  // namespace read_alternatives_test
 }  // namespace takt::plan

@@ -5,7 +5,7 @@
 #include "takt/text/catalogue.hpp"
 
 namespace takt::plan {
-namespace {
+namespace reasons_test {
 
 using namespace test;
 using model::Profile;
@@ -121,5 +121,5 @@ TEST(Reasons, OfTheLimitComeLast) {
     EXPECT_EQ(plan.requests[0].why.code, "plan.gap") << "full as well, but the gap would remain";
 }
 
-}  // namespace
+}  // namespace reasons_test
 }  // namespace takt::plan

@@ -11,7 +11,7 @@
 #include "takt/plan/proof.hpp"
 
 namespace takt::plan {
-namespace {
+namespace remedies_test {
 
 using namespace test;
 
@@ -217,5 +217,5 @@ TEST(Remedies, EveryAdviceIsFollowed) {
     for (const auto code : guarantee_finding_codes()) EXPECT_TRUE(followed.contains(code)) << code;
 }
 
-}  // namespace
+}  // namespace remedies_test
 }  // namespace takt::plan

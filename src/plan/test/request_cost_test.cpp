@@ -7,7 +7,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace request_cost_test {
 
 using namespace test;
 using wire::Framing;
@@ -74,5 +74,5 @@ TEST(RequestCost, KnowsTheItemsBelowItsFloor) {
     EXPECT_EQ((RequestCost{ExactTime{1} << 90, 1, 1, 8}.items_at_floor()), 65536U);
 }
 
-}  // namespace
+}  // namespace request_cost_test
 }  // namespace takt::plan

@@ -7,7 +7,7 @@
 #include "takt/plan/guarantee.hpp"
 
 namespace takt::plan {
-namespace {
+namespace request_job_test {
 
 using namespace test;
 using wire::Function;
@@ -159,5 +159,5 @@ TEST(RequestJob, IsWhatTheProofUses) {
     }
 }
 
-}  // namespace
+}  // namespace request_job_test
 }  // namespace takt::plan

@@ -4,7 +4,7 @@
 #include "takt/plan/response.hpp"
 
 namespace takt::plan {
-namespace {
+namespace response_golden_test {
 
 std::vector<Task> tasks_of(const golden::Set& set) {
     std::vector<Task> tasks;
@@ -59,5 +59,5 @@ TEST(Response, EveryJobOfTheBusyPeriodCounts) {
     EXPECT_EQ(response_times(tasks), (Responses{2000, 3000, 3500}));
 }
 
-}  // namespace
+}  // namespace response_golden_test
 }  // namespace takt::plan

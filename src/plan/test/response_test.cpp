@@ -9,7 +9,7 @@
 #include "response_reference.hpp"
 
 namespace takt::plan {
-namespace {
+namespace response_test {
 
 using Random = std::mt19937;
 
@@ -413,5 +413,5 @@ TEST(Response, NothingOverflowsAndManyTasksAreBounded) {
     EXPECT_FALSE(feasible_edf(tasks));
 }
 
-}  // namespace
+}  // namespace response_test
 }  // namespace takt::plan

@@ -12,7 +12,7 @@
 #include <set>
 
 namespace takt::plan {
-namespace {
+namespace rounds_test {
 
 using namespace std::chrono_literals;
 
@@ -308,5 +308,5 @@ TEST(Rounds, OfOnePeriodAreItsCover) {
     }
 }
 
-}  // namespace
+}  // namespace rounds_test
 }  // namespace takt::plan

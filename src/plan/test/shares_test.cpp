@@ -7,7 +7,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace shares_test {
 
 using namespace test;
 
@@ -94,5 +94,5 @@ TEST(Shares, RequestsThatTakeTurnsAreOneStream) {
     EXPECT_NEAR(all[0].share, plan.utilization, 1e-6);
 }
 
-}  // namespace
+}  // namespace shares_test
 }  // namespace takt::plan

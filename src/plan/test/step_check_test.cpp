@@ -6,7 +6,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace step_check_test {
 
 using namespace test;
 
@@ -66,5 +66,5 @@ TEST(StepCheck, RequestsOfOthersTakeNoPausesAway) {
     EXPECT_EQ(hold(line), 0) << "they are held back";
 }
 
-}  // namespace
+}  // namespace step_check_test
 }  // namespace takt::plan

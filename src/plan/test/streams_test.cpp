@@ -12,7 +12,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace streams_test {
 
 using namespace test;
 
@@ -227,5 +227,5 @@ TEST(LongestRound, IsBoundedWhereItCannotBeCounted) {
     EXPECT_EQ(longest_round(requests), (std::vector<std::size_t>{0, 1, 2, 3}));
 }
 
-}  // namespace
+}  // namespace streams_test
 }  // namespace takt::plan

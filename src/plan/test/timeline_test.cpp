@@ -8,7 +8,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace timeline_test {
 
 using namespace test;
 
@@ -168,5 +168,5 @@ RC_GTEST_PROP(Timeline, IsAScheduleWithoutPreemption, ()) {
     }
 }
 
-}  // namespace
+}  // namespace timeline_test
 }  // namespace takt::plan

@@ -8,7 +8,7 @@
 #include "takt/plan/guarantee.hpp"
 
 namespace takt::plan {
-namespace {
+namespace trial_plan_test {
 
 using namespace test;
 
@@ -80,5 +80,5 @@ TEST(TrialPlan, DoesNotCountWritesAndTriggers) {
     EXPECT_TRUE(trial_of(project({.strategy = model::Strategy::single}, items)));
 }
 
-}  // namespace
+}  // namespace trial_plan_test
 }  // namespace takt::plan

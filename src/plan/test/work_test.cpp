@@ -10,7 +10,7 @@
 #include "takt/plan/proof.hpp"
 
 namespace takt::plan {
-namespace {
+namespace work_test {
 
 using namespace std::chrono_literals;
 
@@ -114,5 +114,5 @@ TEST(PlanningWork, GrowsLittleFasterThanTheNumberOfVariables) {
         }
 }
 
-}  // namespace
+}  // namespace work_test
 }  // namespace takt::plan

@@ -9,7 +9,7 @@
 #include "builder.hpp"
 
 namespace takt::plan {
-namespace {
+namespace write_pass_properties_test {
 
 using namespace test;
 
@@ -156,5 +156,5 @@ RC_GTEST_PROP(WritePass, NoFewerRequestsArePossible, ()) {
               fewest(blocks, 0, chains, device.registers_per_request));
 }
 
-}  // namespace
+}  // namespace write_pass_properties_test
 }  // namespace takt::plan

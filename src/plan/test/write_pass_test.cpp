@@ -12,7 +12,7 @@
 #include "takt/text/catalogue.hpp"
 
 namespace takt::plan {
-namespace {
+namespace write_pass_test {
 
 using namespace test;
 using model::WriteSingle;
@@ -375,5 +375,5 @@ TEST(Joining, TheBusTimeOfAReadModifyWriteIsThatOfBoth) {
     EXPECT_EQ(plan.requests[0].bus_time, characters + 2 * 1750us + 2 * estimated_turnaround(device));
 }
 
-}  // namespace
+}  // namespace write_pass_test
 }  // namespace takt::plan

@@ -8,7 +8,7 @@
 #include "takt/plan/proof.hpp"
 
 namespace takt::poll {
-namespace {
+namespace age_test {
 
 using namespace test;
 using value::Quality;
@@ -217,5 +217,5 @@ TEST(Overruns, AreReportedWhileTheyLast) {
     EXPECT_TRUE(bench.master.line(0).variable(0, 0).overrun);
 }
 
-}  // namespace
+}  // namespace age_test
 }  // namespace takt::poll

@@ -7,7 +7,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace age_watch_test {
 
 using value::Quality;
 using value::SlotId;
@@ -132,5 +132,5 @@ TEST(AgeWatch, SlotsOfOtherLinesAreNotItsOwn) {
     EXPECT_EQ(line.watch.next(), kNever);
 }
 
-}  // namespace
+}  // namespace age_watch_test
 }  // namespace takt::poll::test

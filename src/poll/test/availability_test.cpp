@@ -5,7 +5,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace availability_test {
 
 using namespace test;
 
@@ -162,5 +162,5 @@ TEST(Availability, NothingAnsweredHasNoPeriodAndNoCycle) {
     EXPECT_EQ(bench.master.line(0).statistics(bench.now).measured_cycle, 0s);
 }
 
-}  // namespace
+}  // namespace availability_test
 }  // namespace takt::poll

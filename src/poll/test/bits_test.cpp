@@ -6,7 +6,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace bits_test {
 
 using namespace test;
 using value::CommandResult;
@@ -353,5 +353,5 @@ TEST(Bits, ADeviceThatDiesUnderAReadModifyWriteDelaysNoOther) {
     EXPECT_EQ(bench.slot("w").quality, value::Quality::good);
 }
 
-}  // namespace
+}  // namespace bits_test
 }  // namespace takt::poll

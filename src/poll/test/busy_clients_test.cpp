@@ -10,7 +10,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace busy_clients_test {
 
 using namespace test;
 using value::CommandResult;
@@ -128,5 +128,5 @@ TEST(ClientsThatNeverPause, AVerificationAndARetryBelongToTheirCommand) {
     EXPECT_EQ(bench.outcomes[1].result, CommandResult::done);
 }
 
-}  // namespace
+}  // namespace busy_clients_test
 }  // namespace takt::poll

@@ -8,7 +8,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace chaos_test {
 
 using namespace test;
 
@@ -73,5 +73,5 @@ RC_GTEST_PROP(Chaos, EveryCommandHasExactlyOneOutcome, ()) {
     RC_ASSERT(bench.status("status") == 0);
 }
 
-}  // namespace
+}  // namespace chaos_test
 }  // namespace takt::poll

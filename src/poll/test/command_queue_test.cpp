@@ -9,7 +9,7 @@
 #include "write_fixture.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace command_queue_test {
 
 using value::CommandResult;
 using value::Reason;
@@ -351,5 +351,5 @@ TEST(CommandQueue, AGroupCarriesTheValueOfACommandAlone) {
     }
 }
 
-}  // namespace
+}  // namespace command_queue_test
 }  // namespace takt::poll::test

@@ -7,7 +7,7 @@
 #include "writing.hpp"
 
 namespace takt::poll {
-namespace {
+namespace command_test {
 
 using namespace test;
 using value::CommandResult;
@@ -272,5 +272,5 @@ TEST(Command, CommandsGoBeforeThePollingInTheirOrder) {
     EXPECT_EQ((first + 1)->unit, 2);
 }
 
-}  // namespace
+}  // namespace command_test
 }  // namespace takt::poll

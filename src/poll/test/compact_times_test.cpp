@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace takt::poll {
-namespace {
+namespace compact_times_test {
 
 using namespace std::chrono_literals;
 
@@ -106,5 +106,5 @@ RC_GTEST_PROP(CompactHistogram, CountsEachSampleInItsBucket, ()) {
     }
 }
 
-}  // namespace
+}  // namespace compact_times_test
 }  // namespace takt::poll

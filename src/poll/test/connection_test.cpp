@@ -4,7 +4,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace connection_test {
 
 using namespace test;
 
@@ -70,5 +70,5 @@ TEST(ConnectionSilence, IsNothingUnusualOnASerialLine) {
     EXPECT_EQ(Silence(model::Transport::serial).lasts(1h), 1h);
 }
 
-}  // namespace
+}  // namespace connection_test
 }  // namespace takt::poll

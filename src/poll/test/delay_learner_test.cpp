@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::poll {
-namespace {
+namespace delay_learner_test {
 
 using namespace std::chrono_literals;
 using Setting = DelayFinding::Setting;
@@ -116,5 +116,5 @@ TEST(DelayLearner, AProjectReadAgainContinues) {
     EXPECT_FALSE(learner.finding());
 }
 
-}  // namespace
+}  // namespace delay_learner_test
 }  // namespace takt::poll

@@ -3,7 +3,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace delays_test {
 
 using namespace test;
 using Setting = DelayFinding::Setting;
@@ -202,5 +202,5 @@ TEST(Delays, AHealthyDeviceHasNoFinding) {
     EXPECT_TRUE(bench.observed.delays.empty());
 }
 
-}  // namespace
+}  // namespace delays_test
 }  // namespace takt::poll

@@ -5,7 +5,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace device_health_test {
 
 using value::Reason;
 
@@ -150,5 +150,5 @@ TEST(DeviceHealth, AnotherPollerGoesOnWithTheOutage) {
     EXPECT_FALSE(off.enabled());
 }
 
-}  // namespace
+}  // namespace device_health_test
 }  // namespace takt::poll::test

@@ -5,7 +5,7 @@
 #include <map>
 
 namespace takt::poll {
-namespace {
+namespace distinct_read_test {
 
 using bus::Ambiguity;
 using plan::ReadAlternative;
@@ -70,5 +70,5 @@ TEST(DistinctRead, WhatTheDeviceRefusesIsNotSentAgain) {
     EXPECT_EQ(chosen(read, {{4, Ambiguity::held}}), 2);
 }
 
-}  // namespace
+}  // namespace distinct_read_test
 }  // namespace takt::poll

@@ -7,7 +7,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace distinct_reads_test {
 
 using bus::Ambiguity;
 using Ended = DistinctReads::Ended;
@@ -87,5 +87,5 @@ TEST(DistinctReads, ANewPlanForgetsTheAlternatives) {
     EXPECT_NE(line.send(), nullptr) << "its part may be sent again";
 }
 
-}  // namespace
+}  // namespace distinct_reads_test
 }  // namespace takt::poll::test

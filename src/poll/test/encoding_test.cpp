@@ -16,10 +16,10 @@ using namespace test;
 using value::CommandResult;
 using value::Value;
 
-namespace {
+namespace encoding_test {
 std::size_t encodings = 0;
 std::size_t preparations = 0;
-}  // namespace
+}  // namespace encoding_test
 
 Result<value::Encoded> really_encode(const value::Layout& layout,
                                      const Value& value) __asm__("__real_" TAKT_ENCODE_SYMBOL);
@@ -39,7 +39,7 @@ Result<wire::PreparedRead> count_preparation(const wire::ReadRequest& read) {
     return really_prepare(read);
 }
 
-namespace {
+namespace encoding_test {
 
 TEST(Encoding, ACommandIsEncodedOnceHoweverItIsWritten) {
     struct Case {
@@ -149,5 +149,5 @@ TEST(Encoding, AVerificationIsEncodedWithItsWrite) {
     EXPECT_EQ(preparations, 3U) << "one for each command that is written alone";
 }
 
-}  // namespace
+}  // namespace encoding_test
 }  // namespace takt::poll

@@ -4,7 +4,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace exchange_test {
 
 using namespace test;
 using Pdus = std::vector<std::string>;
@@ -122,5 +122,5 @@ TEST(Exchange, ProbesDoNotWrite) {
     EXPECT_TRUE(std::ranges::find(probes, allowed[0]) != probes.end());
 }
 
-}  // namespace
+}  // namespace exchange_test
 }  // namespace takt::poll

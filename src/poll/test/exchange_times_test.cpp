@@ -10,7 +10,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace exchange_times_test {
 
 using namespace test;
 
@@ -121,5 +121,5 @@ TEST(LineTimes, TheTimeOfALineHasThreeParts) {
     EXPECT_EQ(bench.master.line(0).line_times().host.longest, late);
 }
 
-}  // namespace
+}  // namespace exchange_times_test
 }  // namespace takt::poll

@@ -8,7 +8,7 @@
 #include "takt/poll/line_poller.hpp"
 
 namespace takt::poll {
-namespace {
+namespace failed_attempt_test {
 
 using namespace std::chrono_literals;
 
@@ -70,5 +70,5 @@ TEST(FailedAttempt, CountsGapsAndTheWaitThatT35Lengthens) {
     expect_equal_failures(made);
 }
 
-}  // namespace
+}  // namespace failed_attempt_test
 }  // namespace takt::poll

@@ -6,7 +6,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace gap_learner_test {
 
 struct Fresh final : FreshnessProbe {
     Freshness freshness(std::size_t, wire::Function, const model::ItemRange&, Instant) const override {
@@ -165,5 +165,5 @@ TEST(GapLearner, ADoubtedGapLeavesThePlan) {
     EXPECT_EQ(learner.next_plan()->requests.size(), 2U);
 }
 
-}  // namespace
+}  // namespace gap_learner_test
 }  // namespace takt::poll::test

@@ -11,7 +11,7 @@
 #include "takt/plan/proof.hpp"
 
 namespace takt::poll {
-namespace {
+namespace guarantee_test {
 
 using namespace test;
 
@@ -85,5 +85,5 @@ TEST(KeepsGuarantees, NoAnswerIsLaterThanItsBound) {
     EXPECT_GT(feasible, 20);
 }
 
-}  // namespace
+}  // namespace guarantee_test
 }  // namespace takt::poll

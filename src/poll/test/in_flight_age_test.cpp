@@ -11,7 +11,7 @@
 #include "takt/plan/proof.hpp"
 
 namespace takt::poll {
-namespace {
+namespace in_flight_age_test {
 
 using namespace test;
 
@@ -192,5 +192,5 @@ TEST(InFlightAges, ASlowerServerBreaksTheBoundsAndIsCounted) {
     }
 }
 
-}  // namespace
+}  // namespace in_flight_age_test
 }  // namespace takt::poll

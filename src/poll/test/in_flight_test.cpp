@@ -6,7 +6,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace in_flight_test {
 
 using namespace test;
 
@@ -124,5 +124,5 @@ TEST(InFlight, AReadModifyWriteIsAloneOnTheConnection) {
     EXPECT_EQ(written.size(), 4U) << "the polling goes on";
 }
 
-}  // namespace
+}  // namespace in_flight_test
 }  // namespace takt::poll

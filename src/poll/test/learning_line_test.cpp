@@ -8,7 +8,7 @@
 #include "takt/plan/guarantee.hpp"
 
 namespace takt::poll {
-namespace {
+namespace learning_line_test {
 
 using namespace test;
 using model::ItemRange;
@@ -310,5 +310,5 @@ TEST(LearningLine, NoValueIsOlderThanItsGuarantee) {
     EXPECT_GT(feasible, 20);
 }
 
-}  // namespace
+}  // namespace learning_line_test
 }  // namespace takt::poll

@@ -11,7 +11,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace learning_test {
 
 using namespace test;
 using model::ItemRange;
@@ -219,5 +219,5 @@ TEST(Learning, WhatIsKnownFromBeforeIsNotTriedAgain) {
     EXPECT_GT(trying.learning.learnt(trying.now)[0].refused[kHolding][0].since, 10h);
 }
 
-}  // namespace
+}  // namespace learning_test
 }  // namespace takt::poll

@@ -8,7 +8,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace line_match_test {
 
 wire::PreparedRead a_read() {
     return prepared({Function::read_holding_registers, DataAddress{0}, 1});
@@ -102,5 +102,5 @@ TEST(LineMatch, ComparesVariablesByTheirOldIndices) {
     EXPECT_FALSE(match.variable(2));
 }
 
-}  // namespace
+}  // namespace line_match_test
 }  // namespace takt::poll::test

@@ -5,7 +5,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace link_watch_test {
 
 TEST(LinkWatch, KnowsWhetherThereIsAndWasALink) {
     LinkWatch link;
@@ -64,5 +64,5 @@ TEST(LinkWatch, AnotherPollerGoesOnWithTheSilence) {
     EXPECT_TRUE(link.given_up());
 }
 
-}  // namespace
+}  // namespace link_watch_test
 }  // namespace takt::poll::test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::poll::test {
-namespace {
+namespace load_meter_test {
 
 using namespace std::chrono_literals;
 
@@ -45,5 +45,5 @@ TEST(LoadMeter, BeginsAnewWithTheConnection) {
     EXPECT_EQ(meter.at(kStart + 4s), 0);
 }
 
-}  // namespace
+}  // namespace load_meter_test
 }  // namespace takt::poll::test

@@ -4,7 +4,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace master_test {
 
 using namespace test;
 
@@ -62,5 +62,5 @@ TEST(Master, GivesTheOutcomesOfAllLines) {
     EXPECT_FALSE(master.take_outcome());
 }
 
-}  // namespace
+}  // namespace master_test
 }  // namespace takt::poll

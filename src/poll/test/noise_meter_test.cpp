@@ -6,7 +6,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace noise_meter_test {
 
 TEST(NoiseMeter, ThreeNoisyResponsesAndOneInAHundredAreAFinding) {
     NoiseMeter meter;
@@ -51,5 +51,5 @@ TEST(Noise, ASingleGlitchIsOnlyCounted) {
     EXPECT_FALSE(bench.master.line(0).device(0).noise);
 }
 
-}  // namespace
+}  // namespace noise_meter_test
 }  // namespace takt::poll::test

@@ -7,7 +7,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace period_watch_test {
 
 wire::PreparedRead a_read() {
     return prepared({Function::read_holding_registers, DataAddress{0}, 1});
@@ -101,5 +101,5 @@ TEST(PeriodWatch, NewRequestsBeginAnewAndVariablesGoOn) {
     EXPECT_NE(line.watch.next_overrun(), kNever) << "it is still awaited";
 }
 
-}  // namespace
+}  // namespace period_watch_test
 }  // namespace takt::poll::test

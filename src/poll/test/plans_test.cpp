@@ -8,7 +8,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace plans_test {
 
 using namespace test;
 
@@ -314,5 +314,5 @@ TEST(Plans, TheBackOffIsTheDevicesElseTheProjects) {
     }
 }
 
-}  // namespace
+}  // namespace plans_test
 }  // namespace takt::poll

@@ -6,7 +6,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace polling_test {
 
 using namespace test;
 using value::Quality;
@@ -578,5 +578,5 @@ TEST(Polling, EachRequestIsReportedWithItsPurpose) {
     for (std::size_t i = 2; i < failing.size(); ++i) EXPECT_EQ(failing[i], "probe") << i;
 }
 
-}  // namespace
+}  // namespace polling_test
 }  // namespace takt::poll

@@ -6,7 +6,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace rate_limited_event_test {
 
 TEST(RateLimitedEvent, WithoutABucketIsAdmittedWhenItArrives) {
     RateLimitedEvent event;
@@ -34,5 +34,5 @@ TEST(ArrivalCounter, NumbersArrivals) {
     EXPECT_LT(first, arrivals.next());
 }
 
-}  // namespace
+}  // namespace rate_limited_event_test
 }  // namespace takt::poll::test

@@ -13,7 +13,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace read_queue_test {
 
 using namespace test;
 
@@ -204,5 +204,5 @@ RC_GTEST_PROP(ReadQueue, ChoosesAsTheComparisonOfAllDoes, ()) {
             RC_ASSERT(variable.period == 0ms || bench.slot(variable.name).quality == value::Quality::good);
 }
 
-}  // namespace
+}  // namespace read_queue_test
 }  // namespace takt::poll

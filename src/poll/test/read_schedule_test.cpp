@@ -7,7 +7,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace read_schedule_test {
 
 /// A device with attempts 2 and three requests: 0 polls the variable 0 each 100 ms, 1 the variables 0 and 1
 /// each 300 ms, 2 reads the variable 1 by a trigger.
@@ -269,5 +269,5 @@ TEST(ReadSchedule, AnotherPollerGoesOnWithoutTheTriggers) {
     EXPECT_TRUE(line.fail(at(100ms), 0)) << "the second failure in a row";
 }
 
-}  // namespace
+}  // namespace read_schedule_test
 }  // namespace takt::poll::test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::poll {
-namespace {
+namespace refresh_watch_test {
 
 using namespace std::chrono_literals;
 
@@ -37,5 +37,5 @@ TEST(RefreshWatch, AfterAFailureTheBoundWithFailuresHolds) {
     EXPECT_TRUE(watch.answered(at(1850ms), at(1860ms), 0, kBound));
 }
 
-}  // namespace
+}  // namespace refresh_watch_test
 }  // namespace takt::poll

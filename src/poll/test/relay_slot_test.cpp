@@ -5,7 +5,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace relay_slot_test {
 
 constexpr UnitId kUnit{7};
 constexpr Duration kInterval = 100ms;
@@ -102,5 +102,5 @@ TEST(RelaySlot, WhatIsGivenUpEndsAtOnceAndDropsTheLaterOutcome) {
     }
 }
 
-}  // namespace
+}  // namespace relay_slot_test
 }  // namespace takt::poll::test

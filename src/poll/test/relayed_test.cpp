@@ -9,7 +9,7 @@
 #include "takt/plan/guarantee.hpp"
 
 namespace takt::poll {
-namespace {
+namespace relayed_test {
 
 using namespace test;
 
@@ -525,5 +525,5 @@ TEST(ClientsOfAServer, PollingKeepsItsGuaranteeBesideTheirCommands) {
     EXPECT_GT(feasible, 20);
 }
 
-}  // namespace
+}  // namespace relayed_test
 }  // namespace takt::poll

@@ -8,7 +8,7 @@
 #include "write_fixture.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace request_offers_test {
 
 constexpr std::size_t kPolled = 0;
 constexpr std::size_t kTriggered = 1;
@@ -224,5 +224,5 @@ TEST(RequestOffers, WithoutDistinctReadsAReadWhoseResponseCouldBeMistakenWaits) 
     EXPECT_EQ(line.offers.read_to_send(line.now, kPolled).quantity(), 3);
 }
 
-}  // namespace
+}  // namespace request_offers_test
 }  // namespace takt::poll::test

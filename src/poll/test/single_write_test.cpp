@@ -5,7 +5,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace single_write_test {
 
 using value::Value;
 
@@ -70,5 +70,5 @@ TEST(SingleWrite, AVerifiedVariableIsReadBack) {
     EXPECT_EQ(write->verify->request.start(), DataAddress{4});
 }
 
-}  // namespace
+}  // namespace single_write_test
 }  // namespace takt::poll::test

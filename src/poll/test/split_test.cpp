@@ -7,7 +7,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace split_test {
 
 using namespace test;
 
@@ -181,5 +181,5 @@ TEST(SplitValues, AreFoundByTheirVariable) {
     EXPECT_FALSE(values.has(3));
 }
 
-}  // namespace
+}  // namespace split_test
 }  // namespace takt::poll

@@ -5,7 +5,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace status_test {
 
 using namespace test;
 
@@ -92,5 +92,5 @@ TEST(Recovery, TheProbeIsTheFirstReadOfItsRequest) {
     EXPECT_EQ(bench.sent.size(), before + 4) << "the first two may be late responses to earlier probes";
 }
 
-}  // namespace
+}  // namespace status_test
 }  // namespace takt::poll

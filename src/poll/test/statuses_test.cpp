@@ -6,7 +6,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace statuses_test {
 
 wire::PreparedRead a_read() {
     return prepared({Function::read_holding_registers, DataAddress{0}, 1});
@@ -156,5 +156,5 @@ TEST(LineStatuses, AnUnusedVariableShowsNothing) {
     EXPECT_EQ(line.shown(), "0 0 0");
 }
 
-}  // namespace
+}  // namespace statuses_test
 }  // namespace takt::poll::test

@@ -7,7 +7,7 @@
 #include "bench.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace value_publisher_test {
 
 using value::Quality;
 using value::Reason;
@@ -161,5 +161,5 @@ TEST(ValuePublisher, AValueReadBackIsShownUnlessItIsReadInParts) {
     EXPECT_EQ(line.publisher.updates().size(), 2U);
 }
 
-}  // namespace
+}  // namespace value_publisher_test
 }  // namespace takt::poll::test

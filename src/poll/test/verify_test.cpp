@@ -6,7 +6,7 @@
 #include "bench.hpp"
 
 namespace takt::poll {
-namespace {
+namespace verify_test {
 
 using namespace test;
 using value::CommandResult;
@@ -292,5 +292,5 @@ TEST(Verify, WhatIsReadBackFromADeviceSwitchedOffMeanwhileIsNoNews) {
     EXPECT_EQ(bench.slot("v").reason, Reason::switched_off);
 }
 
-}  // namespace
+}  // namespace verify_test
 }  // namespace takt::poll

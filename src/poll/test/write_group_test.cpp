@@ -4,7 +4,7 @@
 #include "writing.hpp"
 
 namespace takt::poll {
-namespace {
+namespace write_group_test {
 
 using namespace test;
 using value::CommandResult;
@@ -195,5 +195,5 @@ TEST(WriteGroup, WhatItsReadTriggerIsAdmittedWithHoldsBackNoWrite) {
     EXPECT_EQ(bench.players[1].registers[0], 3);
 }
 
-}  // namespace
+}  // namespace write_group_test
 }  // namespace takt::poll

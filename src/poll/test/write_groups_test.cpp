@@ -8,7 +8,7 @@
 #include "write_fixture.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace write_groups_test {
 
 using value::CommandResult;
 using value::Reason;
@@ -341,5 +341,5 @@ TEST(WriteGroups, AnotherLineTakesOverWhatWaits) {
     }
 }
 
-}  // namespace
+}  // namespace write_groups_test
 }  // namespace takt::poll::test

@@ -7,7 +7,7 @@
 #include "write_fixture.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace write_job_test {
 
 using value::CommandResult;
 using value::Reason;
@@ -193,5 +193,5 @@ TEST_P(WriteJobTest, WithoutABucketItTakesTheTokenOfTheLine) {
 INSTANTIATE_TEST_SUITE_P(Kinds, WriteJobTest, testing::Bool(),
                          [](const auto& kind) { return kind.param ? "Group" : "Command"; });
 
-}  // namespace
+}  // namespace write_job_test
 }  // namespace takt::poll::test

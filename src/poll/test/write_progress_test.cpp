@@ -9,7 +9,7 @@
 #include "../modify_sequence.hpp"
 
 namespace takt::poll {
-namespace {
+namespace write_progress_test {
 
 using Step = std::function<void(WriteProgress&)>;
 
@@ -80,5 +80,5 @@ TEST(ModifySequence, AFailedReadEndsIt) {
     EXPECT_TRUE(modify.active());
 }
 
-}  // namespace
+}  // namespace write_progress_test
 }  // namespace takt::poll

@@ -7,7 +7,7 @@
 #include "writing.hpp"
 
 namespace takt::poll {
-namespace {
+namespace write_status_test {
 
 using namespace test;
 
@@ -98,5 +98,5 @@ TEST(WriteStatus, BitsThatAreNotSentKeepTheirStatus) {
     EXPECT_EQ(bench.status("sb"), 3);
 }
 
-}  // namespace
+}  // namespace write_status_test
 }  // namespace takt::poll

@@ -4,7 +4,7 @@
 #include "writing.hpp"
 
 namespace takt::poll {
-namespace {
+namespace writing_test {
 
 using namespace test;
 using value::CommandResult;
@@ -87,5 +87,5 @@ TEST(Writing, ALocalIsWrittenAtOnce) {
     EXPECT_EQ(bench.write(6, "go", number(2)).error().code, Code::overflow);
 }
 
-}  // namespace
+}  // namespace writing_test
 }  // namespace takt::poll

@@ -7,7 +7,7 @@
 #include "write_fixture.hpp"
 
 namespace takt::poll::test {
-namespace {
+namespace written_values_test {
 
 using value::Value;
 
@@ -105,5 +105,5 @@ TEST(WrittenValues, ContinuesThoseOfAnotherLine) {
     EXPECT_EQ(made.values.to_write(1), nullptr);
 }
 
-}  // namespace
+}  // namespace written_values_test
 }  // namespace takt::poll::test

@@ -15,7 +15,7 @@
 #include "takt/file/json.hpp"
 
 namespace takt::publish {
-namespace {
+namespace command_desk_test {
 
 using namespace std::chrono_literals;
 using file::Json;
@@ -444,5 +444,5 @@ TEST(CommandDesk, RandomBytesAreRefused) {
     }
 }
 
-}  // namespace
+}  // namespace command_desk_test
 }  // namespace takt::publish

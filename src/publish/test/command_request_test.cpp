@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::publish {
-namespace {
+namespace command_request_test {
 
 TEST(CommandRequest, HasItsKeys) {
     const auto parsed = parse_command(
@@ -78,5 +78,5 @@ TEST(CommandRequest, TimesThatDoNotExistAreRefused) {
         EXPECT_FALSE(parse_time(text)) << text;
 }
 
-}  // namespace
+}  // namespace command_request_test
 }  // namespace takt::publish

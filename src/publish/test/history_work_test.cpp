@@ -11,7 +11,7 @@
 #include "takt/store/history_reader.hpp"
 
 namespace takt::publish {
-namespace {
+namespace history_work_test {
 
 using namespace std::chrono_literals;
 
@@ -117,5 +117,5 @@ TEST_F(HistoryWorkTest, ADatabaseThatCannotBeOpenedIsTriedAgain) {
     EXPECT_EQ(journal_->counters(kLocal).waiting, 0U);
 }
 
-}  // namespace
+}  // namespace history_work_test
 }  // namespace takt::publish

@@ -11,7 +11,7 @@
 #include "takt/publish/sample_codec.hpp"
 
 namespace takt::publish {
-namespace {
+namespace journal_messages_test {
 
 using namespace std::chrono_literals;
 
@@ -277,5 +277,5 @@ TEST_F(JournalMessagesTest, NothingIsLostInAnyOrder) {
     EXPECT_EQ(counters().delivered, appended);
 }
 
-}  // namespace
+}  // namespace journal_messages_test
 }  // namespace takt::publish

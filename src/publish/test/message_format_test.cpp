@@ -6,7 +6,7 @@
 #include <limits>
 
 namespace takt::publish {
-namespace {
+namespace message_format_test {
 
 constexpr std::int64_t kNow = 1'764'000'000'123'456'789;  // 2025-11-24T16:00:00.123Z
 const Series kPower{"Power", "Meter", "rs485-1", "kW", DataType::float32, false};
@@ -91,5 +91,5 @@ TEST(MessageFormat, AGapHasItsCauseAndCount) {
               R"("last":"2025-11-24T16:00:00.123Z"},"epoch":2,"seq":8,"repeated":true})");
 }
 
-}  // namespace
+}  // namespace message_format_test
 }  // namespace takt::publish

@@ -12,7 +12,7 @@
 #include "live_session.hpp"
 
 namespace takt::publish {
-namespace {
+namespace misbehaving_broker_test {
 
 const std::string kPeers = TAKT_NODE_PEERS;
 
@@ -143,5 +143,5 @@ TEST_F(MqttMisbehavingBroker, AConnectionCutAfterAnyByteLosesNothing) {
     RecordProperty("bytes", static_cast<int>(bytes));
 }
 
-}  // namespace
+}  // namespace misbehaving_broker_test
 }  // namespace takt::publish

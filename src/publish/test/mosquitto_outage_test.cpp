@@ -10,7 +10,7 @@
 #include "live_session.hpp"
 
 namespace takt::publish {
-namespace {
+namespace mosquitto_outage_test {
 
 // The subscriber's first sight of each number must be in order; a repeated one may come at any time.
 void expect_all_in_order(const std::string& output, std::uint64_t count) {
@@ -94,5 +94,5 @@ TEST(MosquittoOutage, AnIdleBrokerThatHangsLongerThanTheKeepAliveIsLeft) {
     EXPECT_TRUE(live.connects(20s));
 }
 
-}  // namespace
+}  // namespace mosquitto_outage_test
 }  // namespace takt::publish

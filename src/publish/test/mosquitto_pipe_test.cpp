@@ -19,7 +19,7 @@ extern "C" const char* __tsan_default_suppressions() {
 }
 
 namespace takt::publish {
-namespace {
+namespace mosquitto_pipe_test {
 
 constexpr MqttVersions kBothVersions[] = {MqttVersions::only_5, MqttVersions::only_3_1_1};
 
@@ -338,5 +338,5 @@ TEST(MosquittoPipe, EndsAtOnceWhileABrokerDoesNotAnswer) {
     EXPECT_LT(LiveSession::now() - begin, 500ms);
 }
 
-}  // namespace
+}  // namespace mosquitto_pipe_test
 }  // namespace takt::publish

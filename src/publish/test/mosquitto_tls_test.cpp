@@ -8,7 +8,7 @@
 #include "live_session.hpp"
 
 namespace takt::publish {
-namespace {
+namespace mosquitto_tls_test {
 
 class Certificates {
 public:
@@ -126,5 +126,5 @@ TEST_F(MosquittoTlsBroker, APlainBrokerIsNotOneWithTls) {
     EXPECT_FALSE(live->connects(500ms));
 }
 
-}  // namespace
+}  // namespace mosquitto_tls_test
 }  // namespace takt::publish

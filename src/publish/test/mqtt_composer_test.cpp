@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace takt::publish {
-namespace {
+namespace mqtt_composer_test {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
 
@@ -90,5 +90,5 @@ TEST(MqttComposer, ARecordHasTheSameMessagesWhenItIsRepeated) {
     }
 }
 
-}  // namespace
+}  // namespace mqtt_composer_test
 }  // namespace takt::publish

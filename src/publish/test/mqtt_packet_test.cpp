@@ -5,7 +5,7 @@
 #include <string>
 
 namespace takt::publish {
-namespace {
+namespace mqtt_packet_test {
 
 constexpr std::size_t kNoLimit = SIZE_MAX;
 
@@ -66,5 +66,5 @@ TEST(MqttPacket, AMessageThatCanNeverBeSentHasAReason) {
     EXPECT_EQ(reason_not_to_send(odd, MqttVersion::v5, kNoLimit), MqttReason::payload_format_invalid);
 }
 
-}  // namespace
+}  // namespace mqtt_packet_test
 }  // namespace takt::publish

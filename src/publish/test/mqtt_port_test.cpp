@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::publish {
-namespace {
+namespace mqtt_port_test {
 
 TEST(MqttPort, AFailureHasTheKindOfItsReason) {
     const struct {
@@ -29,5 +29,5 @@ TEST(MqttPort, AMessageWithoutPropertiesHasEmptyOnes) {
     EXPECT_FALSE(properties.empty());
 }
 
-}  // namespace
+}  // namespace mqtt_port_test
 }  // namespace takt::publish

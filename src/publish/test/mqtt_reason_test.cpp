@@ -6,7 +6,7 @@
 #include <string>
 
 namespace takt::publish {
-namespace {
+namespace mqtt_reason_test {
 
 TEST(MqttReason, SeparatesSuccessFromFailure) {
     EXPECT_FALSE(is_failure(MqttReason::success));
@@ -37,5 +37,5 @@ TEST(MqttReason, ReturnCodesOf3_1_1AreConverted) {
     EXPECT_EQ(from_connack_3_1_1(6), MqttReason::unspecified);
 }
 
-}  // namespace
+}  // namespace mqtt_reason_test
 }  // namespace takt::publish

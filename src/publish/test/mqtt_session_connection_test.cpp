@@ -6,7 +6,7 @@
 #include "session_rig.hpp"
 
 namespace takt::publish {
-namespace {
+namespace mqtt_session_connection_test {
 
 struct MqttSessionConnection : testing::Test, SessionRig {
     std::string host_of_attempt(MqttFailureKind kind = MqttFailureKind::refused) {
@@ -423,5 +423,5 @@ TEST_F(MqttSessionConnection, TheEndInAnyStateIsOff) {
     EXPECT_EQ(session().next_wakeup(), kNever);
 }
 
-}  // namespace
+}  // namespace mqtt_session_connection_test
 }  // namespace takt::publish

@@ -6,7 +6,7 @@
 #include "session_rig.hpp"
 
 namespace takt::publish {
-namespace {
+namespace mqtt_session_messages_test {
 
 struct MqttSessionMessages : testing::Test, SessionRig {
     /// Connected, with `messages` in the source.
@@ -318,5 +318,5 @@ TEST_F(MqttSessionMessages, AnIdleConnectionIsNotReplaced) {
     EXPECT_TRUE(actions.empty()) << "the time counts from the first message after the pause";
 }
 
-}  // namespace
+}  // namespace mqtt_session_messages_test
 }  // namespace takt::publish

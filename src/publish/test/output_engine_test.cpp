@@ -9,7 +9,7 @@
 #include "simulated_disk.hpp"
 
 namespace takt::publish {
-namespace {
+namespace output_engine_test {
 
 using namespace std::chrono_literals;
 
@@ -197,5 +197,5 @@ TEST_F(OutputEngineTest, StopsAtOnceWithoutAStorage) {
     EXPECT_EQ(samples().waiting, 2U);
 }
 
-}  // namespace
+}  // namespace output_engine_test
 }  // namespace takt::publish

@@ -6,7 +6,7 @@
 #include <vector>
 
 namespace takt::publish {
-namespace {
+namespace output_log_test {
 
 struct Lines {
     std::vector<std::string> lines;
@@ -73,5 +73,5 @@ TEST(OutputLog, HasAnErrorOfTheJournalOnce) {
                                                      "2 log.output.journal_works cloud"}));
 }
 
-}  // namespace
+}  // namespace output_log_test
 }  // namespace takt::publish

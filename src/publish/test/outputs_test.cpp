@@ -15,7 +15,7 @@
 #include "takt/publish/sample_codec.hpp"
 
 namespace takt::publish {
-namespace {
+namespace outputs_test {
 
 using namespace std::chrono_literals;
 using host::test::boiler;
@@ -287,5 +287,5 @@ TEST_F(OutputsTest, ADirectoryThatCannotBeUsedIsReportedAndSamplesWait) {
     stop();
 }
 
-}  // namespace
+}  // namespace outputs_test
 }  // namespace takt::publish

@@ -7,7 +7,7 @@
 #include <random>
 
 namespace takt::publish {
-namespace {
+namespace sample_codec_test {
 
 const Series kPower{"Power", "Meter", "rs485-1", "kW", DataType::float32, true};
 const Series kGo{"go", "", "", "", DataType::boolean, false};
@@ -137,5 +137,5 @@ TEST(SampleCodec, RandomBytesAreDecodedOrRejected) {
     }
 }
 
-}  // namespace
+}  // namespace sample_codec_test
 }  // namespace takt::publish

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::publish {
-namespace {
+namespace sample_queue_test {
 
 QueuedSamples samples(std::size_t bytes, std::int64_t wall_ns) {
     return {.payload = std::vector<std::uint8_t>(bytes, 1),
@@ -69,5 +69,5 @@ TEST(SampleQueue, StaysBoundedWithAnyLoss) {
     EXPECT_EQ(lost, 20'000U);
 }
 
-}  // namespace
+}  // namespace sample_queue_test
 }  // namespace takt::publish

@@ -5,7 +5,7 @@
 #include <chrono>
 
 namespace takt::publish {
-namespace {
+namespace sample_selector_test {
 
 using namespace std::chrono_literals;
 using value::Quality;
@@ -201,5 +201,5 @@ TEST_F(Selector, OnlyRetainedValuesAreDeliveredToADestinationThatHasLostThem) {
     }
 }
 
-}  // namespace
+}  // namespace sample_selector_test
 }  // namespace takt::publish

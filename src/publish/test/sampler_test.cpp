@@ -9,7 +9,7 @@
 #include "rig.hpp"
 
 namespace takt::publish {
-namespace {
+namespace sampler_test {
 
 using namespace std::chrono_literals;
 using host::test::boiler;
@@ -165,5 +165,5 @@ TEST_F(SamplerTest, FinishesWithoutWaiting) {
     EXPECT_EQ(sampler_->next_wakeup(), kNever);
 }
 
-}  // namespace
+}  // namespace sampler_test
 }  // namespace takt::publish

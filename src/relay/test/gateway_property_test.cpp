@@ -10,7 +10,7 @@
 #include "rig.hpp"
 
 namespace takt::relay {
-namespace {
+namespace gateway_property_test {
 
 using namespace test;
 using bus::Status;
@@ -195,5 +195,5 @@ TEST(GatewayProperties, NoClientWaitsForMoreThanOneTransactionOfEachOther) {
     }));
 }
 
-}  // namespace
+}  // namespace gateway_property_test
 }  // namespace takt::relay

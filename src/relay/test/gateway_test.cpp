@@ -5,7 +5,7 @@
 #include "rig.hpp"
 
 namespace takt::relay {
-namespace {
+namespace gateway_test {
 
 using namespace test;
 using bus::Status;
@@ -582,5 +582,5 @@ TEST(Gateway, AnotherTransactionsOutcomeAnswersNoClient) {
     EXPECT_EQ(rig.answer(token), kOne);
 }
 
-}  // namespace
+}  // namespace gateway_test
 }  // namespace takt::relay

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::relay {
-namespace {
+namespace peer_health_test {
 
 using namespace std::chrono_literals;
 
@@ -35,5 +35,5 @@ TEST(PeerHealth, AFullTableForgetsWhatMayAskAgainFirst) {
     EXPECT_FALSE(health.answering(kUnit, 8));
 }
 
-}  // namespace
+}  // namespace peer_health_test
 }  // namespace takt::relay

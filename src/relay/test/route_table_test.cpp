@@ -5,7 +5,7 @@
 #include "rig.hpp"
 
 namespace takt::relay {
-namespace {
+namespace route_table_test {
 
 using namespace test;
 
@@ -91,5 +91,5 @@ TEST(RouteTable, ForgetsARequest) {
     EXPECT_EQ(routed.b.waiting(), 0u);
 }
 
-}  // namespace
+}  // namespace route_table_test
 }  // namespace takt::relay

@@ -8,7 +8,7 @@
 #include "takt/report/text_table.hpp"
 
 namespace takt::report {
-namespace {
+namespace all_types_report_test {
 
 using namespace test;
 
@@ -81,5 +81,5 @@ TEST(AllTypesReport, ShowsTheTypesThatFitTheRange) {
     expect_contains(all_types_text(english(), 0, many), "296..299");
 }
 
-}  // namespace
+}  // namespace all_types_report_test
 }  // namespace takt::report

@@ -8,7 +8,7 @@
 #include "sample.hpp"
 
 namespace takt::report {
-namespace {
+namespace client_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -194,5 +194,5 @@ TEST(RawReport, JsonOfRequestAndResponse) {
                 "interrupted");
 }
 
-}  // namespace
+}  // namespace client_report_test
 }  // namespace takt::report

@@ -6,7 +6,7 @@
 #include "host_sample.hpp"
 
 namespace takt::report {
-namespace {
+namespace command_report_test {
 
 using namespace test;
 using host::Command;
@@ -156,5 +156,5 @@ TEST(CommandReport, ReasonsAsWords) {
     for (const auto& [reason, word] : cases) EXPECT_EQ(reason_word(reason), word);
 }
 
-}  // namespace
+}  // namespace command_report_test
 }  // namespace takt::report

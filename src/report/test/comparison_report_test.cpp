@@ -6,7 +6,7 @@
 #include "takt/report/text_table.hpp"
 
 namespace takt::report {
-namespace {
+namespace comparison_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -119,5 +119,5 @@ TEST(ComparisonReport, Json) {
     EXPECT_JSON(at(json, "saved_percent", "requests"), 0.0);
 }
 
-}  // namespace
+}  // namespace comparison_report_test
 }  // namespace takt::report

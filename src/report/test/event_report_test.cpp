@@ -9,7 +9,7 @@
 #include "takt/report/command_report.hpp"
 
 namespace takt::report {
-namespace {
+namespace event_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -377,5 +377,5 @@ TEST(EventReport, MissedEventsAndAnotherProject) {
     EXPECT_EQ(members_of(host::ConfigurationChanged{.generation = 2}, "applied"), R"(,"generation":2})");
 }
 
-}  // namespace
+}  // namespace event_report_test
 }  // namespace takt::report

@@ -5,7 +5,7 @@
 #include "sample.hpp"
 
 namespace takt::report {
-namespace {
+namespace findings_report_test {
 
 using namespace test;
 
@@ -126,5 +126,5 @@ TEST(FindingsReport, ManyFindings) {
     EXPECT_EQ(size_of(findings_json(english(), kFiles, findings)), 5000U);
 }
 
-}  // namespace
+}  // namespace findings_report_test
 }  // namespace takt::report

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::report {
-namespace {
+namespace formatting_test {
 
 using namespace std::chrono_literals;
 using wire::Function;
@@ -91,5 +91,5 @@ TEST(Formatting, Items) {
     for (const auto& [area, address, text] : cases) EXPECT_EQ(item_text(area, address), text);
 }
 
-}  // namespace
+}  // namespace formatting_test
 }  // namespace takt::report

@@ -6,7 +6,7 @@
 #include "sample.hpp"
 
 namespace takt::report {
-namespace {
+namespace guarantee_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -124,5 +124,5 @@ TEST(GuaranteeReport, AChangeOfTheProjectHasNoPath) {
             '\n');
 }
 
-}  // namespace
+}  // namespace guarantee_report_test
 }  // namespace takt::report

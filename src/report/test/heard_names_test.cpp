@@ -9,7 +9,7 @@
 #include "takt/host/project_file.hpp"
 
 namespace takt::report {
-namespace {
+namespace heard_names_test {
 
 using listen::Outcome;
 
@@ -80,5 +80,5 @@ TEST_F(Names, OfWrittenValues) {
     EXPECT_EQ(values("07", "07 55"), "");
 }
 
-}  // namespace
+}  // namespace heard_names_test
 }  // namespace takt::report

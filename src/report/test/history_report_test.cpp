@@ -11,7 +11,7 @@
 #include "takt/report/svg.hpp"
 
 namespace takt::report {
-namespace {
+namespace history_report_test {
 
 using namespace test;
 
@@ -176,5 +176,5 @@ TEST(HistorySvg, DrawsAVariableWithoutNumbers) {
     expect_contains(history_text(english(), {empty}, 40), "–");
 }
 
-}  // namespace
+}  // namespace history_report_test
 }  // namespace takt::report

@@ -9,7 +9,7 @@
 #include "takt/wire/pdu.hpp"
 
 namespace takt::report {
-namespace {
+namespace latency_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -268,5 +268,5 @@ TEST(LatencyReport, Endpoints) {
     EXPECT_EQ(grouped_number(999, text::Language::english), "999");
 }
 
-}  // namespace
+}  // namespace latency_report_test
 }  // namespace takt::report

@@ -5,7 +5,7 @@
 #include "sample.hpp"
 
 namespace takt::report {
-namespace {
+namespace learnt_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -87,5 +87,5 @@ TEST(LearntReport, ManyRangesAreCutOffInTextOnly) {
     EXPECT_EQ(size_of(at(learnt_json(project, 0), 0, "confirmed")), 4000U);
 }
 
-}  // namespace
+}  // namespace learnt_report_test
 }  // namespace takt::report

@@ -10,7 +10,7 @@
 #include "takt/report/formatting.hpp"
 
 namespace takt::report {
-namespace {
+namespace line_times_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -61,5 +61,5 @@ TEST(LineTimesReport, ManyRequestsAreCounted) {
     EXPECT_TRUE(text.ends_with("  and 12 requests more\n")) << text;
 }
 
-}  // namespace
+}  // namespace line_times_report_test
 }  // namespace takt::report

@@ -11,7 +11,7 @@
 #include "takt/listen/line_listener.hpp"
 
 namespace takt::report {
-namespace {
+namespace listen_report_test {
 
 using namespace std::chrono_literals;
 
@@ -141,5 +141,5 @@ TEST_F(ListenReport, TheProjectOfACaptureHasAllItsLines) {
     EXPECT_NE(text.find("  # heating\n"), std::string::npos) << text;
 }
 
-}  // namespace
+}  // namespace listen_report_test
 }  // namespace takt::report

@@ -7,7 +7,7 @@
 #include "takt/report/text_table.hpp"
 
 namespace takt::report {
-namespace {
+namespace live_screen_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -195,5 +195,5 @@ TEST(LiveScreen, TheLastLineShowsTheFilterThatIsTyped) {
     expect_contains(live_screen(english(), healthy(), selection, {24, 80}).back(), "Le");
 }
 
-}  // namespace
+}  // namespace live_screen_test
 }  // namespace takt::report

@@ -5,7 +5,7 @@
 #include "sample.hpp"
 
 namespace takt::report {
-namespace {
+namespace outlook_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -57,5 +57,5 @@ TEST(OutlookReport, AProjectWithoutRequestsHasNone) {
     EXPECT_EQ(outlook_text(english(), project, outlook_of(project)), "");
 }
 
-}  // namespace
+}  // namespace outlook_report_test
 }  // namespace takt::report

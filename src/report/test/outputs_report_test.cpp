@@ -8,7 +8,7 @@
 #include "takt/report/state_report.hpp"
 
 namespace takt::report {
-namespace {
+namespace outputs_report_test {
 
 using namespace test;
 
@@ -104,5 +104,5 @@ TEST(OutputsReport, JsonHasTheCountsAndTheOldest) {
     EXPECT_TRUE(output_json(english(), made, 0).find("oldest_waiting")->is_null());
 }
 
-}  // namespace
+}  // namespace outputs_report_test
 }  // namespace takt::report

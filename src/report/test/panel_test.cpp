@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::report {
-namespace {
+namespace panel_test {
 
 TEST(Panel, GoesBackUpOverWhatItDrew) {
     Panel panel;
@@ -39,5 +39,5 @@ TEST(Panel, CutsByCharactersNotByBytes) {
     EXPECT_EQ(panel.draw({4, 6}, {"Насос 12"}), "Насо…\x1b[K\n\x1b[J");
 }
 
-}  // namespace
+}  // namespace panel_test
 }  // namespace takt::report

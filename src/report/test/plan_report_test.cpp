@@ -8,7 +8,7 @@
 #include "takt/report/findings_report.hpp"
 
 namespace takt::report {
-namespace {
+namespace plan_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -255,5 +255,5 @@ TEST(PlanReport, TheObjectOfAPlanHasItsFindingsLast) {
     EXPECT_EQ(no_plan_json(english(), loaded).dump(), R"({"lines":[],"findings":)" + findings + '}');
 }
 
-}  // namespace
+}  // namespace plan_report_test
 }  // namespace takt::report

@@ -6,7 +6,7 @@
 #include "takt/report/svg.hpp"
 
 namespace takt::report {
-namespace {
+namespace plan_svg_test {
 
 using namespace test;
 
@@ -111,5 +111,5 @@ TEST(PlanSvg, HugeProjectsAreLimitedAndSaySo) {
     EXPECT_LT(rows.size(), 4U << 20U);
 }
 
-}  // namespace
+}  // namespace plan_svg_test
 }  // namespace takt::report

@@ -5,7 +5,7 @@
 #include "sample.hpp"
 
 namespace takt::report {
-namespace {
+namespace probe_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -202,5 +202,5 @@ TEST(ProbeReport, HugeFindings) {
     EXPECT_JSON(at(probe_json(findings, kRun), "areas", 0, "items"), 32768U);
 }
 
-}  // namespace
+}  // namespace probe_report_test
 }  // namespace takt::report

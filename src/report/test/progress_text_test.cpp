@@ -6,7 +6,7 @@
 #include "takt/report/text_table.hpp"
 
 namespace takt::report {
-namespace {
+namespace progress_text_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -69,5 +69,5 @@ TEST(ProgressText, OddInputs) {
     expect_complete(progress_line(english(), {1, SIZE_MAX / 1000, 5}, 1ms, "x"));
 }
 
-}  // namespace
+}  // namespace progress_text_test
 }  // namespace takt::report

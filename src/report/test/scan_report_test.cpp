@@ -5,7 +5,7 @@
 #include "sample.hpp"
 
 namespace takt::report {
-namespace {
+namespace scan_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -236,5 +236,5 @@ TEST(ScanReport, ProgressNamesTheLineAndItsSetting) {
     EXPECT_TRUE(scan_progress(english(), host, {}).starts_with("host:502, "));
 }
 
-}  // namespace
+}  // namespace scan_report_test
 }  // namespace takt::report

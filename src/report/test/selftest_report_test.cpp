@@ -8,7 +8,7 @@
 #include "takt/text/catalogue.hpp"
 
 namespace takt::report {
-namespace {
+namespace selftest_report_test {
 
 using namespace std::chrono_literals;
 
@@ -71,5 +71,5 @@ TEST(SelftestReport, JsonHasTheSameFigures) {
     EXPECT_TRUE(has(text, R"("host":{"jitter":"1300us","overhead":"1300us"})")) << text;
 }
 
-}  // namespace
+}  // namespace selftest_report_test
 }  // namespace takt::report

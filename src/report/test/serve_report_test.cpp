@@ -5,7 +5,7 @@
 #include "sample.hpp"
 
 namespace takt::report {
-namespace {
+namespace serve_report_test {
 
 using namespace test;
 
@@ -131,5 +131,5 @@ TEST(ServeReport, RelayedRequestsOfEachLine) {
     EXPECT_EQ(relayed_text(english(), project, {}), "");
 }
 
-}  // namespace
+}  // namespace serve_report_test
 }  // namespace takt::report

@@ -9,7 +9,7 @@
 #include "takt/report/text_table.hpp"
 
 namespace takt::report {
-namespace {
+namespace state_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -250,5 +250,5 @@ TEST(StateReport, AgesAreShort) {
     EXPECT_EQ(age_text(26h), "26 h 0 min");
 }
 
-}  // namespace
+}  // namespace state_report_test
 }  // namespace takt::report

@@ -10,7 +10,7 @@
 #include "takt/report/text_table.hpp"
 
 namespace takt::report {
-namespace {
+namespace summary_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -329,5 +329,5 @@ TEST(SummaryReport, SeveralLinesAndNone) {
     EXPECT_EQ(summary_json(none).dump(), R"({"event":"summary","duration_ms":10000.0,"lines":[]})");
 }
 
-}  // namespace
+}  // namespace summary_report_test
 }  // namespace takt::report

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::report {
-namespace {
+namespace svg_test {
 
 TEST(XmlText, EscapesMarkup) {
     EXPECT_EQ(xml_text("a<b>&\"c\""), "a&lt;b&gt;&amp;&quot;c&quot;");
@@ -72,5 +72,5 @@ TEST(Svg, TextIsEscapedAndAnEmptyPictureIsADocument) {
     EXPECT_TRUE(empty.ends_with("</svg>\n"));
 }
 
-}  // namespace
+}  // namespace svg_test
 }  // namespace takt::report

@@ -8,7 +8,7 @@
 #include "takt/table/build.hpp"
 
 namespace takt::report {
-namespace {
+namespace table_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -209,5 +209,5 @@ TEST(TableReport, BytesOfEveryErrorOfTheReader) {
     }
 }
 
-}  // namespace
+}  // namespace table_report_test
 }  // namespace takt::report

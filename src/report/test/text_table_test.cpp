@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::report {
-namespace {
+namespace text_table_test {
 
 TEST(TextTable, AlignsCharactersNotBytes) {
     TextTable table({TextTable::Align::left, TextTable::Align::right, TextTable::Align::left});
@@ -65,5 +65,5 @@ TEST(Fitted, CutsWholeCharacters) {
     EXPECT_EQ(fitted("Насос", 0), "");
 }
 
-}  // namespace
+}  // namespace text_table_test
 }  // namespace takt::report

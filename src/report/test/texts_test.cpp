@@ -8,7 +8,7 @@
 #include "takt/text/catalogue.hpp"
 
 namespace takt::report {
-namespace {
+namespace texts_test {
 
 using namespace test;
 
@@ -102,5 +102,5 @@ TEST(Texts, SentencesThatGoOn) {
     EXPECT_EQ(without_stop(""), "");
 }
 
-}  // namespace
+}  // namespace texts_test
 }  // namespace takt::report

@@ -6,7 +6,7 @@
 #include <ctime>
 
 namespace takt::report {
-namespace {
+namespace ticks_test {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 
@@ -49,5 +49,5 @@ TEST(Ticks, OfTimesAreFullLocalTimes) {
     ::tzset();
 }
 
-}  // namespace
+}  // namespace ticks_test
 }  // namespace takt::report

@@ -12,7 +12,7 @@
 #include "takt/capture/segment.hpp"
 
 namespace takt::report {
-namespace {
+namespace traffic_capture_test {
 
 model::Line line_named(const std::string& name, wire::Framing framing) {
     model::Line line;
@@ -134,5 +134,5 @@ TEST(TrafficCapture, DroppedBytesHaveTheirReason) {
     EXPECT_NE(file.find("dropped: checksum"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace traffic_capture_test
 }  // namespace takt::report

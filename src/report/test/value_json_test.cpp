@@ -7,7 +7,7 @@
 #include "sample.hpp"
 
 namespace takt::report {
-namespace {
+namespace value_json_test {
 
 using namespace test;
 
@@ -44,5 +44,5 @@ TEST(ValueJson, ErrorsKeepTheirCodeInEveryLanguage) {
     }
 }
 
-}  // namespace
+}  // namespace value_json_test
 }  // namespace takt::report

@@ -6,7 +6,7 @@
 #include "takt/report/text_table.hpp"
 
 namespace takt::report {
-namespace {
+namespace watch_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
@@ -212,5 +212,5 @@ TEST(WatchReport, Statistics) {
     EXPECT_JSON(at(watch_summary_json({}), "min_ms"), file::Json());
 }
 
-}  // namespace
+}  // namespace watch_report_test
 }  // namespace takt::report

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::report {
-namespace {
+namespace word_wrap_test {
 
 TEST(WordWrap, BreaksLongLinesAtBlanks) {
     const struct {
@@ -45,5 +45,5 @@ TEST(WordWrap, ALineThatFitsKeepsItsBlanks) {
     EXPECT_EQ(wrapped("a   b\n    c d \n", 10), "a   b\n    c d \n");
 }
 
-}  // namespace
+}  // namespace word_wrap_test
 }  // namespace takt::report

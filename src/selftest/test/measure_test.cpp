@@ -7,7 +7,7 @@
 #include "takt/selftest/background_load.hpp"
 
 namespace takt::selftest {
-namespace {
+namespace measure_test {
 
 using namespace std::chrono_literals;
 
@@ -67,5 +67,5 @@ TEST(Budget, IsTheGreatestSampleRoundedUp) {
     EXPECT_EQ(budget_of({}, {}, {}).jitter, 0us);
 }
 
-}  // namespace
+}  // namespace measure_test
 }  // namespace takt::selftest

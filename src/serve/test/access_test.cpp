@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace takt::serve {
-namespace {
+namespace access_test {
 
 using namespace std::chrono_literals;
 using Decision = AccessControl::Decision;
@@ -414,5 +414,5 @@ RC_GTEST_PROP(Access, DecidesAsItemByItem, ()) {
               (reference(rules, wire::RequestView(bytes)) == Decision::allowed));
 }
 
-}  // namespace
+}  // namespace access_test
 }  // namespace takt::serve

@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace takt::serve {
-namespace {
+namespace bank_test {
 
 TEST(RegisterBank, OffersWhatItStores) {
     std::array<std::uint16_t, 10> values{};
@@ -97,5 +97,5 @@ TEST(BitBank, KeepsBitsPackedFromItsFirstAddress) {
     EXPECT_FALSE(readable(bank, 1009, 2)) << "the second byte has bits that are no addresses";
 }
 
-}  // namespace
+}  // namespace bank_test
 }  // namespace takt::serve

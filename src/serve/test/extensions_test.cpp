@@ -12,7 +12,7 @@
 #include "takt/serve/serial_slave.hpp"
 
 namespace takt::serve {
-namespace {
+namespace extensions_test {
 
 /// Function 65 returns its data, 66 waits, 67 does not answer.
 class Custom final : public Extension {
@@ -378,5 +378,5 @@ TEST(SerialSlave, CustomFunctionsAndDiagnosticsOverTheLine) {
     EXPECT_EQ(exchange(rtu(1, "03 0001 0001")), rtu(1, "03 02 0001"));
 }
 
-}  // namespace
+}  // namespace extensions_test
 }  // namespace takt::serve

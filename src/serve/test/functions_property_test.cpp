@@ -12,7 +12,7 @@
 #include "takt/serve/identification.hpp"
 
 namespace takt::serve {
-namespace {
+namespace functions_property_test {
 
 using Pdu = std::vector<std::uint8_t>;
 
@@ -184,5 +184,5 @@ RC_GTEST_PROP(Banks, LayoutsHoldWhatIsWritten, ()) {
         }
 }
 
-}  // namespace
+}  // namespace functions_property_test
 }  // namespace takt::serve

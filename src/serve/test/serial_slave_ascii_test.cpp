@@ -1,7 +1,7 @@
 #include "serial_rig.hpp"
 
 namespace takt::serve {
-namespace {
+namespace serial_slave_ascii_test {
 
 std::string ascii(std::string_view text) {
     return hex(Bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
@@ -80,5 +80,5 @@ TEST(SerialSlave, AsciiWithoutTurnaroundAnswersAtOnce) {
     EXPECT_EQ(rig.sent, frame(wire::Framing::ascii, 1, "03 04 0010 0011"));
 }
 
-}  // namespace
+}  // namespace serial_slave_ascii_test
 }  // namespace takt::serve

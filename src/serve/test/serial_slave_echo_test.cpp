@@ -2,7 +2,7 @@
 #include "serial_rig.hpp"
 
 namespace takt::serve {
-namespace {
+namespace serial_slave_echo_test {
 
 // 43
 TEST(SerialSlave, OwnEchoIsDiscarded) {
@@ -141,5 +141,5 @@ TEST(SerialSlave, NoiseThatBeginsLikeTheAnswerCostsNothing) {
     EXPECT_EQ(rig.exchange(kRead), kReadAnswer);
 }
 
-}  // namespace
+}  // namespace serial_slave_echo_test
 }  // namespace takt::serve

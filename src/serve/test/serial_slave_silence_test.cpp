@@ -2,7 +2,7 @@
 #include "serial_rig.hpp"
 
 namespace takt::serve {
-namespace {
+namespace serial_slave_silence_test {
 
 TEST(SerialSlave, WaitsForSilenceBehindSurplusBytes) {
     Rig rig(rtu_config());
@@ -291,5 +291,5 @@ TEST(SerialSlave, ABrokenFrameIsCountedBeforeTheNextRequestIsServed) {
     EXPECT_EQ(log.lines[0], "checksum");
 }
 
-}  // namespace
+}  // namespace serial_slave_silence_test
 }  // namespace takt::serve

@@ -6,7 +6,7 @@
 #include "serial_rig.hpp"
 
 namespace takt::serve {
-namespace {
+namespace serial_slave_test {
 
 TEST(SerialSlave, AnswersAfterTheSilence) {
     Rig rig(rtu_config());
@@ -284,5 +284,5 @@ RC_GTEST_PROP(SerialSlave, NoiseNeverMakesItDeaf, ()) {
     RC_ASSERT(rig.exchange(kRead) == kReadAnswer);
 }
 
-}  // namespace
+}  // namespace serial_slave_test
 }  // namespace takt::serve

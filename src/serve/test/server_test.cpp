@@ -8,7 +8,7 @@
 #include "support.hpp"
 
 namespace takt::serve {
-namespace {
+namespace server_test {
 
 std::string ask(Server& server, const std::string& pdu, std::uint8_t unit = 1) {
     Context context;
@@ -365,5 +365,5 @@ RC_GTEST_PROP(Server, AnyBytesGetAWellFormedAnswerAndARefusalChangesNothing, ())
     RC_ASSERT(storage == before);
 }
 
-}  // namespace
+}  // namespace server_test
 }  // namespace takt::serve

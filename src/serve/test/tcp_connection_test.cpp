@@ -8,7 +8,7 @@
 #include "support.hpp"
 
 namespace takt::serve {
-namespace {
+namespace tcp_connection_test {
 
 using namespace std::chrono_literals;
 
@@ -339,5 +339,5 @@ RC_GTEST_PROP(TcpConnection, AnyBytesInAnyChunksAreBoundedAndNeverCrossTalk, ())
     RC_ASSERT(noisy.connection.close_reason() != CloseReason::none);
 }
 
-}  // namespace
+}  // namespace tcp_connection_test
 }  // namespace takt::serve

@@ -12,7 +12,7 @@
 #include "takt/sim/simulated_line.hpp"
 
 namespace takt::sim {
-namespace {
+namespace altered_frames_test {
 
 using wire::Framing;
 
@@ -118,5 +118,5 @@ TEST(AlteredFrames, FramesThatAreCutDoubledOrReplaced) {
         EXPECT_FALSE(open_frame(Framing::rtu, received));
 }
 
-}  // namespace
+}  // namespace altered_frames_test
 }  // namespace takt::sim

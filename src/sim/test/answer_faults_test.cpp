@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace takt::sim {
-namespace {
+namespace answer_faults_test {
 
 using namespace std::chrono_literals;
 
@@ -205,5 +205,5 @@ RC_GTEST_PROP(AnswerFaults, AnyTextAndAnyFrame,
             RC_ASSERT(damaged({kind}, framing, frame).size() <= frame.size());
 }
 
-}  // namespace
+}  // namespace answer_faults_test
 }  // namespace takt::sim

@@ -7,7 +7,7 @@
 #include "takt/wire/frame.hpp"
 
 namespace takt::sim {
-namespace {
+namespace byte_stream_test {
 
 using namespace std::chrono_literals;
 
@@ -67,5 +67,5 @@ TEST(ByteStream, TheServerMayEndIt) {
     EXPECT_EQ(rig.server.close_reason(), serve::CloseReason::none);
 }
 
-}  // namespace
+}  // namespace byte_stream_test
 }  // namespace takt::sim

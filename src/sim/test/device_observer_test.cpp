@@ -10,7 +10,7 @@
 #include "takt/sim/devices.hpp"
 
 namespace takt::sim {
-namespace {
+namespace device_observer_test {
 
 using namespace std::chrono_literals;
 using wire::Area;
@@ -111,5 +111,5 @@ TEST(DeviceObserver, AValueThatMovesIsReportedWhenItIsFoundMoved) {
     EXPECT_FALSE(device.change(at(22s), Area::holding_register, 7, two)) << "8 does not exist";
 }
 
-}  // namespace
+}  // namespace device_observer_test
 }  // namespace takt::sim

@@ -9,7 +9,7 @@
 #include "takt/value/codec.hpp"
 
 namespace takt::sim {
-namespace {
+namespace device_test {
 
 using namespace std::chrono_literals;
 using wire::Area;
@@ -210,5 +210,5 @@ TEST(Pattern, StaysWithinItsType) {
     }
 }
 
-}  // namespace
+}  // namespace device_test
 }  // namespace takt::sim

@@ -14,7 +14,7 @@
 #include "takt/sim/simulated_line.hpp"
 
 namespace takt::sim {
-namespace {
+namespace faults_test {
 
 using namespace std::chrono_literals;
 using wire::Area;
@@ -272,5 +272,5 @@ TEST(Faults, AnswersInOneSegmentAreCountedOneByOne) {
     }
 }
 
-}  // namespace
+}  // namespace faults_test
 }  // namespace takt::sim

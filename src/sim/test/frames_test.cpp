@@ -9,7 +9,7 @@
 #include "takt/sim/random.hpp"
 
 namespace takt::sim {
-namespace {
+namespace frames_test {
 
 using wire::Framing;
 
@@ -69,5 +69,5 @@ TEST(Misleading, OpenAndCloseAgreeWithTheWire) {
         }
 }
 
-}  // namespace
+}  // namespace frames_test
 }  // namespace takt::sim

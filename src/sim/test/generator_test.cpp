@@ -4,7 +4,7 @@
 #include <rapidcheck/gtest.h>
 
 namespace takt::sim {
-namespace {
+namespace generator_test {
 
 using namespace std::chrono_literals;
 using Motion = model::Generator::Motion;
@@ -54,5 +54,5 @@ RC_GTEST_PROP(Generator, AWalkStaysInItsRangeAndItsSteps, (std::uint64_t seed)) 
     (void)walk.at(after(kStart, std::chrono::hours(24 * 365)));
 }
 
-}  // namespace
+}  // namespace generator_test
 }  // namespace takt::sim

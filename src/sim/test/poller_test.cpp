@@ -9,7 +9,7 @@
 #include "takt/sim/simulated_line.hpp"
 
 namespace takt::sim {
-namespace {
+namespace poller_test {
 
 using namespace std::chrono_literals;
 using wire::Area;
@@ -262,5 +262,5 @@ TEST(Simulation, AMonthPassesInSeconds) {
     EXPECT_EQ(run.slot("d2.i2").quality, value::Quality::good);
 }
 
-}  // namespace
+}  // namespace poller_test
 }  // namespace takt::sim

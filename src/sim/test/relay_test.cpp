@@ -16,7 +16,7 @@
 #include "takt/sim/simulated_line.hpp"
 
 namespace takt::sim {
-namespace {
+namespace relay_test {
 
 using namespace std::chrono_literals;
 
@@ -357,5 +357,5 @@ TEST(PollingBesideClients, OnALineThatPollingFills) {
     EXPECT_GT(sent, 400u) << "they have their share";
 }
 
-}  // namespace
+}  // namespace relay_test
 }  // namespace takt::sim

@@ -11,7 +11,7 @@
 #include "takt/sim/simulated_line.hpp"
 
 namespace takt::sim {
-namespace {
+namespace response_test {
 
 using namespace std::chrono_literals;
 using wire::Function;
@@ -153,5 +153,5 @@ TEST(Response, TheOthersStayWithinTheirGuaranteeWhileOneOfTenIsDead) {
     EXPECT_GE(asked_dead, 8U);
 }
 
-}  // namespace
+}  // namespace response_test
 }  // namespace takt::sim

@@ -5,7 +5,7 @@
 #include "support.hpp"
 
 namespace takt::sim {
-namespace {
+namespace serial_bus_test {
 
 using namespace std::chrono_literals;
 
@@ -129,5 +129,5 @@ TEST(SerialBus, AChangeFromOutsideIsSeenAtOnce) {
     EXPECT_EQ(rig.record.entries, (std::vector<Record::Entry>{{0, at(10ms), at(11ms), {9}, false}}));
 }
 
-}  // namespace
+}  // namespace serial_bus_test
 }  // namespace takt::sim

@@ -12,7 +12,7 @@
 #include "takt/value/codec.hpp"
 
 namespace takt::sim {
-namespace {
+namespace table_test {
 
 using namespace std::chrono_literals;
 using wire::Area;
@@ -416,5 +416,5 @@ RC_GTEST_PROP(Table, AnyProjectAnyTrouble, ()) {
     RC_ASSERT(!::testing::Test::HasFailure());
 }
 
-}  // namespace
+}  // namespace table_test
 }  // namespace takt::sim

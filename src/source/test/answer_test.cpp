@@ -8,7 +8,7 @@
 #include "takt/value/text.hpp"
 
 namespace takt::source {
-namespace {
+namespace answer_test {
 
 Bytes bytes_of(const std::string& text) {
     return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -168,5 +168,5 @@ RC_GTEST_PROP(Match, AnyTextAgainstAnyTemplate, (const std::string& text, const 
         }
 }
 
-}  // namespace
+}  // namespace answer_test
 }  // namespace takt::source

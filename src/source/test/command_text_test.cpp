@@ -10,7 +10,7 @@
 #include "takt/model/text_template.hpp"
 
 namespace takt::source {
-namespace {
+namespace command_text_test {
 
 model::InstrumentCommand command(const char* request) {
     model::InstrumentCommand made{.name = "c"};
@@ -107,5 +107,5 @@ RC_GTEST_PROP(CommandText, ANumberIsReadBackAsTheSameText, (double number)) {
     RC_ASSERT(value_text(made, value::Value(std::stod(*sent))) == *sent);
 }
 
-}  // namespace
+}  // namespace command_text_test
 }  // namespace takt::source

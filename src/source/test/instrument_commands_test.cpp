@@ -2,7 +2,7 @@
 #include "instrument_bench.hpp"
 
 namespace takt::source {
-namespace {
+namespace instrument_commands_test {
 
 using namespace test;
 
@@ -276,5 +276,5 @@ TEST(InstrumentCommands, OneThatWaitsWhenTheSilenceBeginsIsSentAfterTheStart) {
     EXPECT_EQ(bench.take_results(), "tare5 done; ");
 }
 
-}  // namespace
+}  // namespace instrument_commands_test
 }  // namespace takt::source

@@ -6,7 +6,7 @@
 #include <string>
 
 namespace takt::source {
-namespace {
+namespace instrument_engine_test {
 
 using namespace std::chrono_literals;
 
@@ -183,5 +183,5 @@ RC_GTEST_PROP(Instrument, NoBytesAreTooMany, (const std::vector<std::vector<std:
     }
 }
 
-}  // namespace
+}  // namespace instrument_engine_test
 }  // namespace takt::source

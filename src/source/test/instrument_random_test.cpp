@@ -7,7 +7,7 @@
 #include "instrument_bench.hpp"
 
 namespace takt::source {
-namespace {
+namespace instrument_random_test {
 
 using namespace test;
 
@@ -122,5 +122,5 @@ RC_GTEST_PROP(InstrumentCommands, NothingIsLostOrMixedUp, (const std::vector<std
     if (!unknown && fake.initialised) RC_ASSERT(fake.tare == confirmed);
 }
 
-}  // namespace
+}  // namespace instrument_random_test
 }  // namespace takt::source

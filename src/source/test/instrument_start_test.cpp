@@ -2,7 +2,7 @@
 #include "instrument_bench.hpp"
 
 namespace takt::source {
-namespace {
+namespace instrument_start_test {
 
 using namespace test;
 
@@ -203,5 +203,5 @@ TEST(InstrumentStart, OneThatSendsByItselfIsStartedToo) {
     EXPECT_EQ(bench.take(), "T9 INIT ");
 }
 
-}  // namespace
+}  // namespace instrument_start_test
 }  // namespace takt::source

@@ -11,7 +11,7 @@
 #include "takt/source/answer.hpp"
 
 namespace takt::source {
-namespace {
+namespace outside_test {
 
 using namespace std::chrono_literals;
 
@@ -97,5 +97,5 @@ TEST_F(Outside, Columns) {
     EXPECT_EQ(read_column(file("a\n1\nx\n"), "a").error().code, Code::syntax);
 }
 
-}  // namespace
+}  // namespace outside_test
 }  // namespace takt::source

@@ -13,7 +13,7 @@
 #include "takt/store/crc32c.hpp"
 
 namespace takt::store {
-namespace {
+namespace history_codec_test {
 
 using Samples = std::vector<HistorySample>;
 
@@ -168,5 +168,5 @@ RC_GTEST_PROP(HistoryCodec, ReportsDamage, ()) {
     RC_ASSERT(!decode_history(Bytes(bytes).first(at)));
 }
 
-}  // namespace
+}  // namespace history_codec_test
 }  // namespace takt::store

@@ -10,7 +10,7 @@
 #include "takt/store/history_reader.hpp"
 
 namespace takt::store {
-namespace {
+namespace history_picture_test {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kHour = 3600 * kSecond;
@@ -149,5 +149,5 @@ TEST(HistoryPicture, RefusesAnEmptyRange) {
     EXPECT_EQ(reader->picture(stored.id, {5, 6}, 10)->pixels.size(), 0U);
 }
 
-}  // namespace
+}  // namespace history_picture_test
 }  // namespace takt::store

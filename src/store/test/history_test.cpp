@@ -11,7 +11,7 @@
 #include "takt/store/history_reader.hpp"
 
 namespace takt::store {
-namespace {
+namespace history_test {
 
 using Samples = std::vector<HistorySample>;
 
@@ -328,5 +328,5 @@ TEST_F(HistoryTest, SurvivesAKillAfterEachCommit) {
     }
 }
 
-}  // namespace
+}  // namespace history_test
 }  // namespace takt::store

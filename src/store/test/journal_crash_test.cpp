@@ -12,7 +12,7 @@
 #include "takt/store/journal.hpp"
 
 namespace takt::store {
-namespace {
+namespace journal_crash_test {
 
 using namespace std::chrono_literals;
 using test::SimulatedDisk;
@@ -377,5 +377,5 @@ TEST(JournalCrash, CountsWhatIsWaitingExactly) {
     }
 }
 
-}  // namespace
+}  // namespace journal_crash_test
 }  // namespace takt::store

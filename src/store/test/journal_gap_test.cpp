@@ -10,7 +10,7 @@
 #include "journal_rig.hpp"
 
 namespace takt::store {
-namespace {
+namespace journal_gap_test {
 
 using namespace std::chrono_literals;
 using namespace test;
@@ -423,5 +423,5 @@ TEST_F(JournalGapTest, GoesOnInMemoryWhileTheDiskIsFull) {
     EXPECT_EQ(entries.size(), 2 + (100 - rejected));
 }
 
-}  // namespace
+}  // namespace journal_gap_test
 }  // namespace takt::store

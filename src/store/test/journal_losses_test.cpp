@@ -6,7 +6,7 @@
 #include <utility>
 
 namespace takt::store {
-namespace {
+namespace journal_losses_test {
 
 using Pair = std::pair<std::uint64_t, std::uint64_t>;
 
@@ -60,5 +60,5 @@ TEST(KnownLosses, ForgetsWhatIsPassed) {
     EXPECT_EQ(after(losses, 0), Pair(0, 0));
 }
 
-}  // namespace
+}  // namespace journal_losses_test
 }  // namespace takt::store

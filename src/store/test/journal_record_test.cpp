@@ -4,7 +4,7 @@
 #include <rapidcheck/gtest.h>
 
 namespace takt::store {
-namespace {
+namespace journal_record_test {
 
 using Image = std::vector<std::uint8_t>;
 
@@ -103,5 +103,5 @@ RC_GTEST_PROP(JournalRecord, IsNeverFoundInRandomBytes, (const Image& bytes)) {
     RC_ASSERT(decode_record(bytes).state != DecodeState::good);
 }
 
-}  // namespace
+}  // namespace journal_record_test
 }  // namespace takt::store

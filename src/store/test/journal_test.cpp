@@ -12,7 +12,7 @@
 #include "journal_rig.hpp"
 
 namespace takt::store {
-namespace {
+namespace journal_test {
 
 using namespace std::chrono_literals;
 using namespace test;
@@ -354,5 +354,5 @@ TEST_F(JournalTest, WritesAgainInAnotherSegmentAfterAFailedSync) {
     EXPECT_EQ(read_all(kSite).size(), 2U);
 }
 
-}  // namespace
+}  // namespace journal_test
 }  // namespace takt::store

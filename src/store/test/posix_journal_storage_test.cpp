@@ -10,7 +10,7 @@
 #include "takt/store/journal.hpp"
 
 namespace takt::store {
-namespace {
+namespace posix_journal_storage_test {
 
 using namespace std::chrono_literals;
 
@@ -184,5 +184,5 @@ TEST_F(PosixJournal, ContinuesAfterAKill) {
     EXPECT_EQ(next, 1U + 4 * 9);
 }
 
-}  // namespace
+}  // namespace posix_journal_storage_test
 }  // namespace takt::store

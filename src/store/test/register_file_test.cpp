@@ -11,7 +11,7 @@
 #include "torn_disk.hpp"
 
 namespace takt::store {
-namespace {
+namespace register_file_test {
 
 using test::TornDisk;
 using Image = std::vector<std::uint8_t>;
@@ -237,5 +237,5 @@ TEST(RegisterFile, WithoutAWholeCopyIsDamaged) {
     EXPECT_EQ(RegisterFile::open(disk, kSmall).error().code, Code::malformed);
 }
 
-}  // namespace
+}  // namespace register_file_test
 }  // namespace takt::store

@@ -14,7 +14,7 @@
 #include "directory.hpp"
 
 namespace takt::store {
-namespace {
+namespace register_writer_test {
 
 namespace fs = std::filesystem;
 using Image = std::vector<std::uint8_t>;
@@ -353,5 +353,5 @@ TEST_F(OpenRegisters, SaysWhatCannotBeMade) {
     EXPECT_EQ(open_registers(path_, kLayout, Image(kLayout.bytes())).error().code, Code::cannot_open);
 }
 
-}  // namespace
+}  // namespace register_writer_test
 }  // namespace takt::store

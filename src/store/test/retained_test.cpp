@@ -17,7 +17,7 @@
 #include "directory.hpp"
 
 namespace takt::store {
-namespace {
+namespace retained_test {
 
 namespace fs = std::filesystem;
 using value::Value;
@@ -289,5 +289,5 @@ TEST_F(RetainedTest, ProgressIsReportedAndTicketsAreCoveredTogether) {
     EXPECT_LT(commits, 500);  // written together, not one by one
 }
 
-}  // namespace
+}  // namespace retained_test
 }  // namespace takt::store

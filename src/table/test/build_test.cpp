@@ -9,7 +9,7 @@
 #include "takt/table/restore.hpp"
 
 namespace takt::table {
-namespace {
+namespace build_test {
 
 using namespace test;
 
@@ -236,5 +236,5 @@ TEST(Build, DoesWithoutNames) {
     EXPECT_EQ(restored.lines[0].devices[0].variables[0].name, "item0");
 }
 
-}  // namespace
+}  // namespace build_test
 }  // namespace takt::table

@@ -9,7 +9,7 @@
 #include "takt/text/catalogue.hpp"
 
 namespace takt::table {
-namespace {
+namespace owen_test {
 
 using namespace test;
 
@@ -170,5 +170,5 @@ TEST(Owen, EveryRefusalHasItsWords) {
         }
 }
 
-}  // namespace
+}  // namespace owen_test
 }  // namespace takt::table

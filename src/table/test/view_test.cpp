@@ -7,7 +7,7 @@
 #include "takt/table/owen.hpp"
 
 namespace takt::table {
-namespace {
+namespace view_test {
 
 using namespace test;
 
@@ -121,5 +121,5 @@ TEST(Crc32, IsTheKnownOne) {
     EXPECT_EQ(crc.value(), 0xCBF43926U);
 }
 
-}  // namespace
+}  // namespace view_test
 }  // namespace takt::table

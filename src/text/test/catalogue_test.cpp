@@ -7,7 +7,7 @@
 #include <set>
 
 namespace takt::text {
-namespace {
+namespace catalogue_test {
 
 std::set<std::string_view> placeholders(std::string_view pattern) {
     constexpr std::string_view kNameCharacters = "abcdefghijklmnopqrstuvwxyz0123456789_";
@@ -75,5 +75,5 @@ TEST(Catalogue, AnUnknownCodeStandsForItself) {
               "field.odd (value: 7, allowed: 0..5)");
 }
 
-}  // namespace
+}  // namespace catalogue_test
 }  // namespace takt::text

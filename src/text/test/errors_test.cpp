@@ -6,7 +6,7 @@
 #include "takt/text/catalogue.hpp"
 
 namespace takt::text {
-namespace {
+namespace errors_test {
 
 constexpr Code kCodes[] = {
     Code::out_of_range, Code::malformed,    Code::too_short,        Code::too_long,         Code::unsupported,
@@ -93,5 +93,5 @@ TEST(Errors, AdviseByWhatTheyAreAbout) {
         EXPECT_EQ(advice(Language::english, error), "");
 }
 
-}  // namespace
+}  // namespace errors_test
 }  // namespace takt::text

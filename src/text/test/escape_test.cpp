@@ -7,7 +7,7 @@
 #include "takt/text/catalogue.hpp"
 
 namespace takt::text {
-namespace {
+namespace escape_test {
 
 using namespace std::string_literals;
 
@@ -62,5 +62,5 @@ TEST(Message, EscapesItsArguments) {
               std::string::npos);
 }
 
-}  // namespace
+}  // namespace escape_test
 }  // namespace takt::text

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::text {
-namespace {
+namespace language_test {
 
 TEST(Language, IsReadFromTagsAndLocales) {
     struct Case {
@@ -51,5 +51,5 @@ TEST(Language, OfTheEnvironmentIsThatOfGettext) {
             << each.environment.language << " " << each.environment.lc_all << " " << each.environment.lang;
 }
 
-}  // namespace
+}  // namespace language_test
 }  // namespace takt::text

@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace takt::timing {
-namespace {
+namespace histogram_test {
 
 using namespace std::chrono_literals;
 
@@ -95,5 +95,5 @@ TEST(HistogramDeathTest, HasNoRankBeyondItsSamples) {
     EXPECT_DEATH((void)histogram.value_at_rank(2), "");
 }
 
-}  // namespace
+}  // namespace histogram_test
 }  // namespace takt::timing

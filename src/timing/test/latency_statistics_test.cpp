@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace takt::timing {
-namespace {
+namespace latency_statistics_test {
 
 using namespace std::chrono_literals;
 
@@ -118,5 +118,5 @@ RC_GTEST_PROP(LatencyStatistics, MergesAsIfRecordedTogether, ()) {
         RC_ASSERT(merged.percentile(percent) == expected.percentile(percent));
 }
 
-}  // namespace
+}  // namespace latency_statistics_test
 }  // namespace takt::timing

@@ -11,7 +11,7 @@
 #include "takt/value/text.hpp"
 
 namespace takt::value {
-namespace {
+namespace codec_test {
 
 using Words = std::vector<std::uint16_t>;
 
@@ -219,5 +219,5 @@ RC_GTEST_PROP(Codec, TextOfAValueReadsBackAsTheSame, ()) {
     RC_ASSERT(same(parse(layout.type, false, text).value(), value));
 }
 
-}  // namespace
+}  // namespace codec_test
 }  // namespace takt::value

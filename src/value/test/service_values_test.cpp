@@ -11,7 +11,7 @@
 #include "takt/value/text.hpp"
 
 namespace takt::value::test {
-namespace {
+namespace service_values_test {
 
 using namespace std::chrono_literals;
 
@@ -202,5 +202,5 @@ TEST(ServiceValues, HaveNoValueBeforeTheFirstUpdate) {
     EXPECT_EQ(store[*store.find("own")].quality, Quality::good);
 }
 
-}  // namespace
+}  // namespace service_values_test
 }  // namespace takt::value::test

@@ -6,7 +6,7 @@
 #include <array>
 
 namespace takt::value {
-namespace {
+namespace store_test {
 
 using namespace std::chrono_literals;
 
@@ -128,5 +128,5 @@ RC_GTEST_PROP(Store, ASlowReaderLearnsExactlyWhatItMissed, (std::vector<bool> re
     }
 }
 
-}  // namespace
+}  // namespace store_test
 }  // namespace takt::value

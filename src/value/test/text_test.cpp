@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::value {
-namespace {
+namespace text_test {
 
 TEST(Text, ReadsValuesOfEachType) {
     struct Case {
@@ -88,5 +88,5 @@ TEST(Text, ShowsTheShortestForm) {
     EXPECT_EQ(format(DataType::int16, false, Value{}), "");
 }
 
-}  // namespace
+}  // namespace text_test
 }  // namespace takt::value

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::web {
-namespace {
+namespace api_test {
 
 TEST(Api, GivesTheFirstValueOfAParameter) {
     const report::Texts texts(text::Language::english);
@@ -19,5 +19,5 @@ TEST(Api, WritesErrorsAsOneObject) {
     EXPECT_EQ(response.body, "{\"error\":{\"code\":\"read_only\",\"text\":\"A \\\"text\\\"\"}}\n");
 }
 
-}  // namespace
+}  // namespace api_test
 }  // namespace takt::web

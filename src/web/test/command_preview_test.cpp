@@ -6,7 +6,7 @@
 #include "takt/wire/words.hpp"
 
 namespace takt::web {
-namespace {
+namespace command_preview_test {
 
 using namespace test;
 
@@ -64,5 +64,5 @@ TEST(CommandPreview, ReportsRounding) {
     EXPECT_TRUE(rounded);
 }
 
-}  // namespace
+}  // namespace command_preview_test
 }  // namespace takt::web

@@ -6,7 +6,7 @@
 #include <thread>
 
 namespace takt::web {
-namespace {
+namespace evaluation_queue_test {
 
 TEST(EvaluationQueue, ANewerTurnOfAClientSupersedesItsOlderOne) {
     EvaluationQueue queue(2);
@@ -52,5 +52,5 @@ TEST(EvaluationQueue, HasAtMostThatManyInProgress) {
     EXPECT_LE(most, 2);
 }
 
-}  // namespace
+}  // namespace evaluation_queue_test
 }  // namespace takt::web

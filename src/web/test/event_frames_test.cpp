@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::web {
-namespace {
+namespace event_frames_test {
 
 using enum text::Language;
 
@@ -64,5 +64,5 @@ TEST(EventFrames, ReadsLargeRestsInParts) {
     EXPECT_EQ(text.size(), 90'000u);
 }
 
-}  // namespace
+}  // namespace event_frames_test
 }  // namespace takt::web

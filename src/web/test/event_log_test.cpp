@@ -9,7 +9,7 @@
 #include "wall_time.hpp"
 
 namespace takt::web {
-namespace {
+namespace event_log_test {
 
 using namespace std::chrono_literals;
 
@@ -111,5 +111,5 @@ TEST_F(EventLogTest, ForgetsTheOldestAndReportsSinceWhen) {
     EXPECT_EQ(commands(1).size(), Marks::kMost);
 }
 
-}  // namespace
+}  // namespace event_log_test
 }  // namespace takt::web

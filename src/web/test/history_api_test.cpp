@@ -8,7 +8,7 @@
 #include "takt/store/history.hpp"
 
 namespace takt::web {
-namespace {
+namespace history_api_test {
 
 using Query = std::multimap<std::string, std::string, std::less<>>;
 
@@ -81,5 +81,5 @@ TEST_F(HistoryApiTest, RefusesWhatItCannotAnswer) {
     EXPECT_EQ(call("/history/series").status, 404);
 }
 
-}  // namespace
+}  // namespace history_api_test
 }  // namespace takt::web

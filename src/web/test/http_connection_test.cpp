@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace takt::web {
-namespace {
+namespace http_connection_test {
 
 using namespace std::chrono_literals;
 
@@ -219,5 +219,5 @@ TEST(HttpConnection, SplitsLongAnswers) {
     EXPECT_EQ(rig.sent().size(), 200'000 - (std::size_t{64} << 10));
 }
 
-}  // namespace
+}  // namespace http_connection_test
 }  // namespace takt::web

@@ -8,7 +8,7 @@
 #include "page.hpp"
 
 namespace takt::web {
-namespace {
+namespace http_router_test {
 
 class OneEvent final : public StreamSource {
 public:
@@ -147,5 +147,5 @@ TEST(HttpRouter, ClosesWhatAsksForIt) {
     EXPECT_TRUE(routes.reply({.head = head + "connection: close\r\n\r\n"}).close);
 }
 
-}  // namespace
+}  // namespace http_router_test
 }  // namespace takt::web

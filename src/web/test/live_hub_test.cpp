@@ -8,7 +8,7 @@
 #include "running_host.hpp"
 
 namespace takt::web {
-namespace {
+namespace live_hub_test {
 
 using namespace test;
 
@@ -138,5 +138,5 @@ TEST(LiveValues, MarksTriggersAndLocals) {
     EXPECT_NE(text.find("\"writable\":false,\"trigger\":false,\"local\":false"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace live_hub_test
 }  // namespace takt::web

@@ -14,7 +14,7 @@
 #include "folder.hpp"
 
 namespace takt::web {
-namespace {
+namespace mark_file_test {
 
 Mark mark(int number) {
     return {.time_ms = 1'700'000'000'000 + number,
@@ -221,5 +221,5 @@ TEST_F(MarkFileTest, SurvivesAKillAtAnyMoment) {
     }
 }
 
-}  // namespace
+}  // namespace mark_file_test
 }  // namespace takt::web

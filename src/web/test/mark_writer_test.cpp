@@ -11,7 +11,7 @@
 #include "folder.hpp"
 
 namespace takt::web {
-namespace {
+namespace mark_writer_test {
 
 using namespace std::chrono_literals;
 
@@ -146,5 +146,5 @@ TEST_F(MarkWriterTest, DamageIsReported) {
     EXPECT_EQ(messages_.codes(), (std::vector<std::string>{"log.marks.cut", "log.marks.set_aside"}));
 }
 
-}  // namespace
+}  // namespace mark_writer_test
 }  // namespace takt::web

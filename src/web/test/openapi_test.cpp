@@ -18,7 +18,7 @@
 #include "takt/web/project_api.hpp"
 
 namespace takt::web {
-namespace {
+namespace openapi_test {
 
 file::Json description() {
     return *file::Json::parse(openapi_text());
@@ -112,5 +112,5 @@ TEST(OpenApi, DescribesEachAnswer) {
         }
 }
 
-}  // namespace
+}  // namespace openapi_test
 }  // namespace takt::web

@@ -10,7 +10,7 @@
 #include "takt/file/json.hpp"
 
 namespace takt::web {
-namespace {
+namespace project_api_test {
 
 using file::Json;
 
@@ -336,5 +336,5 @@ TEST_F(ProjectApiTest, TwoBrowsersDoNotOverwriteEachOther) {
     EXPECT_EQ(folder_.read("plant.yaml~"), kProject);
 }
 
-}  // namespace
+}  // namespace project_api_test
 }  // namespace takt::web

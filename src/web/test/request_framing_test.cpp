@@ -6,7 +6,7 @@
 #include <vector>
 
 namespace takt::web {
-namespace {
+namespace request_framing_test {
 
 ParsedHead parsed(const std::string& fields, const std::string& line = "GET /a?b=c HTTP/1.1") {
     return parse_head(line + "\r\n" + fields + "\r\n");
@@ -73,5 +73,5 @@ TEST(RequestFraming, LimitsHeads) {
     EXPECT_EQ(parsed("A: " + std::string(17000, 'b') + "\r\n").status, 431);
 }
 
-}  // namespace
+}  // namespace request_framing_test
 }  // namespace takt::web

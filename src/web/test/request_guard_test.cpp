@@ -6,7 +6,7 @@
 #include <vector>
 
 namespace takt::web {
-namespace {
+namespace request_guard_test {
 
 using Refused = std::optional<Refusal>;
 
@@ -168,5 +168,5 @@ TEST(PeerRates, ForgetsQuietAddresses) {
     EXPECT_TRUE(rates.admit("one more", t + 100ms));
 }
 
-}  // namespace
+}  // namespace request_guard_test
 }  // namespace takt::web

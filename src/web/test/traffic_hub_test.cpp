@@ -5,7 +5,7 @@
 #include "running_host.hpp"
 
 namespace takt::web {
-namespace {
+namespace traffic_hub_test {
 
 using namespace test;
 
@@ -50,5 +50,5 @@ TEST(TrafficHub, AdmitsALimitedNumberOfStreamsAndEndsThem) {
     EXPECT_FALSE(streams[0]->take(text));
 }
 
-}  // namespace
+}  // namespace traffic_hub_test
 }  // namespace takt::web

@@ -8,7 +8,7 @@
 #include <sstream>
 
 namespace takt::web {
-namespace {
+namespace unified_diff_test {
 
 /// What patch(1) does with one file.
 std::string applied(const std::string& old_text, const std::string& diff) {
@@ -90,5 +90,5 @@ TEST(UnifiedDiff, IsBoundedForTextsWithNothingInCommon) {
     EXPECT_EQ(applied(old_text, diff), text);
 }
 
-}  // namespace
+}  // namespace unified_diff_test
 }  // namespace takt::web

@@ -11,7 +11,7 @@
 #include "takt/line/socket.hpp"
 
 namespace takt::web {
-namespace {
+namespace web_server_test {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
@@ -194,5 +194,5 @@ TEST_F(WebServerTest, ListensOnIpv6) {
     EXPECT_EQ((*server)->url(), "http://[::1]:" + std::to_string((*server)->port()) + "/");
 }
 
-}  // namespace
+}  // namespace web_server_test
 }  // namespace takt::web

@@ -9,7 +9,7 @@
 #include "running_host.hpp"
 
 namespace takt::web {
-namespace {
+namespace why_test {
 
 using namespace test;
 
@@ -107,5 +107,5 @@ TEST(Why, SpeaksEachLanguageWithoutPlaceholders) {
     }
 }
 
-}  // namespace
+}  // namespace why_test
 }  // namespace takt::web

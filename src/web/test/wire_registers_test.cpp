@@ -5,7 +5,7 @@
 #include <utility>
 
 namespace takt::web {
-namespace {
+namespace wire_registers_test {
 
 using namespace std::chrono_literals;
 using Bytes = std::vector<std::uint8_t>;
@@ -88,5 +88,5 @@ TEST(WireRegisters, MatchTransactionIdentifiers) {
     EXPECT_FALSE(known.find("bus", UnitId{16}, kHolding, 90, 3));
 }
 
-}  // namespace
+}  // namespace wire_registers_test
 }  // namespace takt::web

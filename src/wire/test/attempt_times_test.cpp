@@ -6,7 +6,7 @@
 #include "takt/base/time.hpp"
 
 namespace takt::wire {
-namespace {
+namespace attempt_times_test {
 
 using namespace std::chrono_literals;
 
@@ -22,5 +22,5 @@ TEST(AttemptTimes, FailureEndsWhereTheNextRequestMayStart) {
     EXPECT_EQ(kAttempt.failure(112ms), 124ms);
 }
 
-}  // namespace
+}  // namespace attempt_times_test
 }  // namespace takt::wire

@@ -6,7 +6,7 @@
 #include "takt/wire/framer.hpp"
 
 namespace takt::wire {
-namespace {
+namespace frame_test {
 
 using enum Function;
 
@@ -134,5 +134,5 @@ TEST(Names, OfFramingsAndFaults) {
     EXPECT_EQ(name(Area::input_register), "input_register");
 }
 
-}  // namespace
+}  // namespace frame_test
 }  // namespace takt::wire

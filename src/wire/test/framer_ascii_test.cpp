@@ -3,7 +3,7 @@
 #include "listener.hpp"
 
 namespace takt::wire {
-namespace {
+namespace framer_ascii_test {
 
 using namespace std::chrono_literals;
 
@@ -111,5 +111,5 @@ TEST(AsciiFramer, ReportsWhetherTheExpectedResponseCameDamaged) {
     }
 }
 
-}  // namespace
+}  // namespace framer_ascii_test
 }  // namespace takt::wire

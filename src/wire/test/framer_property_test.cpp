@@ -5,7 +5,7 @@
 #include "listener.hpp"
 
 namespace takt::wire {
-namespace {
+namespace framer_property_test {
 
 using namespace std::chrono_literals;
 
@@ -207,5 +207,5 @@ RC_GTEST_PROP(FramerProperty, TcpGarbageIsEitherFramesOrTheEnd, ()) {
                   reports[i] == reports.back());  // after the first bad header nothing but that
 }
 
-}  // namespace
+}  // namespace framer_property_test
 }  // namespace takt::wire

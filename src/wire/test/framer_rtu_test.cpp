@@ -4,7 +4,7 @@
 #include "takt/wire/line_timing.hpp"
 
 namespace takt::wire {
-namespace {
+namespace framer_rtu_test {
 
 using namespace std::chrono_literals;
 
@@ -383,5 +383,5 @@ TEST(RtuFramerOverAStream, TakesNoRequestOutOfTheDataOfAnother) {
     }
 }
 
-}  // namespace
+}  // namespace framer_rtu_test
 }  // namespace takt::wire

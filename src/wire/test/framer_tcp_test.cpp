@@ -3,7 +3,7 @@
 #include "listener.hpp"
 
 namespace takt::wire {
-namespace {
+namespace framer_tcp_test {
 
 using namespace std::chrono_literals;
 
@@ -74,5 +74,5 @@ TEST(TcpFramer, KnowsNoTime) {
     EXPECT_EQ(listener.reports(), Reports{"11: 07"});
 }
 
-}  // namespace
+}  // namespace framer_tcp_test
 }  // namespace takt::wire

@@ -14,7 +14,7 @@
 #include "takt/wire/request_view.hpp"
 
 namespace takt::wire {
-namespace {
+namespace function_test {
 
 TEST(Effect, OfRequests) {
     struct Row {
@@ -223,5 +223,5 @@ static_assert(!properties(Function::mask_write_register).counts_bits());
 static_assert(kMaxReadBits == 2000 && kMaxWriteBits == 1968 && kMaxReadRegisters == 125);
 static_assert(kMaxWriteRegisters == 123 && kMaxReadWriteRegisters == 121);
 
-}  // namespace
+}  // namespace function_test
 }  // namespace takt::wire

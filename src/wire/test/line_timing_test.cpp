@@ -4,7 +4,7 @@
 #include <rapidcheck/gtest.h>
 
 namespace takt::wire {
-namespace {
+namespace line_timing_test {
 
 using namespace std::chrono_literals;
 
@@ -51,5 +51,5 @@ RC_GTEST_PROP(LineTiming, IsTheLeastNanosecondNotBelowTheExactTime, ()) {
     RC_ASSERT(time * format.baud < exact + format.baud);
 }
 
-}  // namespace
+}  // namespace line_timing_test
 }  // namespace takt::wire

@@ -6,7 +6,7 @@
 #include "takt/wire/prepared_request.hpp"
 
 namespace takt::wire {
-namespace {
+namespace pdu_property_test {
 
 template <class T>
 bool holds(const Result<T>& result, const T& value) {
@@ -133,5 +133,5 @@ RC_GTEST_PROP(PduProperty, WhatIsReadFromAnyAnswerIsAllOfItsMeaning, ()) {
     }
 }
 
-}  // namespace
+}  // namespace pdu_property_test
 }  // namespace takt::wire

@@ -7,7 +7,7 @@
 #include "bytes.hpp"
 
 namespace takt::wire {
-namespace {
+namespace pdu_test {
 
 std::string zeros(std::size_t bytes) {
     std::string text;
@@ -288,5 +288,5 @@ TEST(Bits, KeepNothingBeyondTheirSize) {
     EXPECT_EQ(to_hex(changed.bytes()), "FF 00");
 }
 
-}  // namespace
+}  // namespace pdu_test
 }  // namespace takt::wire

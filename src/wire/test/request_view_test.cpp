@@ -13,7 +13,7 @@
 #include "takt/wire/prepared_request.hpp"
 
 namespace takt::wire {
-namespace {
+namespace request_view_test {
 
 std::string text_of(const ItemAccess& access) {
     return std::string(name(access.area)) + (access.write ? " write " : " read ") +
@@ -206,5 +206,5 @@ RC_GTEST_PROP(RequestViewProperty, AgreesWithTypedRequests, ()) {
     }
 }
 
-}  // namespace
+}  // namespace request_view_test
 }  // namespace takt::wire

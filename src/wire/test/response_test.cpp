@@ -5,7 +5,7 @@
 #include "takt/wire/pdu.hpp"
 
 namespace takt::wire {
-namespace {
+namespace response_test {
 
 const Request kReadThree = ReadRequest{Function::read_holding_registers, {0x6B}, 3};
 const Request kReadCoils = ReadRequest{Function::read_coils, {0x13}, 19};
@@ -101,5 +101,5 @@ TEST(MaxResponseLength, OfEveryFunction) {
         EXPECT_EQ(max_response_length(request), length) << static_cast<int>(function_of(request));
 }
 
-}  // namespace
+}  // namespace response_test
 }  // namespace takt::wire

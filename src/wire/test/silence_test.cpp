@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::wire {
-namespace {
+namespace silence_test {
 
 using namespace std::chrono_literals;
 
@@ -35,5 +35,5 @@ TEST(Silence, SeparatesFramesOnSerialRtuLinesOnly) {
     EXPECT_EQ(response_wait(Framing::ascii, slow, 1ms), 1ms);
 }
 
-}  // namespace
+}  // namespace silence_test
 }  // namespace takt::wire

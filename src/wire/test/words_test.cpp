@@ -6,7 +6,7 @@
 #include "bytes.hpp"
 
 namespace takt::wire {
-namespace {
+namespace words_test {
 
 struct Row {
     std::string_view pdu;
@@ -119,5 +119,5 @@ RC_GTEST_PROP(Words, AnyBytesHaveWords, (ByteVector pdu)) {
     RC_ASSERT(describe_response(UnitId{1}, pdu).starts_with("unit 1"));
 }
 
-}  // namespace
+}  // namespace words_test
 }  // namespace takt::wire

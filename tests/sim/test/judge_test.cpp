@@ -8,7 +8,7 @@
 #include "story.hpp"
 
 namespace takt::simtest {
-namespace {
+namespace judge_test {
 
 using poll::Purpose;
 using value::CommandResult;
@@ -397,5 +397,5 @@ TEST(Judge, EveryInvariantIsBrokenByOneOfTheHistories) {
         EXPECT_TRUE(broken.contains(std::string(invariant))) << invariant;
 }
 
-}  // namespace
+}  // namespace judge_test
 }  // namespace takt::simtest

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace takt::judge {
-namespace {
+namespace ledger_test {
 
 using namespace std::chrono_literals;
 
@@ -346,5 +346,5 @@ TEST(Ledger, OnlyItsOwnUnitOvertakesARequest) {
     EXPECT_EQ(line.exempt(8), "exempt_passed") << "it has always answered in order";
 }
 
-}  // namespace
+}  // namespace ledger_test
 }  // namespace takt::judge

@@ -4,7 +4,7 @@
 #include "takt/wire/frame.hpp"
 
 namespace takt::simtest {
-namespace {
+namespace story {
 
 constexpr auto kProject = R"(takt: 1
 backoff: {first: 1s, limit: 4s}
@@ -51,7 +51,7 @@ locals:
 
 constexpr Duration kCharacter = Duration(572'917);
 
-}  // namespace
+}  // namespace story
 
 Story::Story() {
     project_ = read_text(kProject).project;
