@@ -62,6 +62,12 @@ std::vector<TickProgression> tick_progressions(std::vector<bool> left,
 
 }  // namespace
 
+std::optional<std::int64_t> common_multiple(std::int64_t a, std::int64_t b, std::int64_t most) {
+    const std::int64_t factor = b / std::gcd(a, b);
+    if (a > most / factor) return std::nullopt;
+    return a * factor;
+}
+
 std::optional<Calendar> Calendar::of(std::span<const Duration> periods) {
     TAKT_ASSERT(!periods.empty() && periods.front() > Duration::zero());
     if (periods.size() > kMostPeriods) return std::nullopt;

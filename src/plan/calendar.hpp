@@ -11,6 +11,9 @@
 
 namespace takt::plan {
 
+/// The least common multiple of two periods above zero; nothing if it exceeds `most`.
+[[nodiscard]] std::optional<std::int64_t> common_multiple(std::int64_t a, std::int64_t b, std::int64_t most);
+
 /// The instants phase + n * period, n = 0, 1, …; phase < period.
 struct Progression {
     Duration period{};

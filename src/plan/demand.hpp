@@ -15,6 +15,9 @@ namespace takt::plan {
 /// Holds every product and sum of times without overflow.
 __extension__ typedef __int128 WideTime;
 
+/// Exceeds the rounding error of sums of rates.
+inline constexpr double kRateRounding = 1e-9;
+
 /// The demand of n consecutive releases of one task, in the costliest case.
 class Demand {
 public:

@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::size_t kMostPoints = 2'000'000;
 constexpr std::size_t kMostSteps = 100'000;
-constexpr double kRounding = 1e-9;
 
 /// A step of the demand: jobs with the common deadlines first + n * period.
 struct Source {
@@ -88,8 +87,8 @@ bool Sweep::run(Microseconds limit, const std::function<bool(Microseconds, WideT
     return true;
 }
 
-struct Line {
-    explicit Line(std::span<const Task> tasks);
+struct EdfLine {
+    explicit EdfLine(std::span<const Task> tasks);
 
     std::span<const Task> tasks;
     std::vector<Demand> demands;
@@ -99,7 +98,7 @@ struct Line {
     Microseconds last_first_deadline = 0;
 };
 
-Line::Line(std::span<const Task> all) : tasks(all), utilization(plan::utilization(all)) {
+EdfLine::EdfLine(std::span<const Task> all) : tasks(all), utilization(plan::utilization(all)) {
     demands.reserve(tasks.size());
     for (const Task& task : tasks) {
         demands.emplace_back(task);
@@ -109,7 +108,7 @@ Line::Line(std::span<const Task> all) : tasks(all), utilization(plan::utilizatio
     }
 }
 
-Sweep sweep_of(const Line& line) {
+Sweep sweep_of(const EdfLine& line) {
     std::map<std::tuple<Microseconds, Microseconds>, Source> alike;
     Sweep sweep;
     for (std::size_t i = 0; i < line.tasks.size(); ++i) {
@@ -130,7 +129,8 @@ Sweep sweep_of(const Line& line) {
     return sweep;
 }
 
-std::optional<Microseconds> busy_period(const Line& line, const Failures& failures, Microseconds blocking) {
+std::optional<Microseconds> edf_busy_period(const EdfLine& line, const Failures& failures,
+                                            Microseconds blocking) {
     Interference all(failures);
     for (std::size_t i = 0; i < line.tasks.size(); ++i) {
         const Task& task = line.tasks[i];
@@ -138,7 +138,7 @@ std::optional<Microseconds> busy_period(const Line& line, const Failures& failur
     }
     const double spare = 1 - all.least_rate();
     const double sure = static_cast<double>(blocking) + all.least();
-    const double from = spare > kRounding ? std::max(0.0, sure / spare * (1 - 1e-6)) : 0;
+    const double from = spare > kRateRounding ? std::max(0.0, sure / spare * (1 - 1e-6)) : 0;
     if (!(from < static_cast<double>(kLongestBusyPeriod))) return std::nullopt;
     auto t = std::max<Microseconds>(1, static_cast<Microseconds>(from) - 1);
     for (std::size_t step = 0; step < kMostSteps; ++step) {
@@ -153,15 +153,15 @@ std::optional<Microseconds> busy_period(const Line& line, const Failures& failur
 
 // The last deadline that must be checked. Frames that can always block lengthen every busy period; frames
 // with a deadline of their own lengthen only the busy periods that begin before it.
-std::optional<Microseconds> last_point(const Line& line, const Failures& failures, Microseconds always,
+std::optional<Microseconds> last_point(const EdfLine& line, const Failures& failures, Microseconds always,
                                        Microseconds at_most) {
-    const auto busy = busy_period(line, failures, always);
+    const auto busy = edf_busy_period(line, failures, always);
     if (!busy) return std::nullopt;
-    const auto blocked = busy_period(line, failures, at_most);
+    const auto blocked = edf_busy_period(line, failures, at_most);
     return std::max(*busy, std::min(blocked.value_or(kLongestBusyPeriod), line.last_first_deadline));
 }
 
-bool holds(const Line& line, const Failures& failures, bool failed_blocks) {
+bool holds(const EdfLine& line, const Failures& failures, bool failed_blocks) {
     Blocking blocking;
     Microseconds always = 0;
     for (std::size_t i = 0; i < line.tasks.size(); ++i) {
@@ -183,8 +183,8 @@ bool holds(const Line& line, const Failures& failures, bool failed_blocks) {
 }  // namespace
 
 bool feasible_edf(std::span<const Task> tasks, const std::optional<FaultRate>& faults) {
-    const Line line(tasks);
-    if (line.utilization > 1 + kRounding) return false;
+    const EdfLine line(tasks);
+    if (line.utilization > 1 + kRateRounding) return false;
     if (!faults) return holds(line, Failures(), false);
     return holds(line, Failures(*faults, 0), false) && holds(line, Failures(*faults, 1), true);
 }
@@ -201,8 +201,8 @@ std::optional<bool> feasible_edf_sporadic(std::span<const Task> tasks) {
         shortest = std::min(shortest, task.period);
         longest = std::max(longest, task.period);
     }
-    const Line line(tasks);
-    if (line.utilization > 1 + kRounding) return false;
+    const EdfLine line(tasks);
+    if (line.utilization > 1 + kRateRounding) return false;
     blocking.finish();
     // The demand up to L - 1 changes at the ends of periods: L = t + 1.
     return sweep_of(line).run(longest - 2, [&](Microseconds t, WideTime demand) {

@@ -10,6 +10,7 @@
 
 #include "line_tasks.hpp"
 #include "step_check.hpp"
+#include "streams.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/shares.hpp"
 #include "transaction_cost.hpp"
@@ -29,7 +30,7 @@ Time later(const Time& a, const Time& b) {
 }
 
 // Effort of all lines; beyond it, of each further one.
-constexpr std::uint64_t kMostWork = 150'000'000;
+constexpr std::uint64_t kMostWorkOfLines = 150'000'000;
 constexpr std::uint64_t kLeastWorkOfLine = 50'000;
 
 constexpr std::array kResponses{&Bound::response, &Bound::response_with_fault, &Bound::response_with_dead};
@@ -157,14 +158,14 @@ void set_ages(const model::Line& line, const LinePlan& plan, LineGuarantee& made
 void set_request_ages(const LinePlan& plan, LineGuarantee& made) {
     for (std::size_t i = 0; i < plan.requests.size(); ++i) {
         const Request& request = plan.requests[i];
-        if (!request.read || !(request.period > Duration::zero()) || request.variables.empty()) continue;
+        if (!is_periodic(request) || request.variables.empty()) continue;
         Time age = Duration::zero();
         for (const std::size_t v : request.variables) age = later(age, made.ages[request.device][v]);
         made.requests[i].age = age;
     }
 }
 
-double share_of(const LineTasks& line, const std::optional<std::size_t>& task) {
+double share_of_task(const LineTasks& line, const std::optional<std::size_t>& task) {
     return task ? utilization(std::span(line.tasks).subspan(*task, 1)) / line.in_flight() : 0;
 }
 
@@ -185,7 +186,7 @@ Bound latest_of(const Bound& a, const Bound& b) {
     return bound;
 }
 
-bool misses(const Time& response, const Time& deadline) {
+bool exceeds(const Time& response, const Time& deadline) {
     return deadline && (!response || *response > *deadline);
 }
 
@@ -194,7 +195,7 @@ bool misses(const Time& response, const Time& deadline) {
 void worsen_bound(Bound& bound, const Bound& other) {
     for (const auto response : kResponses) {
         const bool has_more_time = bound.deadline && other.deadline > bound.deadline;
-        if (has_more_time && !misses(other.*response, other.deadline)) continue;
+        if (has_more_time && !exceeds(other.*response, other.deadline)) continue;
         bound.*response = later(bound.*response, other.*response);
     }
 }
@@ -277,8 +278,8 @@ LineGuarantee guarantee_line(const model::Project& project, const LinePlan& plan
     made.in_flight = line.in_flight();
     made.utilization = utilization(line.tasks) / line.in_flight();
     if (is_saturated(plan)) made.utilization = std::max(1.0, made.utilization);
-    made.relayed_share = share_of(line, line.relayed);
-    made.client_share = share_of(line, line.clients);
+    made.relayed_share = share_of_task(line, line.relayed);
+    made.client_share = share_of_task(line, line.clients);
     set_verdict(made);
     // Several in flight: the second opinion would take one after the other.
     made.feasible_edf =
@@ -307,7 +308,7 @@ std::vector<LineGuarantee> guarantee(const model::Project& project, const Plan& 
     std::uint64_t spent = 0;
     for (const LinePlan& line : plan.lines) {
         Effort effort;
-        if (spent > kMostWork) effort.most = kLeastWorkOfLine;
+        if (spent > kMostWorkOfLines) effort.most = kLeastWorkOfLine;
         lines.push_back(
             guarantee_line(project, confirmed ? *confirmed : project, line, options, scope, &effort));
         spent += effort.spent;

@@ -32,9 +32,9 @@ ItemRange items_of(const model::Variable& v) {
 }
 
 /// The items of a device's variables that one function reads.
-class Used {
+class UsedItems {
 public:
-    Used(const model::Device& device, wire::Function read) {
+    UsedItems(const model::Device& device, wire::Function read) {
         for (const auto& v : device.variables)
             if (is_read(v) && v.read == read) spans_.push_back(items_of(v));
         std::ranges::sort(spans_, [](const ItemRange& a, const ItemRange& b) {
@@ -88,7 +88,7 @@ private:
     std::size_t index_;
     wire::Function read_;
     std::size_t area_;
-    Used used_;
+    UsedItems used_;
     std::size_t limit_;
     std::vector<Trial> trials_;
 };
@@ -124,7 +124,7 @@ void TrialMaker::add_refused() {
     }
 }
 
-model::Device confirmed_only(model::Device device) {
+model::Device device_confirmed_only(model::Device device) {
     if (!learns(device)) return device;
     for (std::size_t area = 0; area < device.no_read.size(); ++area)
         device.no_read[area] =
@@ -185,7 +185,7 @@ bool learns(const model::Line& line) {
 }
 
 model::Line confirmed_only(model::Line line) {
-    for (auto& device : line.devices) device = confirmed_only(std::move(device));
+    for (auto& device : line.devices) device = device_confirmed_only(std::move(device));
     return line;
 }
 
@@ -232,7 +232,7 @@ LearningPlan learning_plan(const model::Project& project, std::size_t line,
 }
 
 std::vector<ItemRange> gaps_in(const model::Device& device, wire::Function read, const ItemRange& range) {
-    return model::without({range}, Used(device, read).runs());
+    return model::without({range}, UsedItems(device, read).runs());
 }
 
 }  // namespace takt::plan

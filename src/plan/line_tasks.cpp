@@ -17,7 +17,9 @@
 #include <utility>
 
 #include "admission.hpp"
+#include "calendar.hpp"
 #include "step_check.hpp"
+#include "streams.hpp"
 #include "takt/base/assert.hpp"
 #include "transaction_cost.hpp"
 
@@ -34,20 +36,16 @@ Microseconds microseconds_down(Duration time) {
     return std::chrono::floor<std::chrono::microseconds>(time).count();
 }
 
-bool is_periodic(const Request& request) {
-    return request.read && request.period > Duration::zero();
-}
-
 /// A stream: periodic requests that alternate. Holds its ticks and the length of its cycle in ticks.
-struct Stream {
+struct StreamCycle {
     std::vector<std::size_t> requests;
     Duration tick{};
     std::int64_t ticks = 1;
 };
 
 // Returns nothing if the cycle is too long to enumerate.
-std::optional<Stream> cycle_of(const LinePlan& plan, const std::vector<std::size_t>& requests) {
-    Stream stream{.requests = requests};
+std::optional<StreamCycle> cycle_of(const LinePlan& plan, const std::vector<std::size_t>& requests) {
+    StreamCycle stream{.requests = requests};
     const Request& first = plan.requests[requests.front()];
     std::int64_t tick = 0;
     for (const std::size_t i : requests) {
@@ -56,20 +54,20 @@ std::optional<Stream> cycle_of(const LinePlan& plan, const std::vector<std::size
     }
     for (const std::size_t i : requests) {
         const std::int64_t turn = plan.requests[i].period->count() / tick;
-        const std::int64_t more = turn / std::gcd(stream.ticks, turn);
-        if (more > kMostShapes / stream.ticks) return std::nullopt;
-        stream.ticks *= more;
+        const auto ticks = common_multiple(stream.ticks, turn, kMostShapes);
+        if (!ticks) return std::nullopt;
+        stream.ticks = *ticks;
     }
     stream.tick = Duration(tick);
     return stream;
 }
 
-bool due_at(const Request& request, Duration first, const Stream& stream, std::int64_t tick) {
+bool due_at(const Request& request, Duration first, const StreamCycle& stream, std::int64_t tick) {
     const auto since = (first + stream.tick * tick - request.phase).count();
     return since % request.period->count() == 0;
 }
 
-std::vector<std::vector<std::size_t>> streams_of(const LinePlan& plan) {
+std::vector<std::vector<std::size_t>> requests_by_stream(const LinePlan& plan) {
     std::map<std::pair<std::size_t, std::size_t>, std::size_t> index;
     std::vector<std::vector<std::size_t>> streams;
     for (std::size_t i = 0; i < plan.requests.size(); ++i) {
@@ -102,7 +100,7 @@ public:
 private:
     void add_polled();
     void add_stream(const std::vector<std::size_t>& requests);
-    void add_shapes(const Stream& stream);
+    void add_shapes(const StreamCycle& stream);
     void add_alone(std::size_t request);
     void add_relayed();
     void add_clients();
@@ -148,7 +146,7 @@ LineTasks TaskMaker::make() {
 }
 
 void TaskMaker::add_polled() {
-    for (const auto& requests : streams_of(plan_)) add_stream(requests);
+    for (const auto& requests : requests_by_stream(plan_)) add_stream(requests);
     for (std::size_t i = 0; i < plan_.requests.size(); ++i)
         if (plan_.requests[i].read && plan_.requests[i].period == Duration::zero()) add_alone(i);
 }
@@ -161,7 +159,7 @@ void TaskMaker::add_stream(const std::vector<std::size_t>& requests) {
         for (const std::size_t i : requests) add_alone(i);
 }
 
-void TaskMaker::add_shapes(const Stream& stream) {
+void TaskMaker::add_shapes(const StreamCycle& stream) {
     const Request& first = plan_.requests[stream.requests.front()];
     const std::size_t task = add_task(first, polled_job(first));
     Task& made = made_.tasks[task];
@@ -366,7 +364,8 @@ void TaskMaker::set_priorities() {
 }
 
 // The longest interval between two reads of a variable in the stream's cycle, including the wrap-around.
-Duration longest_gap(const LinePlan& plan, const Stream& stream, const std::vector<std::size_t>& readers) {
+Duration longest_gap(const LinePlan& plan, const StreamCycle& stream,
+                     const std::vector<std::size_t>& readers) {
     const Duration first = plan.requests[stream.requests.front()].phase;
     std::optional<std::int64_t> begin;
     std::int64_t last = 0;
@@ -423,7 +422,7 @@ LineTasks line_tasks(const model::Project& project, const LinePlan& plan) {
 Distances read_distances(const model::Line& line, const LinePlan& plan) {
     Distances distances;
     for (const auto& device : line.devices) distances.emplace_back(device.variables.size());
-    for (const auto& requests : streams_of(plan)) note_stream(line, plan, requests, distances);
+    for (const auto& requests : requests_by_stream(plan)) note_stream(line, plan, requests, distances);
     return distances;
 }
 

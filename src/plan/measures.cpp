@@ -29,7 +29,7 @@ constexpr std::size_t kCopiesPerPlan = 4;      // a copy of a line takes a fract
 constexpr std::size_t kMostLate = 8;           // requests whose periods are lengthened alone
 // Near full load a proof can take very long, however small the line is: Effort of one trial plan, and of all.
 constexpr std::uint64_t kMostWorkOfTrial = 10'000'000;
-constexpr std::uint64_t kMostWork = 100'000'000;
+constexpr std::uint64_t kMostWorkOfSearch = 100'000'000;
 
 // Where the tasks of a line exceed it, the load is the problem. Else something blocks a more urgent request,
 // and what leaves the periods alone comes first.
@@ -41,7 +41,7 @@ constexpr std::array kAgainstBlocking{
     MeasureKind::relay_interval, MeasureKind::bit_rate,    MeasureKind::periods,   MeasureKind::attempts};
 constexpr std::array kOfThePlan{MeasureKind::grouping, MeasureKind::time_outs, MeasureKind::splitting};
 
-bool misses(const JobBound& job, Goal goal) {
+bool misses_goal(const JobBound& job, Goal goal) {
     if (job.late()) return true;
     if (goal == Goal::with_faults) return job.late_with_fault();
     return goal == Goal::with_dead_device && job.late_with_dead();
@@ -49,10 +49,10 @@ bool misses(const JobBound& job, Goal goal) {
 
 bool reached(const LineGuarantee& line, Goal goal) {
     return line.feasible && std::none_of(line.jobs.begin(), line.jobs.end(),
-                                         [goal](const JobBound& job) { return misses(job, goal); });
+                                         [goal](const JobBound& job) { return misses_goal(job, goal); });
 }
 
-Time response(const Bound& bound, Goal goal) {
+Time response_for(const Bound& bound, Goal goal) {
     if (goal == Goal::with_faults) return bound.response_with_fault;
     return goal == Goal::with_dead_device ? bound.response_with_dead : bound.response;
 }
@@ -96,11 +96,12 @@ struct Limits {
     std::uint64_t work = 0;
 };
 
-class Search {
+class LineMeasureSearch {
 public:
     /// @param plan, guarantee  of the line as in the project file
-    Search(const model::Project& project, const LinePlan& plan, const LineGuarantee& guarantee, Goal goal,
-           const Limits& limits, Workbench& bench, const std::function<void()>& on_plan);
+    LineMeasureSearch(const model::Project& project, const LinePlan& plan, const LineGuarantee& guarantee,
+                      Goal goal, const Limits& limits, Workbench& bench,
+                      const std::function<void()>& on_plan);
 
     /// @returns false if the search ended at its limit: there may be more measures
     bool run(std::vector<Measure>& found);
@@ -163,8 +164,9 @@ private:
     Figures before_;
 };
 
-Search::Search(const model::Project& project, const LinePlan& plan, const LineGuarantee& guarantee, Goal goal,
-               const Limits& limits, Workbench& bench, const std::function<void()>& on_plan)
+LineMeasureSearch::LineMeasureSearch(const model::Project& project, const LinePlan& plan,
+                                     const LineGuarantee& guarantee, Goal goal, const Limits& limits,
+                                     Workbench& bench, const std::function<void()>& on_plan)
     : project_(project),
       plan_(plan),
       guarantee_(guarantee),
@@ -178,7 +180,7 @@ Search::Search(const model::Project& project, const LinePlan& plan, const LineGu
     restore();
 }
 
-void Search::restore() {
+void LineMeasureSearch::restore() {
     bench_.project.lines[0] = project_.lines[line_];
     bench_.project.derive_timeouts = project_.derive_timeouts;
     bench_.project.backoff = project_.backoff;
@@ -186,13 +188,13 @@ void Search::restore() {
     editor_.restart(false);
 }
 
-void Search::start_from(const Steps& base, bool recording) {
+void LineMeasureSearch::start_from(const Steps& base, bool recording) {
     if (editor_.count() > 0) restore();
     editor_.restart(recording);
     for (const Step& step : base) step(editor_);
 }
 
-std::optional<Search::Proof> Search::reaches(const Steps& base, const Step& step) {
+std::optional<LineMeasureSearch::Proof> LineMeasureSearch::reaches(const Steps& base, const Step& step) {
     if (exhausted()) return std::nullopt;
     start_from(base);
     const std::size_t before = editor_.count();
@@ -200,7 +202,7 @@ std::optional<Search::Proof> Search::reaches(const Steps& base, const Step& step
     return editor_.count() > before ? reaching_plan() : std::nullopt;
 }
 
-std::optional<Search::Proof> Search::reaching_plan() {
+std::optional<LineMeasureSearch::Proof> LineMeasureSearch::reaching_plan() {
     ++plans_;
     auto plan = trial_plan(bench_.project, 0, bench_.planned);
     std::optional<Proof> proof;
@@ -215,7 +217,7 @@ std::optional<Search::Proof> Search::reaching_plan() {
     return proof;
 }
 
-LineGuarantee Search::prove(const LinePlan& plan) {
+LineGuarantee LineMeasureSearch::prove(const LinePlan& plan) {
     const model::Project& own = bench_.project;
     if (learns(own.lines[0])) {
         bench_.confirmed.lines[0] = confirmed_only(own.lines[0]);
@@ -229,7 +231,7 @@ LineGuarantee Search::prove(const LinePlan& plan) {
     return guarantee;
 }
 
-std::vector<MeasureKind> Search::kinds() const {
+std::vector<MeasureKind> LineMeasureSearch::kinds() const {
     const bool overloaded = guarantee_.utilization > 1;
     std::vector<MeasureKind> kinds(kAgainstBlocking.begin(), kAgainstBlocking.end());
     if (overloaded) kinds.assign(kAgainstLoad.begin(), kAgainstLoad.end());
@@ -244,10 +246,10 @@ std::vector<MeasureKind> Search::kinds() const {
     return kinds;
 }
 
-std::vector<Members> Search::late_requests() const {
+std::vector<Members> LineMeasureSearch::late_requests() const {
     std::vector<Members> late;
     for (const JobBound& job : guarantee_.jobs) {
-        if (job.cause != Cause::period || !misses(job, goal_)) continue;
+        if (job.cause != Cause::period || !misses_goal(job, goal_)) continue;
         if (late.size() == kMostLate) return {};
         const Request& request = plan_.requests[job.request];
         late.push_back({request.device, request.variables});
@@ -255,7 +257,7 @@ std::vector<Members> Search::late_requests() const {
     return late;
 }
 
-std::vector<Ladder> Search::ladders_from(const Steps& base, MeasureKind kind) const {
+std::vector<Ladder> LineMeasureSearch::ladders_from(const Steps& base, MeasureKind kind) const {
     const model::Project& own = bench_.project;
     const bool overloaded = guarantee_.utilization > 1;
     if (base.empty()) return ladders(kind, own.lines[0], own.profile, {plan_, overloaded, late_requests()});
@@ -264,11 +266,11 @@ std::vector<Ladder> Search::ladders_from(const Steps& base, MeasureKind kind) co
     return ladders(kind, own.lines[0], own.profile, {plan_line(own, 0), overloaded, {}});
 }
 
-void Search::choose_subject() {
+void LineMeasureSearch::choose_subject() {
     Duration worst = Duration::min();
     for (const JobBound& job : guarantee_.jobs) {
-        if (!misses(job, goal_)) continue;
-        const Time longest = response(job.bound, goal_);
+        if (!misses_goal(job, goal_)) continue;
+        const Time longest = response_for(job.bound, goal_);
         const Duration over = longest ? *longest - *job.bound.deadline : Duration::max();
         if (over <= worst) continue;
         worst = over;
@@ -278,7 +280,7 @@ void Search::choose_subject() {
     before_ = figures(plan_, guarantee_);
 }
 
-Figures Search::figures(const LinePlan& plan, const LineGuarantee& guarantee) const {
+Figures LineMeasureSearch::figures(const LinePlan& plan, const LineGuarantee& guarantee) const {
     Figures worst{.response = Duration::zero()};
     for (const JobBound& job : guarantee.jobs) {
         const Request& request = plan.requests[job.request];
@@ -286,15 +288,15 @@ Figures Search::figures(const LinePlan& plan, const LineGuarantee& guarantee) co
         if (job.cause != subject_.cause || request.device != subject_.device ||
             std::find(variables.begin(), variables.end(), subject_.variable) == variables.end())
             continue;
-        const Time longest = response(job.bound, goal_);
+        const Time longest = response_for(job.bound, goal_);
         worst.response = worst.response && longest ? Time(std::max(*worst.response, *longest)) : std::nullopt;
         worst.deadline = job.bound.deadline.value_or(Duration::zero());
     }
     return worst;
 }
 
-void Search::add(Steps made, const Proof& proof, std::vector<MeasureKind> kinds, double largest_share,
-                 std::vector<Measure>& found) {
+void LineMeasureSearch::add(Steps made, const Proof& proof, std::vector<MeasureKind> kinds,
+                            double largest_share, std::vector<Measure>& found) {
     const Figures after = figures(proof.plan, proof.guarantee);
     start_from(made, true);
     found.push_back(
@@ -316,14 +318,15 @@ void Search::add(Steps made, const Proof& proof, std::vector<MeasureKind> kinds,
          .utilization_after = proof.guarantee.utilization});
 }
 
-std::optional<Search::Sufficient> Search::climb_one_by_one(const Ladder& ladder, const Steps& base) {
+std::optional<LineMeasureSearch::Sufficient> LineMeasureSearch::climb_one_by_one(const Ladder& ladder,
+                                                                                 const Steps& base) {
     for (std::size_t i = 0; i < ladder.steps.size(); ++i)
         if (auto proof = reaches(base, ladder.steps[i])) return Sufficient{i, *std::move(proof)};
     return std::nullopt;
 }
 
-std::optional<Search::Sufficient> Search::climb(const Ladder& ladder, const Steps& base,
-                                                const LadderKey& key) {
+std::optional<LineMeasureSearch::Sufficient> LineMeasureSearch::climb(const Ladder& ladder, const Steps& base,
+                                                                      const LadderKey& key) {
     if (!ladder.ordered) return climb_one_by_one(ladder, base);
     std::optional<Sufficient> best;
     std::size_t low = 0;
@@ -351,15 +354,15 @@ std::optional<Search::Sufficient> Search::climb(const Ladder& ladder, const Step
 
 // The line stays overloaded. In the worst case a share is larger than estimated, about as much as the load
 // is.
-bool Search::frees_too_little(const Ladder& ladder) const {
-    constexpr double kRounding = 0.05;  // periods are lengthened to round numbers, up
+bool LineMeasureSearch::frees_too_little(const Ladder& ladder) const {
+    constexpr double kPeriodRounding = 0.05;  // periods are lengthened to round numbers, up
     if (!ladder.relief || plan_.utilization <= 0) return false;
     const double left = 1 - *ladder.relief / plan_.utilization;
-    return guarantee_.utilization * left > 1 + kRounding;
+    return guarantee_.utilization * left > 1 + kPeriodRounding;
 }
 
-bool Search::try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKind> kinds,
-                      std::vector<Measure>& found) {
+bool LineMeasureSearch::try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKind> kinds,
+                                 std::vector<Measure>& found) {
     kinds.push_back(kind);
     if (exhausted()) return false;
     start_from(base);
@@ -377,7 +380,7 @@ bool Search::try_kind(MeasureKind kind, const Steps& base, std::vector<MeasureKi
 }
 
 // The mildest and the furthest step of the first kind are the base plans for the second kind.
-void Search::try_pairs(std::vector<Measure>& found) {
+void LineMeasureSearch::try_pairs(std::vector<Measure>& found) {
     const auto kinds = this->kinds();
     for (std::size_t a = 0; a < kinds.size(); ++a) {
         start_from({});
@@ -397,14 +400,14 @@ void Search::try_pairs(std::vector<Measure>& found) {
 }
 
 // Both cost nothing, so they come first together where neither alone suffices.
-void Search::try_grouping_with_turnarounds(std::vector<Measure>& found) {
+void LineMeasureSearch::try_grouping_with_turnarounds(std::vector<Measure>& found) {
     start_from({});
     for (const Ladder& ladder : ladders_from({}, MeasureKind::grouping))
         for (const Step& step : ladder.steps)
             if (try_kind(MeasureKind::turnarounds, {step}, {MeasureKind::grouping}, found)) return;
 }
 
-bool Search::run(std::vector<Measure>& found) {
+bool LineMeasureSearch::run(std::vector<Measure>& found) {
     choose_subject();
     const auto before = static_cast<std::ptrdiff_t>(found.size());
     for (const MeasureKind kind : kinds()) try_kind(kind, {}, {}, found);
@@ -456,10 +459,11 @@ MeasureSearch measures(const model::Project& project, const Plan& plan,
     MeasureSearch made;
     for (const LineGuarantee& line : guarantees) {
         if (const auto goal = goals[searched]) {
-            const Limits limits{bench.planned + (kMostPlanned - std::min(bench.planned, kMostPlanned)) / left,
-                                bench.work + (kMostWork - std::min(bench.work, kMostWork)) / left};
+            const Limits limits{
+                bench.planned + (kMostPlanned - std::min(bench.planned, kMostPlanned)) / left,
+                bench.work + (kMostWorkOfSearch - std::min(bench.work, kMostWorkOfSearch)) / left};
             --left;
-            Search search(project, plan.lines[line.line], line, *goal, limits, bench, report);
+            LineMeasureSearch search(project, plan.lines[line.line], line, *goal, limits, bench, report);
             if (!search.run(made.found)) made.unfinished.push_back(line.line);
         }
         ++searched;

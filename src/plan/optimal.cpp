@@ -43,7 +43,7 @@ std::optional<model::LocalIndex> trigger_of(const ReadItem& item) {
     return item.trigger;
 }
 
-auto range_of(const Request& request) {
+auto start_and_quantity(const Request& request) {
     return std::tie(request.start, request.quantity);
 }
 
@@ -114,10 +114,11 @@ std::vector<Request> covering_requests(const FunctionReads& reads, const CoverRe
 
 // The polled request with the same items, if `triggered`'s trigger reads all of its variables.
 Request* same_read(std::vector<Request>& polled, const Request& triggered) {
-    const auto at =
-        std::lower_bound(polled.begin(), polled.end(), triggered,
-                         [](const Request& a, const Request& b) { return range_of(a) < range_of(b); });
-    for (auto same = at; same != polled.end() && range_of(*same) == range_of(triggered); ++same)
+    const auto at = std::lower_bound(
+        polled.begin(), polled.end(), triggered,
+        [](const Request& a, const Request& b) { return start_and_quantity(a) < start_and_quantity(b); });
+    for (auto same = at; same != polled.end() && start_and_quantity(*same) == start_and_quantity(triggered);
+         ++same)
         if (!same->read_trigger && same->variables == triggered.variables) return &*same;
     return nullptr;
 }

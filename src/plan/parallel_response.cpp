@@ -28,8 +28,8 @@
 namespace takt::plan {
 namespace {
 
-constexpr std::size_t kMostDeadTasks = 100'000;  // devices times tasks
-constexpr int kMostPeriods = 100;                // a longer response counts as unbounded
+constexpr std::size_t kMostParallelDeadTasks = 100'000;  // devices times tasks
+constexpr int kMostPeriodsPerResponse = 100;             // a longer response counts as unbounded
 
 std::vector<std::vector<Microseconds>> shapes_of(const Task& task) {
     if (!task.shapes.empty()) return task.shapes;
@@ -37,8 +37,8 @@ std::vector<std::vector<Microseconds>> shapes_of(const Task& task) {
 }
 
 /// What is known of a task before the analysis.
-struct Entry {
-    explicit Entry(const Task& task) : demand(task) {
+struct TaskBound {
+    explicit TaskBound(const Task& task) : demand(task) {
         for (const auto& shape : shapes_of(task)) {
             job = std::max(job, std::accumulate(shape.begin(), shape.end(), Microseconds{0}));
             frames = std::max(frames, static_cast<std::int64_t>(shape.size()));
@@ -103,7 +103,7 @@ private:
     Effort& effort_;
     std::uint64_t limit_;
     std::int64_t slots_;
-    std::vector<Entry> entries_;
+    std::vector<TaskBound> entries_;
     Tasks before_;  // those of higher and equal priority
     Tasks lower_;
     Microseconds longest_frame_ = 0;
@@ -121,7 +121,7 @@ ParallelAnalysis::ParallelAnalysis(std::span<const Task> tasks, const Connection
       slots_(connection.in_flight),
       entries_(tasks.begin(), tasks.end()) {
     for (std::size_t i = 0; i < tasks.size(); ++i) {
-        Entry& entry = entries_[i];
+        TaskBound& entry = entries_[i];
         entry.alone = i < connection.alone.size() && connection.alone[i];
         has_alone_ = has_alone_ || entry.alone;
         entry.free = failures.rate() == 0 && tasks[i].burst == 1 && entry.frames <= 1 && !entry.alone;
@@ -173,7 +173,7 @@ bool ParallelAnalysis::solve(std::span<const std::size_t> level) {
 // Raises the bound of a task to what the present ones of the others give.
 bool ParallelAnalysis::grow(std::size_t task) {
     const Task& it = tasks_[task];
-    Entry& entry = entries_[task];
+    TaskBound& entry = entries_[task];
     auto response = entry.free ? bound_of_free(task) : bound(task);
     if (entry.free && (!response || *response > it.period)) {
         entry.free = false;
@@ -181,7 +181,7 @@ bool ParallelAnalysis::grow(std::size_t task) {
     }
     if (effort_.spent > limit_) effort_.exhausted = true;
     const WideTime most =
-        std::min<WideTime>(kLongestBusyPeriod, (WideTime{it.period} + entry.job) * kMostPeriods);
+        std::min<WideTime>(kLongestBusyPeriod, (WideTime{it.period} + entry.job) * kMostPeriodsPerResponse);
     if (!response || *response > most || effort_.exhausted) return false;
     entry.response = std::max(entry.response, static_cast<Microseconds>(*response));
     return true;
@@ -209,7 +209,7 @@ WideTime ParallelAnalysis::busy_of_free(std::size_t task, std::int64_t own, Micr
     const bool one_by_one = waits_for_alone(task);
     for (const auto i : before_) {
         if (i == task) continue;
-        const Entry& entry = entries_[i];
+        const TaskBound& entry = entries_[i];
         const std::int64_t jobs = started(i, w);
         const std::int64_t all = std::max(jobs, active(i, w));
         frames += entry.frames * jobs;
@@ -340,7 +340,7 @@ WideTime ParallelAnalysis::all_busy(std::size_t task, WideTime turns) const {
 // makes this time longer by one. Where a request goes alone, it waits again until nothing is in flight.
 std::optional<WideTime> ParallelAnalysis::bound(std::size_t task) const {
     const Task& it = tasks_[task];
-    const Entry& entry = entries_[task];
+    const TaskBound& entry = entries_[task];
     const std::int64_t earlier = it.burst - 1 + entry.response / it.period;
     const LaneWait lanes = wait_for_lanes(task);
     const Microseconds failure_window = static_cast<Microseconds>(
@@ -390,7 +390,7 @@ Responses parallel_response_times_with_dead_device(std::span<const Task> tasks, 
     std::ranges::sort(devices);
     devices.erase(std::ranges::unique(devices).begin(), devices.end());
     if (devices.size() < 2) return parallel_response_times(tasks, connection, effort);
-    if (devices.size() * tasks.size() > kMostDeadTasks) return Responses(tasks.size());
+    if (devices.size() * tasks.size() > kMostParallelDeadTasks) return Responses(tasks.size());
     Responses longest(tasks.size(), Microseconds{0});
     for (const auto device : devices) {
         const auto made = with_dead_device(tasks, device);

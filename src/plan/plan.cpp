@@ -139,14 +139,14 @@ std::vector<Request> requests_of(const model::Project& project, const model::Lin
 }
 
 /// The load of a plan so far, and the number of planned variables.
-struct Trial {
+struct TrialLoad {
     PollingLoad load;
     std::size_t& planned;
 };
 
 /// @param trial  if given, the plan ends where it surely exceeds the line
 std::optional<LinePlan> plan_devices(const model::Project& project, std::size_t index, const Options& options,
-                                     Trial* trial) {
+                                     TrialLoad* trial) {
     const model::Line& line = project.lines[index];
     LinePlanner planner(project, index);
     std::vector<bool> movable(line.devices.size());
@@ -172,7 +172,7 @@ LinePlan plan_line(const model::Project& project, std::size_t index, const Optio
 }
 
 std::optional<LinePlan> trial_plan(const model::Project& project, std::size_t index, std::size_t& planned) {
-    Trial trial{PollingLoad(project, project.lines[index]), planned};
+    TrialLoad trial{PollingLoad(project, project.lines[index]), planned};
     return plan_devices(project, index, {}, &trial);
 }
 

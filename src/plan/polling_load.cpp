@@ -5,14 +5,12 @@
 
 #include <algorithm>
 
+#include "streams.hpp"
+
 namespace takt::plan {
 namespace {
 
 using std::chrono::microseconds;
-
-bool is_periodic(const Request& request) {
-    return request.read && request.period > Duration::zero();
-}
 
 bool has_whole_period(const Request& request) {
     return *request.period % microseconds(1) == Duration::zero();

@@ -50,9 +50,9 @@ bool lies_in_one(const Span& items, const std::vector<Span>& requests) {
     return after != requests.begin() && items.end <= std::prev(after)->end;
 }
 
-class Search {
+class PromotionSearch {
 public:
-    Search(Neighbourhood& neighbourhood, std::size_t& trials)
+    PromotionSearch(Neighbourhood& neighbourhood, std::size_t& trials)
         : neighbourhood_(neighbourhood),
           trials_(trials),
           best_(neighbourhood.timetable(neighbourhood.alone().periods)),
@@ -75,7 +75,7 @@ private:
     Periods own_;
 };
 
-Timetable Search::least() {
+Timetable PromotionSearch::least() {
     const bool harmonic = each_divides_the_next(own_);
     if (harmonic && best_.blocks.size() == 1) return best_;
     if (!harmonic) {
@@ -88,13 +88,13 @@ Timetable Search::least() {
     return best_.utilization <= alone.utilization ? best_ : alone;
 }
 
-void Search::consider(Periods periods) {
+void PromotionSearch::consider(Periods periods) {
     Timetable made = neighbourhood_.timetable(std::move(periods));
     if (neighbourhood_.better(made, best_)) best_ = std::move(made);
 }
 
 // The period from `rounded` for each span, matched by the span's own period in own_.
-Periods Search::with(const Periods& rounded) const {
+Periods PromotionSearch::with(const Periods& rounded) const {
     Periods periods = neighbourhood_.alone().periods;
     for (std::size_t i = 0; i < periods.size(); ++i) {
         if (neighbourhood_.spans()[i].fixed) continue;
@@ -104,7 +104,7 @@ Periods Search::with(const Periods& rounded) const {
     return periods;
 }
 
-void Search::round_down() {
+void PromotionSearch::round_down() {
     Periods to_first = own_;
     Periods to_previous = own_;
     for (std::size_t i = 1; i < own_.size(); ++i) {
@@ -115,7 +115,7 @@ void Search::round_down() {
     consider(with(to_previous));
 }
 
-void Search::move_periods() {
+void PromotionSearch::move_periods() {
     Periods rounded = own_;
     for (std::size_t span = 0; span < best_.periods.size(); ++span) {
         const auto& [items, own, fixed] = neighbourhood_.spans()[span];
@@ -138,7 +138,7 @@ void Search::move_periods() {
     }
 }
 
-void Search::let_ride() {
+void PromotionSearch::let_ride() {
     for (const Duration period : distinct(best_.periods)) {
         const auto read = neighbourhood_.read_with(best_, period);
         Periods periods = best_.periods;
@@ -150,14 +150,14 @@ void Search::let_ride() {
     }
 }
 
-void Search::move_spans() {
+void PromotionSearch::move_spans() {
     Periods periods = best_.periods;
     for (std::size_t first = 0; first < periods.size() && trials_ > 0; first += kWindow)
         move_spans(first, std::min(kWindow, periods.size() - first), periods);
     if (periods != best_.periods) consider(std::move(periods));
 }
 
-void Search::move_spans(std::size_t first, std::size_t count, Periods& periods) {
+void PromotionSearch::move_spans(std::size_t first, std::size_t count, Periods& periods) {
     Neighbourhood window(neighbourhood_.spans().subspan(first, count), neighbourhood_.rules(),
                          neighbourhood_.calendars());
     const auto begin = periods.begin() + static_cast<std::ptrdiff_t>(first);
@@ -183,7 +183,7 @@ void Search::move_spans(std::size_t first, std::size_t count, Periods& periods) 
 }  // namespace
 
 Timetable least_timetable(Neighbourhood& neighbourhood, std::size_t& trials) {
-    return Search(neighbourhood, trials).least();
+    return PromotionSearch(neighbourhood, trials).least();
 }
 
 }  // namespace takt::plan

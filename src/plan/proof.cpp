@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "streams.hpp"
 #include "takt/plan/guarantee_findings.hpp"
 
 namespace takt::plan {
@@ -31,7 +32,7 @@ void put_refresh_bounds(LinePlan& line, const LineGuarantee& proved) {
     for (std::size_t r = 0; r < line.requests.size(); ++r) {
         auto& request = line.requests[r];
         const auto& response = proved.requests[r].response;
-        if (request.read && request.period && *request.period > Duration::zero() && response)
+        if (is_periodic(request) && response)
             request.refresh_bound =
                 RefreshBound{*request.period + *response, age_with_failures(proved, request)};
     }

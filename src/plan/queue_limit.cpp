@@ -56,7 +56,7 @@ struct Loss {
 using Losses = std::map<std::tuple<UnitId, std::size_t, std::size_t>, Loss>;  // address, line, device
 
 // The first request that does not fit ends the queue: all later ones are left out, however small.
-void cut(model::Project& project, const Plan& plan, Losses& losses) {
+void drop_excess_requests(model::Project& project, const Plan& plan, Losses& losses) {
     std::size_t taken = 0;
     bool full = false;
     for (const auto& entry : in_queue_order(project, plan)) {
@@ -82,7 +82,7 @@ QueueLimit keep_to_queue(model::Project& project) {
     QueueLimit limit;
     auto& plan = limit.plan.emplace(make_plan(project));
     Losses losses;
-    for (; counted(plan) > kOwenQueue; plan = make_plan(project)) cut(project, plan, losses);
+    for (; counted(plan) > kOwenQueue; plan = make_plan(project)) drop_excess_requests(project, plan, losses);
     for (const auto& [key, loss] : losses) {
         const auto& device = project.lines[std::get<1>(key)].devices[std::get<2>(key)];
         const auto& first = device.variables[loss.first_variable];

@@ -4,24 +4,17 @@
 #include <set>
 #include <utility>
 
+#include "cover.hpp"
 #include "reads.hpp"
 #include "takt/wire/function.hpp"
 
 namespace takt::plan {
 namespace {
 
-constexpr std::size_t kWider = 3;
-constexpr std::size_t kParts = 3;
-constexpr std::size_t kOthers = 2;
-static_assert(kWider + kParts + kOthers <= ReadAlternatives::capacity());
-
-using Kind = ReadAlternative::Kind;
-
-struct Items {
-    std::uint32_t start = 0;
-    std::uint32_t end = 0;
-    [[nodiscard]] std::uint32_t size() const { return end - start; }
-};
+constexpr std::size_t kMostWiderReads = 3;
+constexpr std::size_t kMostPartReads = 3;
+constexpr std::size_t kMostOtherReads = 2;
+static_assert(kMostWiderReads + kMostPartReads + kMostOtherReads <= ReadAlternatives::capacity());
 
 // The read half of 0x17 is sent alone as 0x03.
 wire::Function read_of(const Request& request) {
@@ -30,7 +23,7 @@ wire::Function read_of(const Request& request) {
                : *request.read;
 }
 
-Items items_of(const Request& request) {
+Span span_of_request(const Request& request) {
     return {request.start, std::uint32_t{request.start} + request.quantity};
 }
 
@@ -47,7 +40,7 @@ public:
                std::ranges::none_of(found_, [&](const auto& a) { return same(a.read, a.quantity); });
     }
 
-    void add(Kind kind, std::size_t most, wire::Function read, Items items) {
+    void add(ReadAlternative::Kind kind, std::size_t most, wire::Function read, Span items) {
         const auto of_kind = std::ranges::count(found_, kind, &ReadAlternative::kind);
         if (items.size() == 0 || static_cast<std::size_t>(of_kind) >= most || !is_new(read, items.size()))
             return;
@@ -69,7 +62,7 @@ private:
 };
 
 // `more` items behind the request, else before it, else on both sides.
-Items widened(Items items, std::uint32_t more, Items run) {
+Span widened(Span items, std::uint32_t more, Span run) {
     const std::uint32_t behind = std::min(more, run.end - items.end);
     const std::uint32_t before = std::min(more - behind, items.start - run.start);
     return {items.start - before, items.end + behind};
@@ -77,7 +70,7 @@ Items widened(Items items, std::uint32_t more, Items run) {
 
 // Whole variables first: their values count. A device may refuse a part of a value.
 void add_parts(Collection& found, const Request& request, const model::Device& device, bool of_values) {
-    const Items items = items_of(request);
+    const Span items = span_of_request(request);
     std::uint32_t first_end = items.end;
     std::uint32_t last_start = items.start;
     for (const auto v : request.variables) {
@@ -88,7 +81,7 @@ void add_parts(Collection& found, const Request& request, const model::Device& d
     }
     const auto part = [&](std::uint32_t end) {
         if (end > items.start && end < items.end)
-            found.add(Kind::part, kParts, read_of(request), {items.start, end});
+            found.add(ReadAlternative::Kind::part, kMostPartReads, read_of(request), {items.start, end});
     };
     part(first_end);
     part(last_start);
@@ -105,8 +98,10 @@ std::vector<ReadAlternative> polled_reads(const model::Line& line, const model::
         if (&line.devices[request.device] != &device || !request.read || !request.period) continue;
         const auto read = read_of(request);
         if (known.emplace(read, wire::response_pdu_length(read, request.quantity)).second)
-            reads.push_back(
-                {.kind = Kind::another, .read = read, .start = request.start, .quantity = request.quantity});
+            reads.push_back({.kind = ReadAlternative::Kind::another,
+                             .read = read,
+                             .start = request.start,
+                             .quantity = request.quantity});
     }
     return reads;
 }
@@ -128,24 +123,24 @@ AlternativeReads::AlternativeReads(const model::Project& project, const model::L
 
 ReadAlternatives AlternativeReads::of(const Request& request) const {
     Collection found(request);
-    const Items items = items_of(request);
+    const Span items = span_of_request(request);
     const auto readable = std::ranges::find(readable_, *request.read, &Readable::read);
     if (!parts_only_ && readable != readable_.end()) {
         const auto around = std::ranges::find_if(readable->runs, [&](const auto& run) {
             return run.first <= items.start && items.end <= run.second;
         });
         // A byte of the response has eight bits.
-        const std::uint32_t most = wire::counts_bits(*request.read) ? 8 * kWider : kWider;
+        const std::uint32_t most = wire::counts_bits(*request.read) ? 8 * kMostWiderReads : kMostWiderReads;
         for (std::uint32_t more = 1; around != readable->runs.end() && more <= most; ++more) {
-            const Items wider = widened(items, more, {around->first, around->second});
+            const Span wider = widened(items, more, {around->first, around->second});
             if (wider.size() == items.size() + more && wider.size() <= readable->limit)
-                found.add(Kind::wider, kWider, read_of(request), wider);
+                found.add(ReadAlternative::Kind::wider, kMostWiderReads, read_of(request), wider);
         }
     }
     add_parts(found, request, *device_, !parts_only_);
     if (!parts_only_)
         for (const auto& other : others_)
-            found.add(other.kind, kOthers, other.read,
+            found.add(other.kind, kMostOtherReads, other.read,
                       {other.start, std::uint32_t{other.start} + other.quantity});
     return found.all();
 }

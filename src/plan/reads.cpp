@@ -98,7 +98,7 @@ std::vector<Span> readable_runs(const model::Device& device, const FunctionReads
 }
 
 // The pieces of long values come where they begin: sorted again.
-void cut(FunctionReads& reads, std::uint32_t limit) {
+void split_long_reads(FunctionReads& reads, std::uint32_t limit) {
     std::vector<std::pair<Span, ReadItem>> pieces;
     for (std::size_t i = 0; i < reads.spans.size(); ++i) {
         Span left = reads.spans[i];
@@ -139,7 +139,7 @@ FunctionReads reads_at(const model::Project& project, const model::Line& line, c
         long_ones = long_ones || reads.spans.back().size() > limit;
     }
     reads.readable = readable_runs(device, reads);
-    if (long_ones) cut(reads, limit);
+    if (long_ones) split_long_reads(reads, limit);
     return reads;
 }
 

@@ -20,11 +20,10 @@
 namespace takt::plan {
 namespace {
 
-constexpr std::size_t kMostDeadTasks = 10'000'000;  // devices times tasks
-constexpr double kRounding = 1e-9;                  // exceeds the rounding error of the sums
+constexpr std::size_t kMostSequentialDeadTasks = 10'000'000;  // devices times tasks
 
 /// A task, or the demand that it has left when its device is dead.
-struct Entry {
+struct RankedDemand {
     const Demand* demand = nullptr;
     Arrivals arrivals;
     Microseconds failure = 0;
@@ -35,7 +34,7 @@ struct Entry {
     bool apart = false;  // forms its own level
 
     [[nodiscard]] bool only_blocks() const { return arrivals.period == 0; }
-    [[nodiscard]] bool equals(const Entry& other) const {
+    [[nodiscard]] bool equals(const RankedDemand& other) const {
         if (apart || other.apart) return false;
         return only_blocks() == other.only_blocks() && (only_blocks() || priority == other.priority);
     }
@@ -52,26 +51,27 @@ struct Level {
     std::optional<Microseconds> busy;
 };
 
-class Analysis {
+class LevelAnalysis {
 public:
     /// @param limit  of effort.spent
-    Analysis(const Failures& failures, Effort& effort, std::uint64_t limit)
+    LevelAnalysis(const Failures& failures, Effort& effort, std::uint64_t limit)
         : failures_(failures), higher_(failures_), equal_(failures_), effort_(effort), limit_(limit) {}
 
     /// @param entries  ascending priority, most urgent first; entries that only block come last
     /// @param longest  by task; raised where the response is longer. An empty value means unbounded and stays
-    void run(std::span<const Entry> entries, Responses& longest);
+    void run(std::span<const RankedDemand> entries, Responses& longest);
 
 private:
-    void run_level(std::span<const Entry> members, Microseconds blocking, Responses& longest);
+    void run_level(std::span<const RankedDemand> members, Microseconds blocking, Responses& longest);
     std::optional<Microseconds> busy_period(const Level& level);
-    std::optional<Microseconds> response(const Level& level, const Entry& entry, Microseconds least);
+    std::optional<Microseconds> response(const Level& level, const RankedDemand& entry, Microseconds least);
     std::optional<Microseconds> start_of_last(const Level& level, WideTime before, Microseconds last,
                                               Microseconds late);
     /// The least t >= from with demand(t) <= t. `demand` must be monotone.
     template <class Function>
     std::optional<Microseconds> fixpoint(double from, std::size_t terms, Function demand);
-    [[nodiscard]] static double bound_by_rates(const Level& level, const Entry& entry, std::int64_t job);
+    [[nodiscard]] static double bound_by_rates(const Level& level, const RankedDemand& entry,
+                                               std::int64_t job);
     [[nodiscard]] bool exhausted() {
         if (effort_.spent > limit_) effort_.exhausted = true;
         return effort_.spent > limit_;
@@ -91,31 +91,32 @@ Microseconds nominal_release(const Arrivals& arrivals, std::int64_t job) {
     return periods * arrivals.period - arrivals.jitter;
 }
 
-double fault_rate(const Level& level, Microseconds late) {
+double failure_load(const Level& level, Microseconds late) {
     return level.failures.rate() * static_cast<double>(level.failure + late);
 }
 
-void Analysis::run(std::span<const Entry> entries, Responses& longest) {
+void LevelAnalysis::run(std::span<const RankedDemand> entries, Responses& longest) {
     std::vector<Microseconds> blocking(entries.size() + 1, 0);
     for (std::size_t i = entries.size(); i-- > 0;)
         blocking[i] = std::max(blocking[i + 1], entries[i].blocking);
     std::size_t begin = 0;
     // Where the more urgent tasks alone exceed the line, no level has a bound any more.
-    while (begin < entries.size() && !entries[begin].only_blocks() && higher_.rate() <= 1 + kRounding) {
+    while (begin < entries.size() && !entries[begin].only_blocks() && higher_.rate() <= 1 + kRateRounding) {
         std::size_t end = begin + 1;
         while (end < entries.size() && entries[end].equals(entries[begin])) ++end;
         run_level(entries.subspan(begin, end - begin), blocking[end], longest);
         begin = end;
     }
-    for (const Entry& entry : entries.subspan(begin))
+    for (const RankedDemand& entry : entries.subspan(begin))
         if (entry.wanted) longest[entry.task].reset();
 }
 
-void Analysis::run_level(std::span<const Entry> members, Microseconds blocking, Responses& longest) {
+void LevelAnalysis::run_level(std::span<const RankedDemand> members, Microseconds blocking,
+                              Responses& longest) {
     equal_.clear();
     Microseconds late = 0;
     bool wanted = false;
-    for (const Entry& member : members) {
+    for (const RankedDemand& member : members) {
         equal_.add(member.arrivals, *member.demand);
         failure_ = std::max(failure_, member.failure);
         late = std::max(late, member.arrivals.late);
@@ -123,18 +124,18 @@ void Analysis::run_level(std::span<const Entry> members, Microseconds blocking, 
     }
     Level level{higher_, equal_, failures_, blocking, failure_, late, std::nullopt};
     if (wanted) level.busy = busy_period(level);
-    for (const Entry& member : members) {
+    for (const RankedDemand& member : members) {
         auto& known = longest[member.task];
         if (!member.wanted || !known) continue;
         known = level.busy ? response(level, member, *known) : std::nullopt;
     }
-    for (const Entry& member : members) higher_.add(member.arrivals, *member.demand);
+    for (const RankedDemand& member : members) higher_.add(member.arrivals, *member.demand);
 }
 
 template <class Function>
-std::optional<Microseconds> Analysis::fixpoint(double from, std::size_t terms, Function demand) {
+std::optional<Microseconds> LevelAnalysis::fixpoint(double from, std::size_t terms, Function demand) {
     if (!(from < static_cast<double>(kLongestBusyPeriod))) return std::nullopt;
-    auto t = std::max<Microseconds>(0, static_cast<Microseconds>(from * (1 - kRounding)) - 1);
+    auto t = std::max<Microseconds>(0, static_cast<Microseconds>(from * (1 - kRateRounding)) - 1);
     while (!exhausted()) {
         effort_.spent += terms;
         const WideTime needed = demand(t);
@@ -145,14 +146,14 @@ std::optional<Microseconds> Analysis::fixpoint(double from, std::size_t terms, F
     return std::nullopt;
 }
 
-std::optional<Microseconds> Analysis::busy_period(const Level& level) {
-    const double faults = fault_rate(level, level.late);
-    if (level.higher.rate() + level.equal.rate() + faults > 1 + kRounding) return std::nullopt;
+std::optional<Microseconds> LevelAnalysis::busy_period(const Level& level) {
+    const double faults = failure_load(level, level.late);
+    if (level.higher.rate() + level.equal.rate() + faults > 1 + kRateRounding) return std::nullopt;
     const WideTime coefficient = level.failure + level.late;
     const double spare = 1 - level.higher.least_rate() - level.equal.least_rate();
     // Lower bound by the rates alone. A half-open window loses less than one job of each task.
     const double sure = static_cast<double>(level.blocking) + level.higher.least() + level.equal.least();
-    const double from = spare > kRounding ? std::max(0.0, sure / spare) : 0;
+    const double from = spare > kRateRounding ? std::max(0.0, sure / spare) : 0;
     const auto demand = [&](Microseconds t) {
         const Microseconds window = std::max<Microseconds>(t, 1);
         return level.blocking + level.higher.half_open(window) + level.equal.half_open(window) +
@@ -164,10 +165,10 @@ std::optional<Microseconds> Analysis::busy_period(const Level& level) {
     return std::nullopt;
 }
 
-std::optional<Microseconds> Analysis::start_of_last(const Level& level, WideTime before, Microseconds last,
-                                                    Microseconds late) {
+std::optional<Microseconds> LevelAnalysis::start_of_last(const Level& level, WideTime before,
+                                                         Microseconds last, Microseconds late) {
     const double spare = 1 - level.higher.least_rate();
-    const double from = (static_cast<double>(before) + level.higher.least()) / std::max(spare, kRounding);
+    const double from = (static_cast<double>(before) + level.higher.least()) / std::max(spare, kRateRounding);
     return fixpoint(from, level.higher.terms(), [&](Microseconds t) {
         return before + level.higher.closed(t) +
                level.failures.within(t + last) * (WideTime{level.failure} + late);
@@ -175,22 +176,23 @@ std::optional<Microseconds> Analysis::start_of_last(const Level& level, WideTime
 }
 
 // An upper bound of the response of job `job` and every later one, from the arrival rates alone.
-double Analysis::bound_by_rates(const Level& level, const Entry& entry, std::int64_t job) {
+double LevelAnalysis::bound_by_rates(const Level& level, const RankedDemand& entry, std::int64_t job) {
     const auto release = static_cast<double>(nominal_release(entry.arrivals, job));
     const Demand& own = *entry.demand;
-    const double faults = fault_rate(level, entry.arrivals.late);
+    const double faults = failure_load(level, entry.arrivals.late);
     const double spare = 1 - level.higher.rate() - faults;
-    if (spare <= kRounding) return static_cast<double>(kLongestBusyPeriod) * 2;
+    if (spare <= kRateRounding) return static_cast<double>(kLongestBusyPeriod) * 2;
     const double last = static_cast<double>(own.longest_frame());
     const double failed = static_cast<double>(level.failure + entry.arrivals.late) *
                           (level.failures.most_at_once() + level.failures.rate() * last);
     const double equals = level.equal.most() + level.equal.rate() * std::max(0.0, release);
     const double sum = static_cast<double>(level.blocking) + static_cast<double>(job + 1) * own.mean() +
                        own.slack() + equals + level.higher.most() + failed;
-    return (sum / spare + last - release) * (1 + kRounding) + 1;
+    return (sum / spare + last - release) * (1 + kRateRounding) + 1;
 }
 
-std::optional<Microseconds> Analysis::response(const Level& level, const Entry& entry, Microseconds least) {
+std::optional<Microseconds> LevelAnalysis::response(const Level& level, const RankedDemand& entry,
+                                                    Microseconds least) {
     const Arrivals& arrivals = entry.arrivals;
     const std::int64_t burst = arrivals.burst;
     const auto by_rates = [&](std::int64_t job) { return bound_by_rates(level, entry, job); };
@@ -220,9 +222,9 @@ std::optional<Microseconds> Analysis::response(const Level& level, const Entry& 
 }
 
 /// The tasks of one line in the order of the analysis, with their demands.
-class Line {
+class SequentialAnalysis {
 public:
-    Line(std::span<const Task> tasks, Effort* effort);
+    SequentialAnalysis(std::span<const Task> tasks, Effort* effort);
 
     [[nodiscard]] Responses responses(const std::optional<FaultRate>& faults);
     [[nodiscard]] Responses responses_with_dead_device();
@@ -234,14 +236,14 @@ private:
 
     std::span<const Task> tasks_;
     std::vector<std::size_t> order_;
-    std::vector<Demand> demands_;  // by task
-    std::vector<Entry> entries_;   // in order
+    std::vector<Demand> demands_;        // by task
+    std::vector<RankedDemand> entries_;  // in order
     Effort own_;
     Effort& effort_;
     std::uint64_t limit_;
 };
 
-Line::Line(std::span<const Task> tasks, Effort* effort)
+SequentialAnalysis::SequentialAnalysis(std::span<const Task> tasks, Effort* effort)
     : tasks_(tasks),
       order_(tasks.size()),
       effort_(effort ? *effort : own_),
@@ -256,7 +258,7 @@ Line::Line(std::span<const Task> tasks, Effort* effort)
     for (const Task& task : tasks) demands_.emplace_back(task);
 }
 
-void Line::make_entries(bool failed_blocks) {
+void SequentialAnalysis::make_entries(bool failed_blocks) {
     entries_.clear();
     entries_.reserve(tasks_.size());
     for (const std::size_t i : order_) {
@@ -271,11 +273,11 @@ void Line::make_entries(bool failed_blocks) {
     }
 }
 
-void Line::run(const Failures& failures, Responses& longest) {
-    Analysis(failures, effort_, limit_).run(entries_, longest);
+void SequentialAnalysis::run(const Failures& failures, Responses& longest) {
+    LevelAnalysis(failures, effort_, limit_).run(entries_, longest);
 }
 
-Responses Line::responses(const std::optional<FaultRate>& faults) {
+Responses SequentialAnalysis::responses(const std::optional<FaultRate>& faults) {
     Responses longest(tasks_.size(), Microseconds{0});
     make_entries(false);
     if (!faults) {
@@ -288,13 +290,13 @@ Responses Line::responses(const std::optional<FaultRate>& faults) {
     return longest;
 }
 
-Responses Line::responses_with_dead_device() {
+Responses SequentialAnalysis::responses_with_dead_device() {
     std::vector<std::uint32_t> devices;
     for (const Task& task : tasks_) devices.push_back(task.device);
     std::sort(devices.begin(), devices.end());
     devices.erase(std::unique(devices.begin(), devices.end()), devices.end());
     if (devices.size() < 2) return responses(std::nullopt);
-    if (devices.size() * tasks_.size() > kMostDeadTasks) return responses_with_any_dead();
+    if (devices.size() * tasks_.size() > kMostSequentialDeadTasks) return responses_with_any_dead();
     std::vector<Demand> dead;
     dead.reserve(tasks_.size());
     for (const Task& task : tasks_) dead.emplace_back(task.failure, task.attempts);
@@ -305,7 +307,7 @@ Responses Line::responses_with_dead_device() {
     std::stable_sort(by_device.begin(), by_device.end(), [this](std::size_t a, std::size_t b) {
         return tasks_[entries_[a].task].device < tasks_[entries_[b].task].device;
     });
-    std::vector<Entry> alive;
+    std::vector<RankedDemand> alive;
     for (auto own = by_device.begin(); own != by_device.end();) {
         const std::uint32_t device = tasks_[entries_[*own].task].device;
         const auto end = std::find_if(
@@ -313,7 +315,7 @@ Responses Line::responses_with_dead_device() {
         alive.clear();
         for (auto i = own; i != end; ++i) alive.push_back(entries_[*i]);
         for (auto i = own; i != end; ++i) {
-            Entry& entry = entries_[*i];
+            RankedDemand& entry = entries_[*i];
             const Task& task = tasks_[entry.task];
             entry.wanted = false;
             entry.demand = &dead[entry.task];
@@ -321,14 +323,14 @@ Responses Line::responses_with_dead_device() {
             if (!entry.only_blocks()) entry.arrivals.period = std::max(task.period, task.backoff);
         }
         run(Failures(), longest);
-        for (const Entry& entry : alive) entries_[*own++] = entry;
+        for (const RankedDemand& entry : alive) entries_[*own++] = entry;
     }
     return longest;
 }
 
 // With too many devices for one analysis each, one pseudo task at the top priority represents any dead
 // device: its demand, failure time and arrivals are the worst of all devices. The bound is valid but larger.
-Responses Line::responses_with_any_dead() {
+Responses SequentialAnalysis::responses_with_any_dead() {
     std::map<std::uint32_t, WideTime> sums;
     Task worst;
     Microseconds most = 0;
@@ -348,11 +350,11 @@ Responses Line::responses_with_any_dead() {
     if (worst.period == 0) return Responses(tasks_.size());
     make_entries(true);
     const Demand demand(most, 1);
-    entries_.insert(entries_.begin(), Entry{.demand = &demand,
-                                            .arrivals = {worst.period, worst.jitter, 0, worst.burst},
-                                            .failure = worst.failure,
-                                            .wanted = false,
-                                            .apart = true});
+    entries_.insert(entries_.begin(), RankedDemand{.demand = &demand,
+                                                   .arrivals = {worst.period, worst.jitter, 0, worst.burst},
+                                                   .failure = worst.failure,
+                                                   .wanted = false,
+                                                   .apart = true});
     run(Failures(), longest);
     return longest;
 }
@@ -360,15 +362,15 @@ Responses Line::responses_with_any_dead() {
 }  // namespace
 
 Responses response_times(std::span<const Task> tasks, Effort* effort) {
-    return Line(tasks, effort).responses(std::nullopt);
+    return SequentialAnalysis(tasks, effort).responses(std::nullopt);
 }
 
 Responses response_times_with_faults(std::span<const Task> tasks, const FaultRate& faults, Effort* effort) {
-    return Line(tasks, effort).responses(faults);
+    return SequentialAnalysis(tasks, effort).responses(faults);
 }
 
 Responses response_times_with_dead_device(std::span<const Task> tasks, Effort* effort) {
-    return Line(tasks, effort).responses_with_dead_device();
+    return SequentialAnalysis(tasks, effort).responses_with_dead_device();
 }
 
 double utilization(std::span<const Task> tasks) {

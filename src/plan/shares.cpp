@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "streams.hpp"
+
 namespace takt::plan {
 namespace {
 
@@ -13,7 +15,7 @@ bool is_endless(const Request& request) {
 }
 
 /// Of a request with a period.
-double share_of(const Request& request) {
+double share_of_request(const Request& request) {
     return static_cast<double>(request.bus_time.count()) / static_cast<double>(request.period->count());
 }
 
@@ -31,7 +33,7 @@ Shares shares(const model::Line& line, const LinePlan& plan) {
         if (is_endless(request))
             share = endless > 0 ? left * time / endless : 0;
         else if (request.period > Duration::zero())
-            share = share_of(request);
+            share = share_of_request(request);
         made.requests.push_back(share);
         made.devices[request.device] += share;
     }
@@ -42,11 +44,11 @@ std::vector<StreamShare> largest_shares(const LinePlan& plan, std::size_t most) 
     std::vector<StreamShare> streams;
     std::map<std::pair<std::size_t, std::size_t>, std::size_t> known;  // device and stream
     for (const Request& request : plan.requests) {
-        if (!request.read || !(request.period > Duration::zero())) continue;
+        if (!is_periodic(request)) continue;
         const auto [entry, is_new] = known.try_emplace({request.device, request.stream}, streams.size());
         if (is_new) streams.push_back({.device = request.device});
         StreamShare& stream = streams[entry->second];
-        stream.share += share_of(request);
+        stream.share += share_of_request(request);
         stream.variables.insert(stream.variables.end(), request.variables.begin(), request.variables.end());
     }
     std::ranges::stable_sort(streams, std::greater<>(), &StreamShare::share);

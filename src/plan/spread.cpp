@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <tuple>
 #include <utility>
 
+#include "calendar.hpp"
 #include "streams.hpp"
 
 namespace takt::plan {
@@ -21,28 +21,21 @@ bool polled(const Request& request) {
     return request.read && request.period.has_value();
 }
 
-// Least common multiple, or nothing beyond `most`.
-std::optional<std::int64_t> common_multiple(std::int64_t a, std::int64_t b, std::int64_t most) {
-    const std::int64_t factor = b / std::gcd(a, b);
-    if (a > most / factor) return std::nullopt;
-    return a * factor;
-}
-
-struct Stream {
+struct SpreadStream {
     std::vector<std::size_t> requests;
     Duration longest{};  // bus time of its longest request
 };
 
-std::vector<Stream> streams_of(std::span<const Request> requests) {
-    std::vector<Stream> streams;
+std::vector<SpreadStream> spread_streams(std::span<const Request> requests) {
+    std::vector<SpreadStream> streams;
     for (std::size_t i = 0; i < requests.size(); ++i) {
-        if (!polled(requests[i]) || *requests[i].period == Duration::zero()) continue;
+        if (!is_periodic(requests[i])) continue;
         if (requests[i].stream >= streams.size()) streams.resize(requests[i].stream + 1);
-        Stream& stream = streams[requests[i].stream];
+        SpreadStream& stream = streams[requests[i].stream];
         stream.requests.push_back(i);
         stream.longest = std::max(stream.longest, requests[i].bus_time);
     }
-    std::erase_if(streams, [](const Stream& stream) { return stream.requests.empty(); });
+    std::erase_if(streams, [](const SpreadStream& stream) { return stream.requests.empty(); });
     return streams;
 }
 
@@ -56,9 +49,9 @@ private:
     using Load = std::pair<std::size_t, Duration>;  // slot, bus time due in it
 
     [[nodiscard]] std::size_t slot_count() const;
-    [[nodiscard]] std::vector<Load> loads(const Stream& stream) const;
-    [[nodiscard]] std::size_t best_shift(const Stream& stream, const std::vector<Load>& loads) const;
-    void place(const Stream& stream, bool movable);
+    [[nodiscard]] std::vector<Load> loads(const SpreadStream& stream) const;
+    [[nodiscard]] std::size_t best_shift(const SpreadStream& stream, const std::vector<Load>& loads) const;
+    void place(const SpreadStream& stream, bool movable);
 
     Duration slot_;
     std::vector<Request>& requests_;
@@ -70,7 +63,7 @@ std::size_t Spread::slot_count() const {
     std::int64_t all = slot_.count();
     const std::int64_t most = slot_.count() * static_cast<std::int64_t>(kMostSlots);
     for (const Request& request : requests_) {
-        if (!polled(request) || *request.period == Duration::zero()) continue;
+        if (!is_periodic(request)) continue;
         const auto more = common_multiple(all, request.period->count(), most);
         if (!more) return kMostSlots;
         all = *more;
@@ -78,7 +71,7 @@ std::size_t Spread::slot_count() const {
     return static_cast<std::size_t>(all / slot_.count());
 }
 
-std::vector<Spread::Load> Spread::loads(const Stream& stream) const {
+std::vector<Spread::Load> Spread::loads(const SpreadStream& stream) const {
     std::vector<Load> loads;
     const Duration end = slot_ * static_cast<std::int64_t>(due_.size());
     for (const std::size_t i : stream.requests)
@@ -95,7 +88,7 @@ std::vector<Spread::Load> Spread::loads(const Stream& stream) const {
     return sums;
 }
 
-std::size_t Spread::best_shift(const Stream& stream, const std::vector<Load>& loads) const {
+std::size_t Spread::best_shift(const SpreadStream& stream, const std::vector<Load>& loads) const {
     Duration longest{};
     for (const std::size_t i : stream.requests) longest = std::max(longest, *requests_[i].period);
     const auto slots = static_cast<std::size_t>(std::min<std::int64_t>(longest / slot_, kMostSlots));
@@ -115,7 +108,7 @@ std::size_t Spread::best_shift(const Stream& stream, const std::vector<Load>& lo
     return std::get<std::size_t>(best);
 }
 
-void Spread::place(const Stream& stream, bool movable) {
+void Spread::place(const SpreadStream& stream, bool movable) {
     const auto due = loads(stream);
     const std::size_t shift = movable ? best_shift(stream, due) : 0;
     for (const auto& [slot, load] : due) due_[(slot + shift) % due_.size()] += load;
@@ -125,19 +118,19 @@ void Spread::place(const Stream& stream, bool movable) {
 }
 
 void Spread::run(const std::vector<bool>& movable) {
-    const std::vector<Stream> streams = streams_of(requests_);
+    const std::vector<SpreadStream> streams = spread_streams(requests_);
     due_.assign(slot_count(), Duration::zero());
     trials_ = std::max<std::size_t>(16 * kMostInstants / streams.size(), kMostSlots);
-    const auto moves = [&](const Stream& stream) {
+    const auto moves = [&](const SpreadStream& stream) {
         return movable[requests_[stream.requests.front()].device];
     };
-    std::vector<const Stream*> order;
+    std::vector<const SpreadStream*> order;
     order.reserve(streams.size());
-    for (const Stream& stream : streams) order.push_back(&stream);
-    std::stable_sort(order.begin(), order.end(), [&](const Stream* a, const Stream* b) {
+    for (const SpreadStream& stream : streams) order.push_back(&stream);
+    std::stable_sort(order.begin(), order.end(), [&](const SpreadStream* a, const SpreadStream* b) {
         return std::pair(moves(*a), b->longest) < std::pair(moves(*b), a->longest);
     });
-    for (const Stream* const stream : order) place(*stream, moves(*stream));
+    for (const SpreadStream* const stream : order) place(*stream, moves(*stream));
 }
 
 Duration bus_time_of(std::span<const Request> requests, const std::vector<std::size_t>& round) {
@@ -146,22 +139,22 @@ Duration bus_time_of(std::span<const Request> requests, const std::vector<std::s
     return sum;
 }
 
-struct Due {
+struct DueRequest {
     Duration at{};
     std::size_t request = 0;
-    friend auto operator<=>(const Due&, const Due&) = default;
+    friend auto operator<=>(const DueRequest&, const DueRequest&) = default;
 };
 
 // The hyperperiod of all streams in instants; nothing beyond kMostInstants.
-std::optional<std::vector<Due>> all_due(std::span<const Request> requests,
-                                        const std::vector<std::size_t>& members) {
+std::optional<std::vector<DueRequest>> all_due(std::span<const Request> requests,
+                                               const std::vector<std::size_t>& members) {
     std::int64_t repeats = 1;
     for (const std::size_t i : members) {
         const auto more = common_multiple(repeats, requests[i].period->count(), Duration::max().count());
         if (!more) return std::nullopt;
         repeats = *more;
     }
-    std::vector<Due> due;
+    std::vector<DueRequest> due;
     for (const std::size_t i : members) {
         if (repeats / requests[i].period->count() > static_cast<std::int64_t>(kMostInstants - due.size()))
             return std::nullopt;
@@ -172,7 +165,7 @@ std::optional<std::vector<Due>> all_due(std::span<const Request> requests,
     return due;
 }
 
-std::vector<std::size_t> fullest(std::span<const Request> requests, const std::vector<Due>& due) {
+std::vector<std::size_t> fullest(std::span<const Request> requests, const std::vector<DueRequest>& due) {
     std::vector<std::size_t> best, round;
     Duration longest{};
     for (std::size_t i = 0; i < due.size(); ++i) {
@@ -216,7 +209,7 @@ std::vector<std::size_t> longest_round(std::span<const Request> requests) {
         round = fullest(requests, *due);
         round.insert(round.end(), without_period.begin(), without_period.end());
     } else {
-        for (const Stream& stream : streams_of(requests)) {
+        for (const SpreadStream& stream : spread_streams(requests)) {
             const auto own = all_due(requests, stream.requests);
             const auto longest = own ? fullest(requests, *own) : stream.requests;
             round.insert(round.end(), longest.begin(), longest.end());

@@ -12,10 +12,6 @@ namespace {
 
 constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
 
-bool takes_turns(const Request& request) {
-    return request.read && request.period > Duration::zero();
-}
-
 // Union-find over requests. The least index of a set represents it.
 class Sets {
 public:
@@ -40,7 +36,7 @@ Sets sharing_variables(const model::Line& line, const std::vector<Request>& requ
     Sets sets(requests.size());
     std::vector<std::vector<std::size_t>> readers(line.devices.size());
     for (std::size_t i = 0; i < requests.size(); ++i) {
-        if (!takes_turns(requests[i])) continue;
+        if (!is_periodic(requests[i])) continue;
         auto& readers_of = readers[requests[i].device];
         readers_of.resize(line.devices[requests[i].device].variables.size(), kNobody);
         for (const std::size_t variable : requests[i].variables) {
@@ -69,7 +65,7 @@ void number_streams(const model::Line& line, std::vector<Request>& requests) {
     std::vector<std::optional<Duration>> deadlines;  // of each stream
     for (std::size_t i = 0; i < requests.size(); ++i) {
         Request& request = requests[i];
-        if (takes_turns(request))
+        if (is_periodic(request))
             request.deadline = least_deadline_or_period(line.devices[request.device], request);
         const std::size_t first = sets.find(i);
         if (first == i) {
@@ -82,7 +78,7 @@ void number_streams(const model::Line& line, std::vector<Request>& requests) {
         if (request.deadline) deadline = std::min(deadline.value_or(*request.deadline), *request.deadline);
     }
     for (Request& request : requests)
-        if (takes_turns(request)) request.deadline = deadlines[request.stream];
+        if (is_periodic(request)) request.deadline = deadlines[request.stream];
 }
 
 }  // namespace takt::plan

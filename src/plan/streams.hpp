@@ -7,6 +7,11 @@
 
 namespace takt::plan {
 
+/// Whether the request is polled with a period above zero. Such requests form streams.
+[[nodiscard]] inline bool is_periodic(const Request& request) {
+    return request.read && request.period > Duration::zero();
+}
+
 /// Numbers the streams in the order of their first requests. Polled requests with a period that have a
 /// variable in common belong to one stream (transitively). Each request gets the least deadline of the
 /// variables of its stream; a variable without one counts with its period.

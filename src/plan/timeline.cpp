@@ -4,27 +4,18 @@
 #include "takt/plan/timeline.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 #include <tuple>
 
+#include "calendar.hpp"
 #include "exact_time.hpp"
+#include "streams.hpp"
 #include "takt/base/assert.hpp"
 
 namespace takt::plan {
 namespace {
 
 constexpr std::int64_t kMostShortestPeriods = 100;
-
-bool periodic(const Request& request) {
-    return request.period && *request.period > Duration::zero();
-}
-
-/// The least common multiple, at most Duration::max().
-Duration common_multiple(Duration a, Duration b) {
-    const std::int64_t factor = b.count() / std::gcd(a.count(), b.count());
-    return a.count() > Duration::max().count() / factor ? Duration::max() : a * factor;
-}
 
 /// The state of one polled request during the simulation.
 struct Job {
@@ -61,7 +52,7 @@ Master::Master(const model::Line& line, const LinePlan& plan)
         const Request& request = plan.requests[i];
         if (!request.read || !request.period) continue;
         const model::Device& device = line.devices[request.device];
-        Job job{.request = i, .background = !periodic(request), .due = request.phase};
+        Job job{.request = i, .background = !is_periodic(request), .due = request.phase};
         job.period = *request.period;
         job.deadline = request.deadline.value_or(job.period);
         std::ranges::transform(bus_times.parts(device, request.request_bytes, request.response_bytes,
@@ -107,9 +98,11 @@ RoundWindow round_window(const LinePlan& plan) {
     Duration shortest = Duration::max();
     Duration repeats{};
     for (const Request& request : plan.requests) {
-        if (!periodic(request)) continue;
+        if (!is_periodic(request)) continue;
         shortest = std::min(shortest, *request.period);
-        repeats = repeats == Duration::zero() ? *request.period : common_multiple(repeats, *request.period);
+        const std::int64_t all = std::max<std::int64_t>(repeats.count(), 1);
+        repeats = Duration(common_multiple(all, request.period->count(), Duration::max().count())
+                               .value_or(Duration::max().count()));
     }
     if (repeats == Duration::zero()) return {plan.cycle, repeats, true};
     const Duration most =

@@ -26,23 +26,23 @@ using model::Variable;
 using model::WriteSingle;
 using wire::Function;
 
-enum class Kind : std::uint8_t { coil, whole, bit };  // whole: registers
+enum class WriteKind : std::uint8_t { coil, whole, bit };  // whole: registers
 
-Function single_function(Kind kind) {
-    return wire::write_function(kind == Kind::coil, true);
+Function single_function(WriteKind kind) {
+    return wire::write_function(kind == WriteKind::coil, true);
 }
 
-Function multiple_function(Kind kind) {
-    return wire::write_function(kind == Kind::coil, false);
+Function multiple_function(WriteKind kind) {
+    return wire::write_function(kind == WriteKind::coil, false);
 }
 
 bool is_single(Function function) {
     return wire::properties(function).writes_single();
 }
 
-Kind kind_of(const Variable& v) {
-    if (wire::counts_bits(*v.write)) return Kind::coil;
-    return v.type == DataType::boolean ? Kind::bit : Kind::whole;
+WriteKind kind_of(const Variable& v) {
+    if (wire::counts_bits(*v.write)) return WriteKind::coil;
+    return v.type == DataType::boolean ? WriteKind::bit : WriteKind::whole;
 }
 
 bool is_due(const Variable& v) {
@@ -50,33 +50,33 @@ bool is_due(const Variable& v) {
 }
 
 /// The cause of a write. Only variables with equal causes may share a request.
-using Due = std::tuple<std::optional<model::LocalIndex>, bool, Duration, std::uint16_t>;
+using WriteCause = std::tuple<std::optional<model::LocalIndex>, bool, Duration, std::uint16_t>;
 
-Due due_of(const model::Project& project, const Variable& v) {
+WriteCause cause_of(const model::Project& project, const Variable& v) {
     const auto admission = write_admission(project, v);
     return {v.write_trigger, v.write_on_change, admission ? admission->min_interval : Duration::zero(),
             admission ? admission->burst : std::uint16_t{0}};
 }
 
-struct Item {
+struct WriteItem {
     std::size_t index = 0;
-    Kind kind = Kind::whole;
+    WriteKind kind = WriteKind::whole;
     std::uint32_t start = 0;  // of bits: register and bit
     std::uint32_t end = 0;
-    Due due;
+    WriteCause due;
     bool alone = false;
 
     [[nodiscard]] std::uint32_t size() const { return end - start; }
 };
 
 /// The limits of a function for one request, and which of them is the tightest.
-struct Limit {
+struct WriteLimit {
     std::uint32_t items = 0;
     const char* code = nullptr;
 };
 
-Limit limit_of(const model::Project& project, const model::Line& line, const model::Device& device,
-               Function function) {
+WriteLimit limit_of(const model::Project& project, const model::Line& line, const model::Device& device,
+                    Function function) {
     const wire::FrameLimits limits = project.frame_limits();
     const auto protocol = static_cast<std::uint32_t>(wire::max_items(line.framing, function));
     const auto frame =
@@ -99,7 +99,7 @@ public:
 private:
     using Chain = std::vector<std::size_t>;  // indices into items_
 
-    [[nodiscard]] bool stands_alone(const Variable& v, Kind kind) const;
+    [[nodiscard]] bool stands_alone(const Variable& v, WriteKind kind) const;
     void collect();
     void group(std::size_t first, std::size_t last);
     void chain(const Chain& members);
@@ -107,18 +107,20 @@ private:
     [[nodiscard]] Request request(const Chain& chain) const;
     [[nodiscard]] Function function_of(const Chain& chain) const;
     [[nodiscard]] Reason why(const Chain& chain, Function function) const;
-    [[nodiscard]] Reason between(const Chain& chain, const Item& next) const;
-    [[nodiscard]] const Variable& variable(const Item& item) const { return device_.variables[item.index]; }
+    [[nodiscard]] Reason between(const Chain& chain, const WriteItem& next) const;
+    [[nodiscard]] const Variable& variable(const WriteItem& item) const {
+        return device_.variables[item.index];
+    }
 
     const model::Project& project_;
     const model::Line& line_;
     const model::Device& device_;
-    std::vector<Item> items_;  // by kind and address
+    std::vector<WriteItem> items_;  // by kind and address
     std::vector<Chain> chains_;
 };
 
-bool WritePlanner::stands_alone(const Variable& v, Kind kind) const {
-    if (kind == Kind::bit) return false;
+bool WritePlanner::stands_alone(const Variable& v, WriteKind kind) const {
+    if (kind == WriteKind::bit) return false;
     if (device_.write_single == WriteSingle::only) return true;
     return device_.write_single == WriteSingle::as_declared && is_single(*v.write);
 }
@@ -127,16 +129,16 @@ void WritePlanner::collect() {
     for (std::size_t i = 0; i < device_.variables.size(); ++i) {
         const Variable& v = device_.variables[i];
         if (!is_due(v)) continue;
-        Item item{.index = i, .kind = kind_of(v)};
-        if (item.kind == Kind::bit && !device_.fc22 && !device_.read_modify_write) continue;
-        item.start = item.kind == Kind::bit ? v.register_number * 16U + v.bit.value_or(0) : v.start();
-        item.end = item.start + (item.kind == Kind::bit ? 1U : v.items());
-        item.due = due_of(project_, v);
+        WriteItem item{.index = i, .kind = kind_of(v)};
+        if (item.kind == WriteKind::bit && !device_.fc22 && !device_.read_modify_write) continue;
+        item.start = item.kind == WriteKind::bit ? v.register_number * 16U + v.bit.value_or(0) : v.start();
+        item.end = item.start + (item.kind == WriteKind::bit ? 1U : v.items());
+        item.due = cause_of(project_, v);
         item.alone = stands_alone(v, item.kind);
         items_.push_back(std::move(item));
     }
-    std::sort(items_.begin(), items_.end(), [this](const Item& a, const Item& b) {
-        const auto key = [this](const Item& item) {
+    std::sort(items_.begin(), items_.end(), [this](const WriteItem& a, const WriteItem& b) {
+        const auto key = [this](const WriteItem& item) {
             return std::tie(item.kind, item.start, item.end, item.due, item.alone, variable(item).name,
                             item.index);
         };
@@ -146,17 +148,17 @@ void WritePlanner::collect() {
 
 std::vector<Request> WritePlanner::requests() {
     collect();
-    std::map<std::tuple<Kind, std::uint32_t, Due>, Chain> classes;
+    std::map<std::tuple<WriteKind, std::uint32_t, WriteCause>, Chain> classes;
     for (std::size_t i = 0; i < items_.size(); ++i) {
-        const Item& item = items_[i];
-        const std::uint32_t register_number = item.kind == Kind::bit ? item.start / 16 : 0;
+        const WriteItem& item = items_[i];
+        const std::uint32_t register_number = item.kind == WriteKind::bit ? item.start / 16 : 0;
         if (item.alone)
             chains_.push_back({i});
         else
             classes[{item.kind, register_number, item.due}].push_back(i);
     }
     for (const auto& [key, members] : classes)
-        std::get<Kind>(key) == Kind::bit ? share_register(members) : chain(members);
+        std::get<WriteKind>(key) == WriteKind::bit ? share_register(members) : chain(members);
     std::vector<Request> made;
     made.reserve(chains_.size());
     for (const Chain& chain : chains_) made.push_back(request(chain));
@@ -182,7 +184,7 @@ void WritePlanner::chain(const Chain& members) {
         open.erase(open.begin(), open.lower_bound(start));
         Open here = open.contains(start) ? std::move(open[start]) : Open{};
         for (std::size_t i = last; i-- > first;) {
-            const Item& item = items_[members[i]];
+            const WriteItem& item = items_[members[i]];
             auto fits = here.end();
             if (item.size() < most) {
                 fits = here.lower_bound({most - item.size() + 1, 0});
@@ -216,14 +218,14 @@ void WritePlanner::share_register(const Chain& members) {
 }
 
 Request WritePlanner::request(const Chain& chain) const {
-    const Item& first = items_[chain.front()];
+    const WriteItem& first = items_[chain.front()];
     const Variable& v = variable(first);
     Request made;
     for (const std::size_t member : chain) made.variables.push_back(items_[member].index);
     made.write = function_of(chain);
-    made.start = static_cast<std::uint16_t>(first.kind == Kind::bit ? v.register_number : first.start);
-    made.quantity =
-        static_cast<std::uint16_t>(first.kind == Kind::bit ? 1U : items_[chain.back()].end - first.start);
+    made.start = static_cast<std::uint16_t>(first.kind == WriteKind::bit ? v.register_number : first.start);
+    made.quantity = static_cast<std::uint16_t>(
+        first.kind == WriteKind::bit ? 1U : items_[chain.back()].end - first.start);
     made.write_trigger = v.write_trigger;
     made.write_on_change = v.write_on_change;
     made.admission = write_admission(project_, v);
@@ -236,9 +238,9 @@ Request WritePlanner::request(const Chain& chain) const {
 }
 
 Function WritePlanner::function_of(const Chain& chain) const {
-    const Item& first = items_[chain.front()];
+    const WriteItem& first = items_[chain.front()];
     const Function declared = *variable(first).write;
-    if (first.kind == Kind::bit) return declared;
+    if (first.kind == WriteKind::bit) return declared;
     const bool one_item = chain.size() == 1 && first.size() == 1;
     switch (device_.write_single) {
         case WriteSingle::as_declared: return declared;
@@ -250,7 +252,7 @@ Function WritePlanner::function_of(const Chain& chain) const {
 }
 
 Reason WritePlanner::why(const Chain& chain, Function function) const {
-    const Item& last = items_[chain.back()];
+    const WriteItem& last = items_[chain.back()];
     if (last.alone && is_single(function))
         return {"plan.single_function",
                 {{"function", function == Function::write_single_coil ? "0x05" : "0x06"}}};
@@ -260,23 +262,23 @@ Reason WritePlanner::why(const Chain& chain, Function function) const {
     return between(chain, items_[next]);
 }
 
-Reason WritePlanner::between(const Chain& chain, const Item& next) const {
-    const Item& last = items_[chain.back()];
+Reason WritePlanner::between(const Chain& chain, const WriteItem& next) const {
+    const WriteItem& last = items_[chain.back()];
     std::vector<std::pair<std::string, std::string>> names{{"previous", variable(last).name},
                                                            {"next", variable(next).name}};
     if (next.start < last.end) return {"plan.overlap", std::move(names)};
-    if (last.kind == Kind::bit && next.start / 16 != last.start / 16)
+    if (last.kind == WriteKind::bit && next.start / 16 != last.start / 16)
         return {"plan.other_register", std::move(names)};
-    if (next.start > last.end && last.kind != Kind::bit) {
+    if (next.start > last.end && last.kind != WriteKind::bit) {
         names.emplace_back("size", std::to_string(next.start - last.end));
-        return {last.kind == Kind::coil ? "plan.gap_bits" : "plan.gap", std::move(names)};
+        return {last.kind == WriteKind::coil ? "plan.gap_bits" : "plan.gap", std::move(names)};
     }
     if (std::get<0>(next.due) != std::get<0>(last.due)) return {"plan.other_trigger", std::move(names)};
     if (std::get<1>(next.due) != std::get<1>(last.due)) return {"plan.other_write", std::move(names)};
     if (next.due != last.due) return {"plan.other_admission", std::move(names)};
     if (next.alone)
-        return {"plan.single_function", {{"function", last.kind == Kind::coil ? "0x05" : "0x06"}}};
-    const Limit limit = limit_of(project_, line_, device_, multiple_function(last.kind));
+        return {"plan.single_function", {{"function", last.kind == WriteKind::coil ? "0x05" : "0x06"}}};
+    const WriteLimit limit = limit_of(project_, line_, device_, multiple_function(last.kind));
     const std::uint32_t size = next.end - items_[chain.front()].start;
     if (size <= limit.items)
         return {"plan.overlap", std::move(names)};  // overlapping variables took the earlier chains
@@ -298,7 +300,7 @@ std::vector<Request> bit_write_requests(const model::Project& project, const mod
     if (!device.fc22 && !device.read_modify_write) return made;
     for (std::size_t i = 0; i < device.variables.size(); ++i) {
         const Variable& v = device.variables[i];
-        if (!is_due(v) || kind_of(v) != Kind::bit) continue;
+        if (!is_due(v) || kind_of(v) != WriteKind::bit) continue;
         Request& request = made.emplace_back();
         request.variables.push_back(i);
         request.write = v.write;
@@ -318,7 +320,7 @@ void settle_bit_write(Request& request, const model::Device& device) {
     if (!request.write || request.variables.empty()) return;
     const auto is_bit = [&](std::size_t index) {
         const Variable& v = device.variables[index];
-        return v.write && kind_of(v) == Kind::bit;
+        return v.write && kind_of(v) == WriteKind::bit;
     };
     if (!std::all_of(request.variables.begin(), request.variables.end(), is_bit)) return;
     if (device.fc22) {
