@@ -7,8 +7,8 @@
 namespace takt::model {
 namespace {
 
-constexpr std::uint8_t kReading[] = {1, 2, 3, 4, 7, 11, 12, 17, 20, 24};
-constexpr std::uint8_t kWriting[] = {5, 6, 15, 16, 21, 22, 23};
+constexpr std::uint8_t kReadingFunctions[] = {1, 2, 3, 4, 7, 11, 12, 17, 20, 24};
+constexpr std::uint8_t kWritingFunctions[] = {5, 6, 15, 16, 21, 22, 23};
 constexpr std::size_t kMostEntries = 256;
 
 /// Calls `each` with every scalar of a list. A refused one is reported with `rule`; a text that is no number
@@ -42,7 +42,7 @@ void read_peers(Interpretation& state, Reader& reader, AccessRule& rule) {
                     });
 }
 
-void read_functions(Interpretation& state, Reader& reader, AccessRule& rule) {
+void read_rule_functions(Interpretation& state, Reader& reader, AccessRule& rule) {
     rule.every_function = !reader.given("functions");
     const auto add = [&rule](std::span<const std::uint8_t> codes) {
         rule.functions.insert(rule.functions.end(), codes.begin(), codes.end());
@@ -54,8 +54,8 @@ void read_functions(Interpretation& state, Reader& reader, AccessRule& rule) {
                         // Function 43 reads with MEI type 14; the other types may write.
                         rule.identification = rule.identification || text == "read";
                         rule.other_encapsulated = rule.other_encapsulated || text == "write";
-                        if (text == "read") return add(kReading);
-                        if (text == "write") return add(kWriting);
+                        if (text == "read") return add(kReadingFunctions);
+                        if (text == "write") return add(kWritingFunctions);
                         const auto code = parse_integer(text);
                         if (!code || code->negative || code->magnitude < 1 || code->magnitude > 127)
                             return false;
@@ -64,7 +64,7 @@ void read_functions(Interpretation& state, Reader& reader, AccessRule& rule) {
                     });
 }
 
-void read_units(Interpretation& state, Reader& reader, AccessRule& rule) {
+void read_rule_units(Interpretation& state, Reader& reader, AccessRule& rule) {
     if (!reader.given("units")) return;
     rule.units = read_item_ranges(state, reader, "units");
     for (const auto& range : rule.units)
@@ -96,8 +96,8 @@ AccessRule interpret_rule(Interpretation& state, const Node& node, const std::st
     AccessRule rule;
     rule.location = node.location;
     read_peers(state, reader, rule);
-    read_units(state, reader, rule);
-    read_functions(state, reader, rule);
+    read_rule_units(state, reader, rule);
+    read_rule_functions(state, reader, rule);
     read_items(state, reader, rule);
     rule.permission = reader.choice<AccessPermission>("rule").value_or(AccessPermission::deny);
     read_rate(reader, rule);

@@ -12,11 +12,7 @@ using wire::Area;
 using wire::Function;
 
 constexpr std::uint32_t kAddresses = 65536;
-constexpr std::uint32_t kBits = 16;
-
-std::string area_name(Area area) {
-    return std::string(kAreas[static_cast<std::size_t>(area)]);
-}
+constexpr std::uint32_t kBitsPerRegister = 16;
 
 /// `40001` as `0x9C41`.
 std::string hexadecimal(std::string_view decimal) {
@@ -169,7 +165,7 @@ private:
         const auto meant = like_reference(reader_, "register", area_);
         if (!meant) return false;
         const auto address = parse_integer(reader_.value("register")->text)->magnitude;
-        const auto addresses = is_bit_area(meant->area) ? kAddresses / kBits : kAddresses;
+        const auto addresses = is_bit_area(meant->area) ? kAddresses / kBitsPerRegister : kAddresses;
         if (address < addresses) return false;
         reader_.report(Rule::address_is_reference, "register", "0.." + std::to_string(addresses - 1),
                        {{"area", area_name(meant->area)}, {"number", std::to_string(meant->number)}});
@@ -177,8 +173,8 @@ private:
     }
 
     void set_coil(std::uint16_t coil, std::string_view key) {
-        variable_.register_number = static_cast<std::uint16_t>(coil / kBits);
-        variable_.bit = static_cast<std::uint8_t>(coil % kBits);
+        variable_.register_number = static_cast<std::uint16_t>(coil / kBitsPerRegister);
+        variable_.bit = static_cast<std::uint8_t>(coil % kBitsPerRegister);
         if (area_ && !is_bit_area(*area_) && type_ == DataType::boolean)
             reader_.report(Rule::variable_coil_area, key, "coil, discrete_input",
                            {{"area", area_name(*area_)}});
@@ -190,7 +186,8 @@ private:
         variable_.register_number = number;
         if (!area_ || !type_) return;
         const bool coils = is_bit_area(*area_);
-        const std::uint32_t greatest = coils ? kAddresses / kBits - 1 : kAddresses - variable_.registers;
+        const std::uint32_t greatest =
+            coils ? kAddresses / kBitsPerRegister - 1 : kAddresses - variable_.registers;
         if (number > greatest)
             reader_.report(Rule::variable_beyond_end, key, "0.." + std::to_string(greatest),
                            {{"items", std::to_string(coils ? 1 : variable_.registers)}});
@@ -259,6 +256,10 @@ void report_like_references(Interpretation& state) {
     seen.arguments.emplace_back("count", std::to_string(seen.count));
     state.findings.add(Rule::address_like_reference, seen.location, seen.path, seen.text, {},
                        std::move(seen.arguments));
+}
+
+std::string area_name(wire::Area area) {
+    return std::string(kAreas[static_cast<std::size_t>(area)]);
 }
 
 std::string read_functions(wire::Area area) {

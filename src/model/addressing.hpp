@@ -33,6 +33,9 @@ void note_like_reference(Interpretation& state, const Reader& reader, const Vari
 /// Reports the addresses that were noted since the last call.
 void report_like_references(Interpretation& state);
 
+/// The word of an area in project files: "coil".
+std::string area_name(wire::Area area);
+
 /// Functions of an area as text: "0x01"; "0x05, 0x0F".
 std::string read_functions(wire::Area area);
 std::string write_functions(wire::Area area);

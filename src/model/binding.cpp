@@ -44,7 +44,7 @@ TextTemplate read_value_pattern(Reader& reader, const Variable& variable) {
     return whole;
 }
 
-Command read_command(Reader& reader) {
+Command read_command_fields(Reader& reader) {
     Command command;
     command.timeout = reader.duration("timeout").value_or(command.timeout);
     const Node* const list = reader.list("run");
@@ -76,7 +76,7 @@ Source read_file(Interpretation& state, Reader& outer, const Node& node, const V
 Source read_command_source(Interpretation& state, Reader& outer, const Node& node, const Variable& variable) {
     auto reader = inner(state, outer, "command", node, Object::command_source);
     CommandSource source;
-    source.command = read_command(reader);
+    source.command = read_command_fields(reader);
     source.every = reader.duration("every").value_or(source.every);
     source.pattern = read_value_pattern(reader, variable);
     return source;
@@ -93,7 +93,7 @@ Source read_replay(Interpretation& state, Reader& outer, const Node& node) {
 }
 
 /// Numeric formats only.
-bool is_number(Reader& reader, std::string_view key, const Variable& variable) {
+bool check_numeric(Reader& reader, std::string_view key, const Variable& variable) {
     if (variable.type != DataType::string) return true;
     reader.report(Rule::source_type, key, {}, {{"type", std::string(name(variable.type))}});
     return false;
@@ -130,7 +130,7 @@ std::optional<Source> read_source_of(Interpretation& state, Reader& reader, std:
         auto measurement = read_instrument_name(state, reader);
         if (!measurement) return std::nullopt;
         if (measurement->measurement.empty()) {  // its state: always of now
-            if (!is_number(reader, key, variable)) return std::nullopt;
+            if (!check_numeric(reader, key, variable)) return std::nullopt;
             return Source(*std::move(measurement));
         }
         const auto& instrument = state.project.instruments[measurement->instrument];
@@ -150,7 +150,7 @@ std::optional<Source> read_source_of(Interpretation& state, Reader& reader, std:
         age = stale_after(command.every) + command.command.timeout;
         return source;
     }
-    if (!is_number(reader, key, variable)) return std::nullopt;
+    if (!check_numeric(reader, key, variable)) return std::nullopt;
     if (key == "replay") return read_replay(state, reader, *node);
     return read_generator(state, reader, key, *node);
 }
@@ -165,7 +165,7 @@ std::optional<Sink> read_sink(Interpretation& state, Reader& outer, const Variab
         const Node* const run = reader.mapping("command");
         if (run == nullptr) return std::nullopt;
         auto command = inner(state, reader, "command", *run, Object::command);
-        return read_command(command);
+        return read_command_fields(command);
     }
     if (names_service(reader, *key)) {
         reader.report(Rule::service_read_only, *key);

@@ -8,18 +8,17 @@
 namespace takt::model {
 namespace {
 
-constexpr std::size_t kNamesToCompare = 500;
-constexpr std::size_t kMostListed = 500;      // bytes
-constexpr std::string_view kState = "state";  // what every instrument has
+constexpr std::size_t kMostListed = 500;                // bytes
+constexpr std::string_view kInstrumentState = "state";  // what every instrument has
 
-void report_unknown(Reader& reader, std::string_view key, std::string_view wanted,
-                    const std::vector<std::string_view>& names) {
+void report_unknown_source(Reader& reader, std::string_view key, std::string_view wanted,
+                           const std::vector<std::string_view>& names) {
     if (names.empty()) return reader.report(Rule::name_none, key, {}, {{"kind", std::string(key)}});
     reader.report(Rule::source_unknown, key, {},
                   {{"kind", std::string(key)}, {"nearest", std::string(nearest(wanted, names))}});
 }
 
-bool fits(Reader& reader, std::string_view key, const Variable& variable, DataType other) {
+bool type_fits(Reader& reader, std::string_view key, const Variable& variable, DataType other) {
     if ((variable.type == DataType::string) == (other == DataType::string)) return true;
     reader.report(Rule::source_type, key, {}, {{"type", std::string(name(variable.type))}});
     return false;
@@ -51,10 +50,10 @@ Variable* read_polled(Interpretation& state, Reader& reader, const Variable& var
         for (const auto& [other, _] : state.polled)
             if (names.size() < kNamesToCompare) names.emplace_back(other);
         std::ranges::sort(names);
-        report_unknown(reader, "variable", *name, names);
+        report_unknown_source(reader, "variable", *name, names);
         return nullptr;
     }
-    return fits(reader, "variable", variable, found->second->type) ? found->second : nullptr;
+    return type_fits(reader, "variable", variable, found->second->type) ? found->second : nullptr;
 }
 
 std::optional<LocalSource> read_local_name(Interpretation& state, Reader& reader, const Variable& variable) {
@@ -70,10 +69,10 @@ std::optional<LocalSource> read_local_name(Interpretation& state, Reader& reader
         for (const auto& local : state.project.locals)
             if (names.size() < kNamesToCompare && !local.name.empty() && !local.service)
                 names.emplace_back(local.name);
-        report_unknown(reader, "local", *name, names);
+        report_unknown_source(reader, "local", *name, names);
         return std::nullopt;
     }
-    if (!fits(reader, "local", variable, state.project.locals[found->second].type)) return std::nullopt;
+    if (!type_fits(reader, "local", variable, state.project.locals[found->second].type)) return std::nullopt;
     return LocalSource{*name};
 }
 
@@ -82,7 +81,7 @@ std::optional<LocalSource> read_service_name(Interpretation& state, Reader& read
     const auto service = read_service(state, reader, key);
     if (!service) return std::nullopt;
     const auto& local = state.project.locals[*service];
-    if (!fits(reader, key, variable, local.type)) return std::nullopt;
+    if (!type_fits(reader, key, variable, local.type)) return std::nullopt;
     if (outgrows(*find_service_field(local.name), variable.type, variable.scaled()))
         reader.report(Rule::service_outgrows, key, "uint32", {{"type", std::string(name(variable.type))}});
     return LocalSource{local.name};
@@ -95,15 +94,15 @@ std::optional<InstrumentSource> read_instrument_name(Interpretation& state, Read
     const auto [instrument, measurement] = divided(state, *name);
     if (instrument && all[*instrument].has(measurement))
         return InstrumentSource{*instrument, std::string(measurement)};
-    if (instrument && measurement == kState) return InstrumentSource{*instrument, {}};
+    if (instrument && measurement == kInstrumentState) return InstrumentSource{*instrument, {}};
     std::vector<std::string> known;
     for (const auto& other : all) {
         for (const auto& exchange : other.exchanges)
             for (const auto found : exchange.answer.names())
                 known.push_back(other.name + "." + std::string(found));
-        known.push_back(other.name + "." + std::string(kState));
+        known.push_back(other.name + "." + std::string(kInstrumentState));
     }
-    report_unknown(reader, "instrument", *name, {known.begin(), known.end()});
+    report_unknown_source(reader, "instrument", *name, {known.begin(), known.end()});
     return std::nullopt;
 }
 

@@ -24,10 +24,6 @@ Limits limits(DataType type) {
     return {{}, all};
 }
 
-bool is_integer(DataType type) {
-    return type >= DataType::int16 && type <= DataType::uint64;
-}
-
 std::string range_text(const Limits& limits) {
     return (limits.least.negative ? "-" : "") + std::to_string(limits.least.magnitude) + ".." +
            std::to_string(limits.greatest);
@@ -83,8 +79,8 @@ std::pair<double, double> span_of(const ConstantShape& shape) {
     return std::minmax({least, greatest});
 }
 
-std::optional<Constant> read_number(Reader& reader, std::string_view key, const Node& node,
-                                    const ConstantShape& shape) {
+std::optional<Constant> read_float(Reader& reader, std::string_view key, const Node& node,
+                                   const ConstantShape& shape) {
     const auto [least, greatest] = span_of(shape);
     const auto allowed = to_text(least) + ".." + to_text(greatest);
     const auto parsed = parse_number(node.text);
@@ -118,7 +114,7 @@ std::optional<Constant> read_constant(Reader& reader, std::string_view key, cons
     }
     const bool scaled = shape.scale != 1 || shape.offset != 0;
     if (is_integer(shape.type) && !scaled) return read_integer(reader, key, *node, shape.type);
-    return read_number(reader, key, *node, shape);
+    return read_float(reader, key, *node, shape);
 }
 
 }  // namespace takt::model

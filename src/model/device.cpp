@@ -200,7 +200,7 @@ void check_written_registers(const Interpretation& state, Reader& reader, const 
                        {"written", std::to_string(limit)}});
 }
 
-void interpret_variables(Interpretation& state, Reader& reader, Device& device) {
+void interpret_polled_variables(Interpretation& state, Reader& reader, Device& device) {
     const Node* const list = reader.list("variables");
     if (list == nullptr) return;
     device.variables.reserve(list->items.size());
@@ -250,7 +250,7 @@ Device interpret_device(Interpretation& state, const Node& node, const std::stri
     device.order = read_byte_order(reader, device.order, {});
     device.poll_enable = read_local(state, reader, "poll_enable");
     device.status = read_local(state, reader, "status");
-    interpret_variables(state, reader, device);
+    interpret_polled_variables(state, reader, device);
     check_written_registers(state, reader, device);
     return device;
 }

@@ -8,8 +8,7 @@
 namespace takt::model {
 namespace {
 
-constexpr std::string_view kSerialKeys[] = {"port", "baud", "parity", "stop_bits", "data_bits"};
-constexpr std::string_view kNetworkKeys[] = {"host", "tcp_port"};
+constexpr std::string_view kInstrumentSerialKeys[] = {"port", "baud", "parity", "stop_bits", "data_bits"};
 constexpr std::string_view kTextKeys[] = {"until", "pattern"};
 constexpr std::string_view kBinaryKeys[] = {"length", "begins", "checksum", "fields"};
 constexpr std::size_t kMostExchanges = 32;
@@ -30,7 +29,7 @@ void take_name(Reader& reader, std::string_view key, std::string_view name, std:
         reader.report(Rule::number_twice, key, {}, {{"key", "name"}});
 }
 
-void read_type(Reader& reader, BinaryField& field) {
+void read_field_type(Reader& reader, BinaryField& field) {
     const auto word = reader.word("type");
     if (!word) return;
     field.is_signed = word->starts_with("int");
@@ -55,7 +54,7 @@ void read_fields(Interpretation& state, Reader& reader, AnswerFormat& format, st
         BinaryField field{.name = own.text("name").value_or("")};
         if (own.given("name")) take_name(own, "name", field.name, names);
         field.offset = static_cast<std::uint16_t>(own.integer("offset").value_or(0));
-        read_type(own, field);
+        read_field_type(own, field);
         field.order.high_byte_first = own.boolean("high_byte_first").value_or(true);
         field.order.high_register_first = own.boolean("high_register_first").value_or(true);
         if (field.offset + field.bytes > available)
@@ -101,13 +100,15 @@ void read_exchanges(Interpretation& state, Reader& reader, Instrument& instrumen
     }
 }
 
-void read_port(Interpretation& state, Reader& reader, Instrument& instrument, bool has_default_port) {
+void read_instrument_port(Interpretation& state, Reader& reader, Instrument& instrument,
+                          bool has_default_port) {
     const std::string_view key = instrument.serial ? "port" : "host";
     const std::string_view transport = instrument.serial ? "serial" : "tcp";
     instrument.port = reader.text(key).value_or("");
     if (!instrument.serial) check_host(reader, key, instrument.port);
     report_keys_without_effect(
-        reader, instrument.serial ? std::span<const std::string_view>(kNetworkKeys) : kSerialKeys, transport);
+        reader, instrument.serial ? std::span<const std::string_view>(kClientKeys) : kInstrumentSerialKeys,
+        transport);
     if (const auto port = reader.integer("tcp_port")) instrument.tcp_port = static_cast<std::uint16_t>(*port);
     const bool missing = report_missing_port(reader, key, transport);
     if (instrument.serial)
@@ -176,7 +177,7 @@ Instrument interpret_instrument(Interpretation& state, const Node& node, const s
     const auto [serial, tcp] = kServerTransports;
     instrument.serial =
         !tls && reader.word("transport").value_or(names_host(reader) ? tcp : serial) == serial;
-    read_port(state, reader, instrument, tls);
+    read_instrument_port(state, reader, instrument, tls);
     instrument.format = read_character_format(reader, wire::Framing::rtu);
     instrument.every = reader.duration("every").value_or(instrument.every);
     instrument.timeout = reader.duration("timeout").value_or(instrument.timeout);

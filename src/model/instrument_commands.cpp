@@ -72,7 +72,7 @@ TextTemplate read_request(Reader& reader) {
     return {};
 }
 
-NumberFormat read_format(Reader& reader, const InstrumentCommand& command) {
+NumberFormat read_number_format(Reader& reader, const InstrumentCommand& command) {
     NumberFormat format;
     if (const auto decimals = reader.integer("decimals"))
         format.decimals = static_cast<std::uint8_t>(*decimals);
@@ -127,7 +127,8 @@ Duration needed(const InstrumentCommand& command, const Instrument& instrument) 
     return instrument.timeout + confirmation.attempts * answers * confirmation.timeout + confirmation.pause;
 }
 
-InstrumentCommand read_command(Interpretation& state, Reader& reader, const Instrument& instrument) {
+InstrumentCommand interpret_instrument_command(Interpretation& state, Reader& reader,
+                                               const Instrument& instrument) {
     InstrumentCommand command;
     command.location = reader.node().location;
     command.name = reader.text("name").value_or("");
@@ -135,7 +136,7 @@ InstrumentCommand read_command(Interpretation& state, Reader& reader, const Inst
     if (std::ranges::any_of(instrument.commands, same))
         reader.report(Rule::number_twice, "name", {}, {{"key", "name"}});
     if (reader.given("request")) command.request = read_request(reader);
-    command.format = read_format(reader, command);
+    command.format = read_number_format(reader, command);
     command.unit = reader.text("unit").value_or("");
     command.confirmation = read_confirmation(state, reader, instrument, 1);
     command.restore = reader.boolean("restore").value_or(true);
@@ -165,8 +166,9 @@ void read_commands(Interpretation& state, Reader& reader, Instrument& instrument
         command.confirmation = read_confirmation(state, own, instrument, kStartAttempts);
         instrument.start.push_back(std::move(command));
     });
-    each_item(state, reader, "commands", kMostCommands, Object::instrument_command,
-              [&](Reader& own) { instrument.commands.push_back(read_command(state, own, instrument)); });
+    each_item(state, reader, "commands", kMostCommands, Object::instrument_command, [&](Reader& own) {
+        instrument.commands.push_back(interpret_instrument_command(state, own, instrument));
+    });
     instrument.start_retry = reader.duration("start_retry").value_or(instrument.start_retry);
     instrument.reset = read_optional(state, reader, "reset");
     if (reader.is_mapping("reset") && matches_any(*instrument.reset))

@@ -135,6 +135,9 @@ std::vector<ItemRange> read_item_ranges(Interpretation& state, Reader& reader, s
 /// The access rules of a server.
 std::vector<AccessRule> read_access(Interpretation& state, Reader& reader);
 
+/// The keys of a connection to a host.
+inline constexpr std::string_view kClientKeys[] = {"host", "tcp_port"};
+
 /// Whether the transport is TLS, which is reported: it is not implemented.
 bool report_tls(Reader& reader);
 

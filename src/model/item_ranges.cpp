@@ -6,8 +6,6 @@
 namespace takt::model {
 namespace {
 
-constexpr std::uint32_t kItems = 65536;
-
 std::uint32_t end_of(const ItemRange& range) {
     return std::uint32_t{range.last} + 1;
 }
@@ -47,7 +45,7 @@ ItemRanges without(const ItemRanges& from, const ItemRanges& what) {
 }
 
 ItemRanges all_but(const ItemRanges& ranges) {
-    return without({range_of(0, kItems)}, ranges);
+    return without({range_of(0, kItemsPerArea)}, ranges);
 }
 
 bool holds(const ItemRanges& ranges, const ItemRange& range) {

@@ -7,9 +7,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint16_t kTlsPort = 802;
-constexpr std::string_view kSerialKeys[] = {"port", "baud", "parity", "stop_bits", "data_bits", "rs485"};
-constexpr std::string_view kNetworkKeys[] = {"host", "tcp_port"};
+constexpr std::uint16_t kModbusTlsPort = 802;
+constexpr std::string_view kLineSerialKeys[] = {"port", "baud", "parity", "stop_bits", "data_bits", "rs485"};
 
 /// The transport as written, even if the profile forbids it: the following keys are checked against it.
 Transport stated_transport(Reader& reader, Profile profile) {
@@ -23,12 +22,12 @@ Transport stated_transport(Reader& reader, Profile profile) {
                                                                                 : Transport::serial;
 }
 
-void read_port(Interpretation& state, Reader& reader, Line& line) {
+void read_line_port(Interpretation& state, Reader& reader, Line& line) {
     const bool network = line.transport == Transport::tcp || line.transport == Transport::tls;
     const std::string_view key = network ? "host" : "port";
     line.port = reader.text(key).value_or("");
     if (network) check_host(reader, key, line.port);
-    line.tcp_port = line.transport == Transport::tls ? kTlsPort : line.tcp_port;
+    line.tcp_port = line.transport == Transport::tls ? kModbusTlsPort : line.tcp_port;
     if (const auto port = reader.integer("tcp_port")) line.tcp_port = static_cast<std::uint16_t>(*port);
     reader.text(network ? "port" : "host");
     if (line.transport == Transport::simulated) return;
@@ -36,7 +35,7 @@ void read_port(Interpretation& state, Reader& reader, Line& line) {
     if (!network) register_port(state, reader, line.port);
 }
 
-void read_format(Reader& reader, Line& line) {
+void read_line_format(Reader& reader, Line& line) {
     line.format = read_character_format(reader, line.framing);
     if (!line.is_serial()) line.format.baud = 0;
     line.rs485 = reader.choice<Rs485>("rs485").value_or(line.rs485);
@@ -56,10 +55,11 @@ void read_pace(const Interpretation& state, Reader& reader, Line& line) {
         reader.report_without_effect("byte_timeout", "framing: tcp");
 }
 
-void report_keys_without_effect(Reader& reader, const Line& line) {
+void report_line_keys_without_effect(Reader& reader, const Line& line) {
     if (line.transport == Transport::simulated) return;
-    const std::span<const std::string_view> others =
-        line.transport == Transport::serial ? std::span<const std::string_view>(kNetworkKeys) : kSerialKeys;
+    const std::span<const std::string_view> others = line.transport == Transport::serial
+                                                         ? std::span<const std::string_view>(kClientKeys)
+                                                         : kLineSerialKeys;
     report_keys_without_effect(reader, others, name(line.transport));
 }
 
@@ -98,10 +98,10 @@ Line interpret_line(Interpretation& state, const Node& node, const std::string& 
     const bool network = line.transport == Transport::tcp || line.transport == Transport::tls;
     line.framing = state.context.framing =
         reader.choice<wire::Framing>("framing").value_or(network ? wire::Framing::tcp : wire::Framing::rtu);
-    read_port(state, reader, line);
-    read_format(reader, line);
+    read_line_port(state, reader, line);
+    read_line_format(reader, line);
     read_pace(state, reader, line);
-    report_keys_without_effect(reader, line);
+    report_line_keys_without_effect(reader, line);
     interpret_devices(state, reader, line);
     return line;
 }

@@ -7,14 +7,8 @@
 namespace takt::model {
 namespace {
 
-constexpr std::size_t kNamesToCompare = 500;
-
-bool is_integer(DataType type) {
-    return type >= DataType::int16 && type <= DataType::uint64;
-}
-
-void report_unknown(const Interpretation& state, Reader& reader, std::string_view key,
-                    std::string_view wanted, const char* types) {
+void report_unknown_local(const Interpretation& state, Reader& reader, std::string_view key,
+                          std::string_view wanted, const char* types) {
     if (state.locals.empty()) {
         reader.report(Rule::local_undeclared, key, types);
         return;
@@ -62,7 +56,7 @@ std::optional<LocalIndex> read_local(Interpretation& state, Reader& reader, std:
     if (found == state.locals.end() && resembles_service_name(node->text))
         return read_service(state, reader, key);
     if (found == state.locals.end()) {
-        report_unknown(state, reader, key, node->text, types);
+        report_unknown_local(state, reader, key, node->text, types);
         return std::nullopt;
     }
     if (!state.local_type_known[found->second]) return std::nullopt;

@@ -11,26 +11,24 @@
 namespace takt::model {
 namespace {
 
-constexpr unsigned kItems = 65536;
-
 enum class MirrorOrder : std::uint8_t { project, address, name };
 
 /// A polled variable with its place.
-struct Polled {
+struct MirroredVariable {
     std::size_t line = 0;
     const Device* device = nullptr;
     Variable* variable = nullptr;
 };
 
-bool is_boolean(const Polled& polled) {
+bool is_boolean(const MirroredVariable& polled) {
     return polled.variable->type == DataType::boolean;
 }
 
-void sort(std::vector<Polled>& all, MirrorOrder order) {
+void sort(std::vector<MirroredVariable>& all, MirrorOrder order) {
     if (order == MirrorOrder::name)
-        std::ranges::stable_sort(all, {}, [](const Polled& p) { return p.variable->name; });
+        std::ranges::stable_sort(all, {}, [](const MirroredVariable& p) { return p.variable->name; });
     if (order == MirrorOrder::address)
-        std::ranges::stable_sort(all, {}, [](const Polled& p) {
+        std::ranges::stable_sort(all, {}, [](const MirroredVariable& p) {
             return std::tuple(p.line, p.device->address.value, p.variable->area, p.variable->start(),
                               p.variable->bit.value_or(0));
         });
@@ -63,7 +61,7 @@ public:
         sort(all, order_);
         unsigned next = first_;
         for (const auto& polled : all) next += items_of(polled);
-        if (next > kItems)
+        if (next > kItemsPerArea)
             return reader_.report(
                 Rule::mirror_beyond_end, "first", {},
                 {{"items", std::to_string(next - first_)}, {"first", std::to_string(first_)}});
@@ -97,14 +95,14 @@ private:
         }
     }
 
-    [[nodiscard]] std::vector<Polled> selected(bool bits_elsewhere) {
-        std::vector<Polled> all;
+    [[nodiscard]] std::vector<MirroredVariable> selected(bool bits_elsewhere) {
+        std::vector<MirroredVariable> all;
         for (std::size_t line = 0; line < state_.project.lines.size(); ++line)
             for (auto& device : state_.project.lines[line].devices) {
                 if (reader_.given("devices") && std::ranges::find(devices_, device.name) == devices_.end())
                     continue;
                 for (auto& variable : device.variables) {
-                    const Polled polled{line, &device, &variable};
+                    const MirroredVariable polled{line, &device, &variable};
                     if (!variable.used || !variable.read || variable.name.empty()) continue;
                     if (is_boolean(polled) ? !wire::is_bit_area(area_) && bits_elsewhere
                                            : wire::is_bit_area(area_))
@@ -115,7 +113,7 @@ private:
         return all;
     }
 
-    [[nodiscard]] unsigned items_of(const Polled& polled) const {
+    [[nodiscard]] unsigned items_of(const MirroredVariable& polled) const {
         return wire::is_bit_area(area_) ? 1U : polled.variable->registers;
     }
 
@@ -144,7 +142,7 @@ private:
         return refuse(unit_.offered[area].empty() ? ItemRange{} : unit_.offered[area].front(), "overlay");
     }
 
-    void add(const Polled& polled, unsigned at) {
+    void add(const MirroredVariable& polled, unsigned at) {
         const Variable& from = *polled.variable;
         Variable variable;
         variable.name = from.name;

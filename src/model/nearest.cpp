@@ -5,32 +5,30 @@
 #include <array>
 #include <limits>
 
+#include "takt/base/ascii.hpp"
+
 namespace takt::model {
 namespace {
 
-constexpr std::size_t kLongest = 64;
-
-char lower(char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
+constexpr std::size_t kLongestCompared = 64;
 
 constexpr std::size_t kContained = 4;
 
 bool contains(std::string_view whole, std::string_view part) {
-    return part.size() > 2 && whole.substr(0, kLongest).find(part) != std::string_view::npos;
+    return part.size() > 2 && whole.substr(0, kLongestCompared).find(part) != std::string_view::npos;
 }
 
 std::size_t replace_cost(char a, char b) {
     if (a == b) return 0;
-    return lower(a) == lower(b) ? 1 : 2;
+    return lower_case(a) == lower_case(b) ? 1 : 2;
 }
 
 }  // namespace
 
 std::size_t typing_distance(std::string_view a, std::string_view b) {
-    a = a.substr(0, kLongest);
-    b = b.substr(0, kLongest);
-    using Row = std::array<std::size_t, kLongest + 1>;
+    a = a.substr(0, kLongestCompared);
+    b = b.substr(0, kLongestCompared);
+    using Row = std::array<std::size_t, kLongestCompared + 1>;
     Row before{};
     Row last{};
     Row row{};

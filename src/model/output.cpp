@@ -27,7 +27,7 @@ bool is_plain(std::string_view name) {
 std::string made_plain(std::string_view name) {
     std::string plain;
     for (const char c : name) {
-        const char small = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+        const char small = lower_case(c);
         if (is_plain(std::string_view(&small, 1)))
             plain += small;
         else if (!plain.ends_with('_'))

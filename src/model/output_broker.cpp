@@ -16,16 +16,17 @@ namespace {
 
 constexpr std::size_t kMostBrokers = 8;
 constexpr std::uint16_t kPort = 1883;
-constexpr std::uint16_t kTlsPort = 8883;
+constexpr std::uint16_t kMqttTlsPort = 8883;
 constexpr std::uint64_t kLastPort = 65535;
 constexpr std::size_t kLongestUrl = 300;
-constexpr std::string_view kForms = "mqtts://HOST, mqtts://HOST:8883, mqtt://192.168.1.5, mqtt://[::1]:1883";
+constexpr std::string_view kBrokerUrlForms =
+    "mqtts://HOST, mqtts://HOST:8883, mqtt://192.168.1.5, mqtt://[::1]:1883";
 
 /// What a text without, or with another scheme means.
 constexpr std::pair<std::string_view, bool> kSchemes[] = {
     {"mqtt", false}, {"mqtts", true}, {"tcp", false}, {"ssl", true}, {"tls", true}};
 
-struct Failure {
+struct BrokerFailure {
     Rule rule{};
     std::string meant;  // empty: unknown
 };
@@ -47,9 +48,9 @@ std::optional<std::uint16_t> parse_port(std::string_view text) {
     return static_cast<std::uint16_t>(number->magnitude);
 }
 
-std::expected<Broker, Failure> parse_authority(std::string_view text, bool tls) {
-    Broker broker{.port = tls ? kTlsPort : kPort, .tls = tls};
-    const Failure malformed{Rule::output_broker_malformed, {}};
+std::expected<Broker, BrokerFailure> parse_authority(std::string_view text, bool tls) {
+    Broker broker{.port = tls ? kMqttTlsPort : kPort, .tls = tls};
+    const BrokerFailure malformed{Rule::output_broker_malformed, {}};
     const bool brackets = text.starts_with('[');
     const auto host_end = brackets ? text.find(']') : std::min(text.find(':'), text.size());
     if (host_end == std::string_view::npos) return std::unexpected(malformed);
@@ -64,7 +65,7 @@ std::expected<Broker, Failure> parse_authority(std::string_view text, bool tls) 
     return broker;
 }
 
-std::expected<Broker, Failure> parse_broker(std::string_view text) {
+std::expected<Broker, BrokerFailure> parse_broker(std::string_view text) {
     constexpr std::string_view kSeparator = "://";
     const auto scheme_end = text.find(kSeparator);
     const auto scheme = text.substr(0, scheme_end == std::string_view::npos ? 0 : scheme_end);
@@ -82,12 +83,12 @@ std::expected<Broker, Failure> parse_broker(std::string_view text) {
     if (right && at == std::string_view::npos) return meant;
     if (at == std::string_view::npos && !meant && scheme.empty()) return meant;
     return std::unexpected(
-        Failure{at != std::string_view::npos ? Rule::output_broker_user : Rule::output_broker_scheme,
-                meant ? url_of(*meant) : std::string()});
+        BrokerFailure{at != std::string_view::npos ? Rule::output_broker_user : Rule::output_broker_scheme,
+                      meant ? url_of(*meant) : std::string()});
 }
 
 /// A URL with a password is not shown.
-std::string shown(std::string_view text) {
+std::string without_password(std::string_view text) {
     const auto at = text.rfind('@');
     if (at == std::string_view::npos) return std::string(text);
     const auto scheme = text.find("://");
@@ -110,7 +111,7 @@ std::vector<Broker> read_brokers(Interpretation& state, Reader& reader) {
     std::vector<Broker> brokers;
     if (!reader.given("brokers") && !reader.misspelt("brokers"))
         reader.report(reader.node().find("brokers") != nullptr ? Rule::field_empty : Rule::field_missing,
-                      "brokers", std::string(kForms), {{"key", "brokers"}});
+                      "brokers", std::string(kBrokerUrlForms), {{"key", "brokers"}});
     const Node* const list = reader.list("brokers");
     if (list == nullptr) return brokers;
     if (list->items.empty()) reader.report(Rule::field_empty, "brokers", {}, {{"key", "brokers"}});
@@ -121,12 +122,13 @@ std::vector<Broker> read_brokers(Interpretation& state, Reader& reader) {
         const auto& item = list->items[i];
         const auto path = reader.path_of("brokers") + "[" + std::to_string(i) + "]";
         const auto report = [&](Rule rule, const std::string& meant) {
-            state.findings.add(rule, item.location, path, shown(item.text), std::string(kForms),
+            state.findings.add(rule, item.location, path, without_password(item.text),
+                               std::string(kBrokerUrlForms),
                                {{"meant", meant.empty() ? "mqtts://broker.example:8883" : meant}});
         };
         const bool text = item.kind == Node::Kind::scalar && item.text.size() <= kLongestUrl;
-        const auto broker =
-            text ? parse_broker(item.text) : std::unexpected(Failure{Rule::output_broker_malformed, {}});
+        const auto broker = text ? parse_broker(item.text)
+                                 : std::unexpected(BrokerFailure{Rule::output_broker_malformed, {}});
         if (!broker)
             report(broker.error().rule, broker.error().meant);
         else if (std::ranges::find(brokers, *broker) != brokers.end())

@@ -16,7 +16,6 @@
 namespace takt::model {
 namespace {
 
-constexpr std::size_t kNamesToCompare = 500;
 constexpr std::int64_t kLongestPattern = 200;
 constexpr TopicPart kAllParts[] = {TopicPart::output, TopicPart::line, TopicPart::device,
                                    TopicPart::variable};
@@ -36,7 +35,7 @@ struct Candidate {
     bool number = true;
 };
 
-bool is_number(DataType type) {
+bool is_numeric(DataType type) {
     return type != DataType::boolean && type != DataType::string;
 }
 
@@ -49,7 +48,7 @@ std::vector<Candidate> candidates(const Project& project) {
             all.push_back({.subject = i,
                            .name = local.name,
                            .service = local.service,
-                           .number = is_number(local.type)});
+                           .number = is_numeric(local.type)});
     }
     for (std::size_t l = 0; l < project.lines.size(); ++l)
         for (std::size_t d = 0; d < project.lines[l].devices.size(); ++d) {
@@ -62,7 +61,7 @@ std::vector<Candidate> candidates(const Project& project) {
                                    .line = project.lines[l].name,
                                    .device = device.name,
                                    .variable = &variable,
-                                   .number = is_number(variable.type)});
+                                   .number = is_numeric(variable.type)});
             }
         }
     return all;
@@ -219,9 +218,9 @@ struct Inherited {
 };
 
 /// An entry of `select`, or the output itself.
-class Entry {
+class SelectionEntry {
 public:
-    Entry(Interpretation& state, Reader reader, const Inherited& inherited, bool mqtt)
+    SelectionEntry(Interpretation& state, Reader reader, const Inherited& inherited, bool mqtt)
         : reader_(std::move(reader)), filter_(state, reader_), keys_(inherited) {
         selection_.location = reader_.node().location;
         read_policy();
@@ -302,7 +301,7 @@ private:
 /// Gives each value its topic, and reports a topic of two.
 class Topics {
 public:
-    Topics(Interpretation& state, Output& output, std::vector<Entry*> entries)
+    Topics(Interpretation& state, Output& output, std::vector<SelectionEntry*> entries)
         : state_(state), output_(output), entries_(std::move(entries)), reported_(entries_.size()) {}
 
     void add(SelectedValue& value, const Candidate& candidate) {
@@ -362,7 +361,7 @@ private:
 
     Interpretation& state_;
     Output& output_;
-    std::vector<Entry*> entries_;
+    std::vector<SelectionEntry*> entries_;
     std::vector<bool> reported_;
     std::map<std::string, Owner, std::less<>> owners_;
 };
@@ -404,7 +403,7 @@ private:
     }
 
     void distribute(const std::vector<Candidate>& all) {
-        std::vector<Entry*> owners;
+        std::vector<SelectionEntry*> owners;
         for (auto& entry : entries_) owners.push_back(&entry);
         if (owners.empty()) owners.push_back(&own_);
         Topics topics(state_, output_, owners);
@@ -436,7 +435,7 @@ private:
             state_.findings.add(Rule::output_empty, output_.location, own_.reader().path_of("variables"), {});
     }
 
-    static void report_dead_band(Entry& entry) {
+    static void report_dead_band(SelectionEntry& entry) {
         if (entry.reader().given("dead_band") && entry.values() > 0 && !entry.numbers())
             entry.reader().report_without_effect("dead_band", "type: bool, string");
     }
@@ -444,8 +443,8 @@ private:
     Interpretation& state_;
     Output& output_;
     bool mqtt_;
-    Entry own_;
-    std::vector<Entry> entries_;
+    SelectionEntry own_;
+    std::vector<SelectionEntry> entries_;
 };
 
 Variable& variable_of(Project& project, const PolledIndex& index) {

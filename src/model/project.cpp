@@ -11,7 +11,7 @@ constexpr std::size_t kOwenFrameBuffer = 256;
 constexpr std::size_t kOwenItems = 125;
 
 template <class E>
-std::string_view word(std::span<const std::string_view> words, E value) {
+std::string_view word_of(std::span<const std::string_view> words, E value) {
     const auto index = static_cast<std::size_t>(value);
     return index < words.size() ? words[index] : "unknown";
 }
@@ -39,13 +39,13 @@ DeviceDefaults device_defaults(Profile profile) {
 }
 
 std::string_view name(Profile profile) {
-    return word(kProfiles, profile);
+    return word_of(kProfiles, profile);
 }
 std::string_view name(Transport transport) {
-    return word(kTransports, transport);
+    return word_of(kTransports, transport);
 }
 std::string_view name(Strategy strategy) {
-    return word(kStrategies, strategy);
+    return word_of(kStrategies, strategy);
 }
 
 }  // namespace takt::model

@@ -10,7 +10,7 @@ namespace takt::model {
 namespace {
 
 constexpr std::uint64_t kLastItem = 65535;
-constexpr auto* kForms = "7, 0..99, 0-99, 0x10..0x1F, [0, 99]";
+constexpr auto* kRangeForms = "7, 0..99, 0-99, 0x10..0x1F, [0, 99]";
 
 std::expected<std::uint16_t, Rule> parse_bound(std::string_view text) {
     const auto parsed = parse_integer(trimmed(text));
@@ -49,7 +49,7 @@ std::expected<ItemRange, Rule> parse_item(const Node& item) {
 }
 
 /// An item as it is named in a finding.
-std::string shown(const Node& item) {
+std::string item_text(const Node& item) {
     constexpr std::size_t kMost = 3;
     if (item.kind == Node::Kind::mapping) return "{...}";
     if (item.kind != Node::Kind::list) return item.text;
@@ -84,9 +84,10 @@ std::vector<ItemRange> read_item_ranges(Interpretation& state, Reader& reader, s
         if (range)
             ranges.push_back(*range);
         else
-            state.findings.add(range.error(), item.location,
-                               reader.path_of(key) + "[" + std::to_string(i) + "]", shown(item),
-                               range.error() == Rule::range_malformed ? kForms : reader.allowed_text(key));
+            state.findings.add(
+                range.error(), item.location, reader.path_of(key) + "[" + std::to_string(i) + "]",
+                item_text(item),
+                range.error() == Rule::range_malformed ? kRangeForms : reader.allowed_text(key));
     }
     merge(ranges);
     return ranges;

@@ -26,7 +26,7 @@ bool is_cell(const Node& node) {
     return node.cell;
 }
 
-std::string_view text_of(const Node* node) {
+std::string_view scalar_text(const Node* node) {
     return node != nullptr && node->kind == Node::Kind::scalar ? std::string_view(node->text)
                                                                : std::string_view();
 }
@@ -97,7 +97,7 @@ std::string Reader::path_of(std::string_view key) const {
 
 void Reader::report(Rule rule, std::string_view key, std::string allowed, Arguments arguments) {
     const Node* const there = value(key);
-    findings_.add(rule, there != nullptr ? there->location : node_.location, path_of(key), text_of(there),
+    findings_.add(rule, there != nullptr ? there->location : node_.location, path_of(key), scalar_text(there),
                   std::move(allowed), std::move(arguments));
 }
 
@@ -336,7 +336,7 @@ std::optional<Duration> Reader::duration(std::string_view key) {
 
 bool Reader::word_instead(std::string_view key) const {
     const auto& words = field(key).words;
-    return std::ranges::find(words, text_of(value(key))) != words.end();
+    return std::ranges::find(words, scalar_text(value(key))) != words.end();
 }
 
 std::optional<bool> Reader::boolean(std::string_view key) {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr ItemRange kAllUnits{1, 247};
 constexpr std::uint16_t kLastUnit = 255;
-constexpr std::size_t kNamesToCompare = 1000;
+constexpr std::size_t kLinesToCompare = 1000;
 
 std::optional<std::size_t> find_line(const Interpretation& state, Reader& reader) {
     const auto wanted = reader.text("line");
@@ -20,7 +20,7 @@ std::optional<std::size_t> find_line(const Interpretation& state, Reader& reader
     if (found != lines.end()) return static_cast<std::size_t>(found - lines.begin());
     std::vector<std::string_view> names;
     for (const auto& line : lines)
-        if (!line.name.empty() && names.size() < kNamesToCompare) names.emplace_back(line.name);
+        if (!line.name.empty() && names.size() < kLinesToCompare) names.emplace_back(line.name);
     if (names.empty())
         reader.report(Rule::name_none, "line", {}, {{"kind", "line"}});
     else
@@ -47,7 +47,7 @@ void read_map(Interpretation& state, Reader& reader, Relay& relay) {
     }
 }
 
-void read_units(Interpretation& state, Reader& reader, Relay& relay) {
+void read_relay_units(Interpretation& state, Reader& reader, Relay& relay) {
     relay.units = read_item_ranges(state, reader, "units");
     if (!relay.units.empty() && relay.units.back().last > kLastUnit) {
         state.findings.add(Rule::field_out_of_range, reader.value("units")->location, reader.path_of("units"),
@@ -80,7 +80,7 @@ void interpret_relays(Interpretation& state, Reader& server, std::vector<Relay>&
         Relay relay;
         relay.location = item.location;
         const auto line = find_line(state, reader);
-        read_units(state, reader, relay);
+        read_relay_units(state, reader, relay);
         relay.cache = reader.duration("cache").value_or(relay.cache);
         relay.attempts = static_cast<std::uint16_t>(reader.integer("attempts").value_or(relay.attempts));
         relay.response_timeout = reader.duration("response_timeout").value_or(relay.response_timeout);

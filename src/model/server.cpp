@@ -10,10 +10,10 @@
 namespace takt::model {
 namespace {
 
-constexpr std::string_view kSerialKeys[] = {"port",  "baud",   "parity",     "stop_bits",   "data_bits",
-                                            "rs485", "strict", "turnaround", "byte_timeout"};
-constexpr std::string_view kNetworkKeys[] = {"listen",       "tcp_port",     "max_connections",
-                                             "max_per_peer", "idle_timeout", "write_timeout"};
+constexpr std::string_view kServerSerialKeys[] = {"port",  "baud",   "parity",     "stop_bits",   "data_bits",
+                                                  "rs485", "strict", "turnaround", "byte_timeout"};
+constexpr std::string_view kListenerKeys[] = {"listen",       "tcp_port",     "max_connections",
+                                              "max_per_peer", "idle_timeout", "write_timeout"};
 
 /// Whether two listeners accept the same connections.
 bool collide(const Interpretation::Listener& a, const Interpretation::Listener& b) {
@@ -41,7 +41,7 @@ void note_listener(Interpretation& state, Reader& reader, const Server& server) 
         state.listeners.push_back(listener);
 }
 
-void read_port(Interpretation& state, Reader& reader, Server& server) {
+void read_server_port(Interpretation& state, Reader& reader, Server& server) {
     const bool network = server.transport == Transport::tcp;
     const std::string_view key = network ? "listen" : "port";
     server.port = reader.text(key).value_or("");
@@ -88,9 +88,10 @@ ListenLimits read_limits(Reader& reader, bool serial) {
     return limits;
 }
 
-void report_keys_without_effect(Reader& reader, const Server& server) {
-    const std::span<const std::string_view> others =
-        server.transport == Transport::serial ? std::span<const std::string_view>(kNetworkKeys) : kSerialKeys;
+void report_server_keys_without_effect(Reader& reader, const Server& server) {
+    const std::span<const std::string_view> others = server.transport == Transport::serial
+                                                         ? std::span<const std::string_view>(kListenerKeys)
+                                                         : kServerSerialKeys;
     report_keys_without_effect(reader, others, name(server.transport));
     if (server.strict && server.transport == Transport::serial && server.framing == wire::Framing::ascii)
         reader.report_without_effect("strict", "framing: ascii");
@@ -121,7 +122,7 @@ void interpret_units(Interpretation& state, Reader& reader, Server& server) {
 
 using Units = std::bitset<256>;
 
-void add(Units& units, const std::vector<ItemRange>& ranges) {
+void add_units(Units& units, const std::vector<ItemRange>& ranges) {
     for (const auto [first, last] : ranges)
         for (std::size_t unit = first; unit <= last && unit < units.size(); ++unit) units[unit] = true;
 }
@@ -145,7 +146,7 @@ Ends ends_of(const Server& server) {
             ends.mapped.push_back(mapping);
         }
         Units same;
-        add(same, relay.units);
+        add_units(same, relay.units);
         ends.executors |= same & ~taken;
         taken |= same;
     }
@@ -158,7 +159,7 @@ void report_mapped_units(Interpretation& state, Reader& reader, const Server& se
     const Ends ends = ends_of(server);
     for (std::size_t i = 0; i < server.access.size(); ++i) {
         Units named;
-        add(named, server.access[i].units);
+        add_units(named, server.access[i].units);
         for (const auto [from, to] : ends.mapped) {
             if (!named[from.value] || named[to.value] || ends.executors[from.value]) continue;
             const auto unit = std::to_string(from.value);
@@ -183,7 +184,7 @@ Server interpret_server(Interpretation& state, const Node& node, const std::stri
     server.transport = state.context.transport = serial ? Transport::serial : Transport::tcp;
     server.framing = state.context.framing =
         reader.choice<wire::Framing>("framing").value_or(serial ? wire::Framing::rtu : wire::Framing::tcp);
-    read_port(state, reader, server);
+    read_server_port(state, reader, server);
     server.format = read_character_format(reader, server.framing);
     server.rs485 = reader.choice<Rs485>("rs485").value_or(server.rs485);
     server.strict = reader.boolean("strict").value_or(server.strict);
@@ -195,7 +196,7 @@ Server interpret_server(Interpretation& state, const Node& node, const std::stri
         server.byte_timeout = reader.duration("byte_timeout");
     server.access = read_access(state, reader);
     server.audit = reader.text("audit").value_or("");
-    report_keys_without_effect(reader, server);
+    report_server_keys_without_effect(reader, server);
     interpret_units(state, reader, server);
     interpret_relays(state, reader, server.relays);
     report_mapped_units(state, reader, server);

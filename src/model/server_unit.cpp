@@ -28,8 +28,8 @@ void for_each_entry(Interpretation& state, Reader& unit, std::string_view key, O
 }
 
 /// A number that identifies an entry; it must be unique in its list.
-std::optional<std::uint16_t> read_number(Reader& reader, std::string_view key,
-                                         std::set<std::uint16_t>& taken) {
+std::optional<std::uint16_t> read_unit_number(Reader& reader, std::string_view key,
+                                              std::set<std::uint16_t>& taken) {
     const auto read = reader.integer(key);
     if (!read) return std::nullopt;
     const auto number = static_cast<std::uint16_t>(*read);
@@ -119,7 +119,7 @@ void read_banks(Interpretation& state, Reader& reader, ServerUnit& unit) {
 void read_identification(Interpretation& state, Reader& reader, ServerUnit& unit) {
     std::set<std::uint16_t> ids;
     for_each_entry(state, reader, "identification", Object::identification, [&](Reader& object) {
-        const auto id = read_number(object, "id", ids);
+        const auto id = read_unit_number(object, "id", ids);
         const auto text = object.text("text");
         if (id) unit.identification.push_back({static_cast<std::uint8_t>(*id), text.value_or("")});
     });
@@ -130,7 +130,7 @@ void read_identification(Interpretation& state, Reader& reader, ServerUnit& unit
 void read_files(Interpretation& state, Reader& reader, ServerUnit& unit) {
     std::set<std::uint16_t> numbers;
     for_each_entry(state, reader, "files", Object::file, [&](Reader& file) {
-        const auto number = read_number(file, "number", numbers);
+        const auto number = read_unit_number(file, "number", numbers);
         const auto records = file.integer("records");
         const bool read_only = file.boolean("read_only").value_or(false);
         if (number && records)
@@ -162,14 +162,14 @@ std::vector<std::uint16_t> read_values(Interpretation& state, Reader& reader) {
 void read_fifos(Interpretation& state, Reader& reader, ServerUnit& unit) {
     std::set<std::uint16_t> addresses;
     for_each_entry(state, reader, "fifos", Object::fifo, [&](Reader& fifo) {
-        const auto address = read_number(fifo, "register", addresses);
+        const auto address = read_unit_number(fifo, "register", addresses);
         auto values = read_values(state, fifo);
         if (address) unit.fifos.push_back({*address, std::move(values)});
     });
 }
 
 /// Keys of polling and writing have no effect on a value of the server itself.
-void report_keys_without_effect(Interpretation& state, const Node& node, const std::string& path) {
+void report_unit_keys_without_effect(Interpretation& state, const Node& node, const std::string& path) {
     constexpr std::string_view kKeys[] = {
         "read",   "write",  "write_on_change", "min_interval", "burst",     "read_trigger", "write_trigger",
         "status", "period", "deadline",        "hold_last",    "dead_band", "verify",       "safe_to_repeat"};
@@ -179,14 +179,14 @@ void report_keys_without_effect(Interpretation& state, const Node& node, const s
                                value->text, {}, {{"key", std::string(key)}, {"condition", "servers"}});
 }
 
-void interpret_variables(Interpretation& state, Reader& reader, ServerUnit& unit, const Device& shape) {
+void interpret_unit_variables(Interpretation& state, Reader& reader, ServerUnit& unit, const Device& shape) {
     const Node* const list = reader.list("variables");
     if (list == nullptr) return;
     for (std::size_t i = 0; i < list->items.size(); ++i) {
         const auto& item = list->items[i];
         const auto path = reader.path_of("variables") + "[" + std::to_string(i) + "]";
         if (!is_mapping(state, item, path)) continue;
-        report_keys_without_effect(state, item, path);
+        report_unit_keys_without_effect(state, item, path);
         std::optional<Binding> binding;
         unit.variables.push_back(interpret_served_variable(
             state, shape, item, path,
@@ -236,7 +236,7 @@ ServerUnit interpret_server_unit(Interpretation& state, const Node& node, const 
     Device shape;  // the defaults that a variable inherits
     check_notation(reader);
     shape.order = read_byte_order(reader, shape.order, {});
-    interpret_variables(state, reader, unit, shape);
+    interpret_unit_variables(state, reader, unit, shape);
     interpret_mirrors(state, reader, unit, shape);
     return unit;
 }

@@ -13,46 +13,44 @@ namespace takt::model {
 namespace {
 
 using namespace std::chrono_literals;
-using enum DataType;
-using enum ServiceRate;
-
-constexpr auto program = ServiceScope::program;
-constexpr auto line = ServiceScope::line;
-constexpr auto device = ServiceScope::device;
 
 // The rate limit of a pulse is a little less than its period, so that one that is late delays no later one.
-constexpr std::array kFields{
-    ServiceField{ServiceValue::time, program, "time", uint32, "s"},
-    ServiceField{ServiceValue::uptime, program, "uptime", uint32, "s"},
-    ServiceField{ServiceValue::first_cycle, program, "first_cycle", boolean, "", fast, 10s},
-    ServiceField{ServiceValue::pulse_1s, program, "pulse_1s", boolean, "", fast, 900ms, 1s},
-    ServiceField{ServiceValue::pulse_1min, program, "pulse_1min", boolean, "", fast, 59900ms, 1min},
-    ServiceField{ServiceValue::line_up, line, "up", boolean, "", fast, 1s},
-    ServiceField{ServiceValue::line_load, line, "load", float32, "%"},
-    ServiceField{ServiceValue::line_cycle, line, "cycle", float32, "ms"},
-    ServiceField{ServiceValue::line_requests, line, "requests", uint32, ""},
-    ServiceField{ServiceValue::line_errors, line, "errors", uint32, ""},
-    ServiceField{ServiceValue::device_state, device, "state", uint16, "", fast},
-    ServiceField{ServiceValue::device_answering, device, "answering", boolean, "", fast, 1s},
-    ServiceField{ServiceValue::device_response_time, device, "response_time", float32, "ms"},
-    ServiceField{ServiceValue::device_requests, device, "requests", uint32, ""},
-    ServiceField{ServiceValue::device_errors, device, "errors", uint32, ""},
-    ServiceField{ServiceValue::device_timeouts, device, "timeouts", uint32, ""},
-    ServiceField{ServiceValue::device_checksum_errors, device, "checksum_errors", uint32, ""},
-    ServiceField{ServiceValue::device_exceptions, device, "exceptions", uint32, ""},
-    ServiceField{ServiceValue::device_outages, device, "outages", uint32, ""},
-};
+constexpr auto kFields = [] {
+    using enum DataType;
+    using enum ServiceRate;
+    using enum ServiceScope;
+    return std::array{
+        ServiceField{ServiceValue::time, program, "time", uint32, "s"},
+        ServiceField{ServiceValue::uptime, program, "uptime", uint32, "s"},
+        ServiceField{ServiceValue::first_cycle, program, "first_cycle", boolean, "", fast, 10s},
+        ServiceField{ServiceValue::pulse_1s, program, "pulse_1s", boolean, "", fast, 900ms, 1s},
+        ServiceField{ServiceValue::pulse_1min, program, "pulse_1min", boolean, "", fast, 59900ms, 1min},
+        ServiceField{ServiceValue::line_up, line, "up", boolean, "", fast, 1s},
+        ServiceField{ServiceValue::line_load, line, "load", float32, "%"},
+        ServiceField{ServiceValue::line_cycle, line, "cycle", float32, "ms"},
+        ServiceField{ServiceValue::line_requests, line, "requests", uint32, ""},
+        ServiceField{ServiceValue::line_errors, line, "errors", uint32, ""},
+        ServiceField{ServiceValue::device_state, device, "state", uint16, "", fast},
+        ServiceField{ServiceValue::device_answering, device, "answering", boolean, "", fast, 1s},
+        ServiceField{ServiceValue::device_response_time, device, "response_time", float32, "ms"},
+        ServiceField{ServiceValue::device_requests, device, "requests", uint32, ""},
+        ServiceField{ServiceValue::device_errors, device, "errors", uint32, ""},
+        ServiceField{ServiceValue::device_timeouts, device, "timeouts", uint32, ""},
+        ServiceField{ServiceValue::device_checksum_errors, device, "checksum_errors", uint32, ""},
+        ServiceField{ServiceValue::device_exceptions, device, "exceptions", uint32, ""},
+        ServiceField{ServiceValue::device_outages, device, "outages", uint32, ""},
+    };
+}();
 
-constexpr bool in_order() {
+constexpr bool fields_in_order() {
     for (std::size_t i = 0; i < kFields.size(); ++i)
         if (static_cast<std::size_t>(kFields[i].value) != i) return false;
     return kFields.back().value == ServiceValue::device_outages;
 }
-static_assert(in_order(), "kFields has a row for each value, in the order of the enum");
+static_assert(fields_in_order(), "kFields has a row for each value, in the order of the enum");
 
-constexpr std::string_view kLine = "line.";
-constexpr std::string_view kDevice = "device.";
-constexpr std::size_t kNamesToCompare = 500;
+constexpr std::string_view kLinePrefix = "line.";
+constexpr std::string_view kDevicePrefix = "device.";
 constexpr std::size_t kNamesToList = 12;
 constexpr std::size_t kMistypedPrefix = 4;  // two mistakes
 constexpr int kBitsOfACounter = 32;
@@ -63,24 +61,25 @@ constexpr std::uint64_t address_key(std::size_t of_line, std::uint64_t address) 
 }
 
 /// A name taken apart.
-struct Parts {
-    ServiceScope scope = program;
+struct ServiceNameParts {
+    ServiceScope scope = ServiceScope::program;
     std::string_view subject;  // of a line or device
     std::string_view word;
 };
 
 // A mistyped prefix ends with the first dot too.
-Parts parts_of(std::string_view name) {
+ServiceNameParts parts_of(std::string_view name) {
     const auto prefix_end = name.find('.');
     if (prefix_end != std::string_view::npos) name.remove_prefix(prefix_end + 1);
-    for (const auto& [prefix, scope] : {std::pair(kLine, line), std::pair(kDevice, device)}) {
+    for (const auto& [prefix, scope] :
+         {std::pair(kLinePrefix, ServiceScope::line), std::pair(kDevicePrefix, ServiceScope::device)}) {
         if (!name.starts_with(prefix)) continue;
         const auto rest = name.substr(prefix.size());
         const auto dot = rest.rfind('.');
         if (dot == std::string_view::npos) return {scope, rest, {}};
         return {scope, rest.substr(0, dot), rest.substr(dot + 1)};
     }
-    return {program, {}, name};
+    return {ServiceScope::program, {}, name};
 }
 
 const ServiceField* field_of(ServiceScope scope, std::string_view word) {
@@ -99,14 +98,14 @@ std::string listed(std::span<const std::string> names) {
     return all;
 }
 
-std::vector<std::string_view> words_of(ServiceScope scope) {
+std::vector<std::string_view> service_words(ServiceScope scope) {
     std::vector<std::string_view> words;
     for (const auto& field : kFields)
         if (field.scope == scope) words.push_back(field.word);
     return words;
 }
 
-std::string joined(std::string_view prefix, std::string_view subject, std::string_view word) {
+std::string service_name(std::string_view prefix, std::string_view subject, std::string_view word) {
     std::string name(kServicePrefix);
     name.append(prefix).append(subject);
     if (!subject.empty()) name += '.';
@@ -115,16 +114,16 @@ std::string joined(std::string_view prefix, std::string_view subject, std::strin
 
 std::string listed_words(std::string_view prefix, std::string_view subject, ServiceScope scope) {
     std::string all;
-    for (const auto word : words_of(scope)) {
+    for (const auto word : service_words(scope)) {
         if (!all.empty()) all += ", ";
-        all += joined(prefix, subject, word);
+        all += service_name(prefix, subject, word);
     }
     return all;
 }
 
 ServiceHint program_hint(std::string_view word) {
-    return {joined({}, {}, nearest(word, words_of(program))),
-            listed_words({}, {}, program) + ", system.line.NAME.*, system.device.NAME.*"};
+    return {service_name({}, {}, nearest(word, service_words(ServiceScope::program))),
+            listed_words({}, {}, ServiceScope::program) + ", system.line.NAME.*, system.device.NAME.*"};
 }
 
 }  // namespace
@@ -141,6 +140,7 @@ bool resembles_service_name(std::string_view name) {
 }
 
 bool outgrows(const ServiceField& field, DataType type, bool scaled) {
+    using enum DataType;
     if (field.type != uint32 || scaled || type == boolean || type == string) return false;
     return type != float64 && type != float32 && 16 * register_count(type) < kBitsOfACounter;
 }
@@ -166,7 +166,7 @@ std::optional<ServiceVariable> ServiceNames::find(std::string_view name) const {
     ServiceVariable found{.field = find_service_field(name)};
     if (found.field == nullptr) return std::nullopt;
     const auto parts = parts_of(name);
-    if (parts.scope == line) {
+    if (parts.scope == ServiceScope::line) {
         const auto known = lines_.find(parts.subject);
         if (known == lines_.end()) return std::nullopt;
         found.line = known->second;
@@ -218,7 +218,8 @@ std::string ServiceNames::shortest_name(const Position& position) const {
 std::vector<std::string> ServiceNames::subjects(ServiceScope scope) const {
     std::vector<std::string> names;
     for (std::size_t l = 0; l < project_.lines.size(); ++l) {
-        if (scope == line && names.size() < kNamesToCompare) names.push_back(project_.lines[l].name);
+        if (scope == ServiceScope::line && names.size() < kNamesToCompare)
+            names.push_back(project_.lines[l].name);
         if (scope != ServiceScope::device) continue;
         for (std::size_t d = 0; d < project_.lines[l].devices.size() && names.size() < kNamesToCompare; ++d)
             names.push_back(shortest_name({l, d}));
@@ -230,26 +231,27 @@ ServiceHint ServiceNames::hint(std::string_view name) const {
     const auto parts = parts_of(name);
     const auto names = subjects(parts.scope);
     if (names.empty()) return program_hint(parts.word);
-    const auto prefix = parts.scope == line ? kLine : kDevice;
-    const auto word = nearest(parts.word, words_of(parts.scope));
-    if (parts.scope == line ? lines_.contains(parts.subject) : device(parts.subject).has_value())
-        return {joined(prefix, parts.subject, word), listed_words(prefix, parts.subject, parts.scope)};
+    const auto prefix = parts.scope == ServiceScope::line ? kLinePrefix : kDevicePrefix;
+    const auto word = nearest(parts.word, service_words(parts.scope));
+    if (parts.scope == ServiceScope::line ? lines_.contains(parts.subject)
+                                          : device(parts.subject).has_value())
+        return {service_name(prefix, parts.subject, word), listed_words(prefix, parts.subject, parts.scope)};
     std::vector<std::string> whole;
     for (const auto& subject : names | std::views::take(kNamesToList + 1))
-        whole.push_back(joined(prefix, subject, word));
+        whole.push_back(service_name(prefix, subject, word));
     const std::vector<std::string_view> views(names.begin(), names.end());
-    return {joined(prefix, nearest(parts.subject, views), word), listed(whole)};
+    return {service_name(prefix, nearest(parts.subject, views), word), listed(whole)};
 }
 
 std::string ServiceNames::name(const ServiceVariable& variable) const {
     const auto word = variable.field->word;
     switch (variable.field->scope) {
-        case ServiceScope::line: return joined(kLine, project_.lines[variable.line].name, word);
+        case ServiceScope::line: return service_name(kLinePrefix, project_.lines[variable.line].name, word);
         case ServiceScope::device:
-            return joined(kDevice, shortest_name({variable.line, variable.device}), word);
+            return service_name(kDevicePrefix, shortest_name({variable.line, variable.device}), word);
         case ServiceScope::program: break;
     }
-    return joined({}, {}, word);
+    return service_name({}, {}, word);
 }
 
 const Local* service_of_lines(const Project& project) {

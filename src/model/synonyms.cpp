@@ -242,11 +242,9 @@ constexpr ValueSynonym kValueSynonyms[] = {
     {"framing", "modbus_tcp", "tcp"},
 };
 
-std::string lower(std::string_view text) {
+std::string in_lower_case(std::string_view text) {
     std::string made(text);
-    std::ranges::transform(made, made.begin(), [](char c) {
-        return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    });
+    std::ranges::transform(made, made.begin(), takt::lower_case);
     return made;
 }
 
@@ -255,7 +253,7 @@ std::string lower(std::string_view text) {
 std::string_view synonym(Object object, std::string_view word) {
     constexpr std::size_t kLonger = 5;
     constexpr std::size_t kOneMistake = 2;  // of typing_distance()
-    const std::string wanted = lower(word);
+    const std::string wanted = in_lower_case(word);
     for (const auto& [other, key] : kSynonyms)
         if (other == wanted && find_field(object, key) != nullptr) return key;
     for (const auto& [other, key] : kSynonyms)
@@ -267,7 +265,7 @@ std::string_view synonym(Object object, std::string_view word) {
 
 std::string_view value_synonym(std::string_view key, std::span<const std::string_view> words,
                                std::string_view value) {
-    const std::string wanted = lower(value);
+    const std::string wanted = in_lower_case(value);
     for (const auto& [of, other, word] : kValueSynonyms)
         if (of == key && other == wanted && std::ranges::find(words, word) != words.end()) return word;
     return {};

@@ -20,7 +20,7 @@ bool is_tag(std::string_view word) {
     });
 }
 
-std::vector<std::string> words_of(std::string_view text) {
+std::vector<std::string> tag_words(std::string_view text) {
     std::vector<std::string> words;
     while (true) {
         text.remove_prefix(std::min(text.find_first_not_of(kBetween), text.size()));
@@ -46,7 +46,7 @@ std::vector<std::string> read_tags(Interpretation& state, Reader& reader) {
     const Node* const node = reader.value("tags");
     if (node == nullptr) return tags;
     if (node->cell && node->kind == Node::Kind::scalar) {
-        for (const auto& word : words_of(node->text)) add(word, node->location, reader.path_of("tags"));
+        for (const auto& word : tag_words(node->text)) add(word, node->location, reader.path_of("tags"));
     } else if (reader.list("tags") != nullptr) {
         for (std::size_t i = 0; i < node->items.size(); ++i)
             add(node->items[i].text, node->items[i].location,

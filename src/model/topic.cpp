@@ -24,7 +24,7 @@ void append_level(std::string& topic, std::string_view name) {
     }
 }
 
-std::string_view text_of(const TopicNames& names, TopicPart part) {
+std::string_view name_in_topic(const TopicNames& names, TopicPart part) {
     switch (part) {
         case TopicPart::output: return names.output;
         case TopicPart::line: return names.line;
@@ -76,7 +76,7 @@ std::string TopicTemplate::expand(const TopicNames& names) const {
     std::string topic;
     for (const auto& [text, part] : parts_) {
         topic += text;
-        append_level(topic, text_of(names, part));
+        append_level(topic, name_in_topic(names, part));
     }
     return topic += rest_;
 }

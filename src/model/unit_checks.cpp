@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "addressing.hpp"
 #include "takt/model/item_ranges.hpp"
 
 namespace takt::model {
@@ -12,10 +13,6 @@ namespace {
 
 constexpr unsigned kBitsInARegister = 16;
 constexpr unsigned kRegisterValues = 65536;
-
-std::string area_name(wire::Area area) {
-    return std::string(name(area));
-}
 
 const std::vector<ItemRange>& bank_of(const ServerUnit& unit, wire::Area area) {
     return unit.offered[static_cast<std::size_t>(area)];
@@ -136,7 +133,7 @@ const Binding* binding_of(const ServerUnit& unit, std::size_t variable) {
     return found != unit.bindings.end() && found->source ? &*found : nullptr;
 }
 
-bool overlap(const Variable& a, const Variable& b) {
+bool share_items(const Variable& a, const Variable& b) {
     if (a.area != b.area || a.start() >= b.start() + b.items() || b.start() >= a.start() + a.items())
         return false;
     return !a.bit || !b.bit || a.bit == b.bit;
@@ -149,7 +146,7 @@ void check_sources(Interpretation& state, const ServerUnit& unit, const std::str
     for (const auto& binding : unit.bindings) {
         if (binding.variable == last || !binding.source) continue;
         const Variable& other = unit.variables[binding.variable];
-        if (!other.used || other.name.empty() || !overlap(variable, other)) continue;
+        if (!other.used || other.name.empty() || !share_items(variable, other)) continue;
         state.findings.add(Rule::variable_bound_twice, variable.location, path, variable.name, {},
                            {{"other", other.name}});
         return;
@@ -202,7 +199,7 @@ void check_overlaps(Interpretation& state, const ServerUnit& unit, const std::st
         const std::size_t kind = variable.bit ? 1 : 0;
         const auto* const other = furthest[kind];
         const auto end = [](const Variable& v) { return v.start() + v.items(); };
-        if (other != nullptr && overlap(variable, *other)) {
+        if (other != nullptr && share_items(variable, *other)) {
             const auto later = std::max(i, index[kind]);
             const auto& name = unit.variables[std::min(i, index[kind])].name;
             if (binding_of(unit, i) == nullptr || binding_of(unit, index[kind]) == nullptr)  // else reported

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "interpretation.hpp"
+#include "takt/base/ascii.hpp"
 #include "takt/base/utf8.hpp"
 
 namespace takt::model {
@@ -16,12 +17,7 @@ namespace {
 constexpr std::size_t kMostWords = 256;
 constexpr std::size_t kLongestWord = 64;
 
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view kBlank = " \t";
-    const auto first = std::min(text.find_first_not_of(kBlank), text.size());
-    text.remove_prefix(first);
-    return text.substr(0, text.find_last_not_of(kBlank) + 1);
-}
+constexpr std::string_view kWordBlanks = " \t";
 
 /// The numbers that the type of a variable can hold, as far as words have numbers.
 Range numbers_of(DataType type) {
@@ -63,14 +59,15 @@ public:
 
 private:
     void read_text(const Node& node) {
-        for (std::string_view rest = node.text; !trimmed(rest).empty();) {
+        for (std::string_view rest = node.text; !trimmed(rest, kWordBlanks).empty();) {
             const auto end = std::min(rest.find_first_of(",;"), rest.size());
-            const auto entry = trimmed(rest.substr(0, end));
+            const auto entry = trimmed(rest.substr(0, end), kWordBlanks);
             const auto sign = entry.find_first_of("=:");
             if (sign == std::string_view::npos)
                 refuse(node.location, entry);
             else
-                add(trimmed(entry.substr(0, sign)), trimmed(entry.substr(sign + 1)), node.location);
+                add(trimmed(entry.substr(0, sign), kWordBlanks), trimmed(entry.substr(sign + 1), kWordBlanks),
+                    node.location);
             rest.remove_prefix(std::min(end + 1, rest.size()));
         }
     }

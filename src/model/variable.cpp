@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kBytesInARegister = 2;
 
-void read_type(Reader& reader, Variable& variable, std::optional<DataType>& type) {
+void read_variable_type(Reader& reader, Variable& variable, std::optional<DataType>& type) {
     if (const auto word = reader.word("type")) type = data_type(*word);
     const auto length = reader.integer("length");
     if (type) variable.type = *type;
@@ -131,9 +131,7 @@ void read_presentation(Reader& reader, const Device& device, Variable& variable,
     variable.order = read_byte_order(reader, device.order, type);
     if (type == DataType::boolean && wire::is_bit_area(variable.area))
         for (const std::string_view key : {"high_byte_first", "high_register_first", "byte_order"})
-            if (reader.given(key))
-                reader.report_without_effect(
-                    key, "area: " + std::string(kAreas[static_cast<std::size_t>(variable.area)]));
+            if (reader.given(key)) reader.report_without_effect(key, "area: " + area_name(variable.area));
     read_scale(reader, variable, type);
     if (type)
         variable.default_value = read_constant(reader, "default",
@@ -153,7 +151,7 @@ Variable read_variable(Interpretation& state, const Device& device, Reader& read
     variable.name = read_name(state, reader, state.names);
     variable.used = reader.boolean("used").value_or(true);
     std::optional<DataType> type;
-    read_type(reader, variable, type);
+    read_variable_type(reader, variable, type);
     variable.read = reader.function("read").value_or(FunctionChoice{}).function;
     variable.write = reader.function("write").value_or(FunctionChoice{}).function;
     settle_address(reader, variable, type);

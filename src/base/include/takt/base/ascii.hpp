@@ -10,6 +10,10 @@ namespace takt {
     return c >= '0' && c <= '9';
 }
 
+[[nodiscard]] constexpr char lower_case(char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
 /// Whether `text` is a decimal number without a sign. Empty text is none.
 [[nodiscard]] constexpr bool all_digits(std::string_view text) {
     return !text.empty() && std::ranges::all_of(text, is_digit);

@@ -28,6 +28,10 @@ std::string_view name(DataType type);
 /// The type of a name in a project file, the aliases `int` and `real` included.
 std::optional<DataType> data_type(std::string_view name);
 
+constexpr bool is_integer(DataType type) {
+    return type >= DataType::int16 && type <= DataType::uint64;
+}
+
 /// Registers of a value: 1, 2 or 4; for a string the length of the variable; for a bool (part of) one.
 constexpr int register_count(DataType type, int string_registers = 1) {
     switch (type) {

@@ -1,11 +1,15 @@
 // Sets of items as ranges: ascending, disjoint, not adjoining.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "takt/model/project.hpp"
 
 namespace takt::model {
+
+/// Items are numbered 0..65535.
+inline constexpr std::uint32_t kItemsPerArea = 65536;
 
 using ItemRanges = std::vector<ItemRange>;
 
