@@ -9,23 +9,23 @@ namespace takt::wire {
 namespace {
 
 constexpr std::size_t kCrc = 2;
-constexpr std::size_t kAround = 1 + kCrc;  // address and CRC
+constexpr std::size_t kAddressAndCrc = 1 + kCrc;  // address and CRC
 
 // The byte at `index` is the number of bytes between it and the CRC; it is at least `least`.
-std::size_t counted(Bytes frame, std::size_t index, std::size_t least) {
+std::size_t counted_length(Bytes frame, std::size_t index, std::size_t least) {
     if (frame.size() <= index || frame[index] < least) return 0;
     return index + 1 + frame[index] + kCrc;
 }
 
 std::size_t counted_registers(Bytes frame) {
-    const std::size_t length = counted(frame, 2, 2);
+    const std::size_t length = counted_length(frame, 2, 2);
     return length % 2 == 1 ? length : 0;  // address, function, count, pairs of bytes, CRC
 }
 
 // 0x18: the byte count has two bytes.
 std::size_t fifo_response(Bytes frame) {
     if (frame.size() < 4) return 0;
-    return 4U + (std::size_t{frame[2]} << 8 | frame[3]) + kCrc;
+    return 4U + word_at(frame, 2) + kCrc;
 }
 
 std::size_t device_id_request(Bytes frame) {
@@ -50,22 +50,24 @@ std::size_t request_length(Bytes frame) {
     const auto& row = properties(Function{frame[1]});
     if (row.request == RequestForm::unknown) return 0;
     if (row.request == RequestForm::encapsulated) return device_id_request(frame);
-    return row.counts_request() ? counted(frame, row.request_bytes, 1) : row.request_bytes + kAround;
+    return row.counts_request() ? counted_length(frame, row.request_bytes, 1)
+                                : row.request_bytes + kAddressAndCrc;
 }
 
 std::size_t response_length(Bytes frame) {
-    if (is_exception(frame[1])) return 2 + kAround;
+    if (is_exception(frame[1])) return 2 + kAddressAndCrc;
     const auto& row = properties(Function{frame[1]});
     switch (row.response) {
         case ResponseForm::items:
-            return row.counts_bits() ? counted(frame, row.response_bytes, 1) : counted_registers(frame);
+            return row.counts_bits() ? counted_length(frame, row.response_bytes, 1)
+                                     : counted_registers(frame);
         case ResponseForm::repeated: return request_length(frame);
         case ResponseForm::head:
         case ResponseForm::status:
-        case ResponseForm::sub_function: return row.response_bytes + kAround;
+        case ResponseForm::sub_function: return row.response_bytes + kAddressAndCrc;
         case ResponseForm::event_log:
-        case ResponseForm::records: return counted(frame, row.response_bytes, 1);
-        case ResponseForm::server_id: return counted(frame, row.response_bytes, 0);
+        case ResponseForm::records: return counted_length(frame, row.response_bytes, 1);
+        case ResponseForm::server_id: return counted_length(frame, row.response_bytes, 0);
         case ResponseForm::queue: return fifo_response(frame);
         case ResponseForm::encapsulated: return device_id_response(frame);
         case ResponseForm::unknown: break;

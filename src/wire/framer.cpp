@@ -16,10 +16,6 @@ constexpr std::size_t kMbapBeginning = kMbapPdu + 1;  // up to the function: eno
 constexpr std::size_t kMbapLeast = 2;
 constexpr std::size_t kMbapMost = 1 + kMaxPdu;
 
-std::size_t u16_at(Bytes bytes, std::size_t index) {
-    return std::size_t{bytes[index]} << 8 | bytes[index + 1];
-}
-
 std::size_t raw_size(Framing framing, std::size_t there) {
     switch (framing) {
         case Framing::rtu: return kMaxRtuFrame;
@@ -89,7 +85,7 @@ Frame Framer::frame() const {
         case Framing::ascii: return {UnitId{decoded_[0]}, 0, decoded_.span().subspan(1, decoded_.size() - 2)};
         case Framing::tcp: break;
     }
-    return {UnitId{raw[kMbapPdu - 1]}, static_cast<std::uint16_t>(u16_at(raw, 0)), raw.subspan(kMbapPdu)};
+    return {UnitId{raw[kMbapPdu - 1]}, word_at(raw, 0), raw.subspan(kMbapPdu)};
 }
 
 Bytes Framer::raw() const {
@@ -115,7 +111,7 @@ FramerStep Framer::push_tcp(Bytes bytes) {
             if (!mbap_header_good()) return drop(FrameFault::bad_header, bytes.size(), State::dead);
             continue;
         }
-        const std::size_t whole = kMbapLengthEnd + u16_at(raw_.span(), kMbapLengthEnd - 2);
+        const std::size_t whole = kMbapLengthEnd + word_at(raw_.span(), kMbapLengthEnd - 2);
         if (raw_.size() == whole) return complete_frame(i + 1);
         if (raw_.size() < kMbapBeginning || whole <= raw_.capacity()) continue;
         to_skip_ = whole - raw_.size();
@@ -137,7 +133,7 @@ bool Framer::mbap_header_good() const {
     const std::size_t size = raw_.size();
     if (size == 3 || size == 4) return raw_.back() == 0;
     if (size != kMbapLengthEnd) return true;
-    const std::size_t length = u16_at(raw_.span(), kMbapLengthEnd - 2);
+    const std::size_t length = word_at(raw_.span(), kMbapLengthEnd - 2);
     return length >= kMbapLeast && length <= kMbapMost;
 }
 

@@ -5,8 +5,8 @@ namespace takt::wire {
 namespace {
 
 constexpr int kNoDigit = -1;
-constexpr std::size_t kLeastBytes = 3;  // unit, function, LRC
-constexpr std::size_t kAround = 3;      // ':', CR, LF
+constexpr std::size_t kLeastBytes = 3;       // unit, function, LRC
+constexpr std::size_t kAsciiDelimiters = 3;  // ':', CR, LF
 
 int digit_of(std::uint8_t character) {
     if (character >= '0' && character <= '9') return character - '0';
@@ -78,7 +78,8 @@ FramerStep Framer::end_ascii(std::size_t consumed) {
         return step;
     };
     if (damaged_) return drop_response(FrameFault::bad_character);
-    if ((raw_.size() - kAround) % 2 != 0) return drop(FrameFault::bad_character, consumed, State::idle);
+    if ((raw_.size() - kAsciiDelimiters) % 2 != 0)
+        return drop(FrameFault::bad_character, consumed, State::idle);
     if (decoded_.size() < kLeastBytes) return drop(FrameFault::too_short, consumed, State::idle);
     if (lrc(decoded_.span()) != 0) return drop_response(FrameFault::checksum);
     return complete_frame(consumed);

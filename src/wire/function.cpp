@@ -4,7 +4,7 @@ namespace takt::wire {
 namespace {
 
 // In the order of kFunctions. A table of its own: programs that print no names do not contain it.
-constexpr std::array<std::string_view, kFunctions.size()> kNames{
+constexpr std::array<std::string_view, kFunctions.size()> kFunctionNames{
     "function",
     "read coils",
     "read discrete inputs",
@@ -44,7 +44,7 @@ Effect effect(Function function, std::optional<std::uint16_t> sub_function) {
 }
 
 std::string_view name(Function function) {
-    return kNames[row_of(function)];
+    return kFunctionNames[row_of(function)];
 }
 
 std::string_view name(ExceptionCode code) {

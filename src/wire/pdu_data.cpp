@@ -5,8 +5,6 @@
 namespace takt::wire::codec {
 namespace {
 
-constexpr std::uint16_t kCoilOn = 0xFF00;
-
 Result<void> check_function(Function function, bool allowed) {
     if (allowed) return {};
     return fail(Code::unsupported, static_cast<std::int64_t>(function));

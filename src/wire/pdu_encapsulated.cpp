@@ -5,8 +5,6 @@
 namespace takt::wire::codec {
 namespace {
 
-constexpr std::uint8_t kMoreFollows = 0xFF;
-
 Result<void> check_code(std::uint8_t code) {
     return check_range(code, 1, 4);
 }

@@ -5,11 +5,10 @@
 namespace takt::wire::codec {
 namespace {
 
-constexpr std::uint16_t kReturnQueryData = 0;
 constexpr std::size_t kEventLogHeader = 6;  // status, event count and message count, within the byte count
 
-constexpr std::size_t kData = 2;    // of every other sub-function
-constexpr std::size_t kDataAt = 3;  // behind function and sub-function
+constexpr std::size_t kSubFunctionData = 2;    // of every other sub-function
+constexpr std::size_t kSubFunctionDataAt = 3;  // behind function and sub-function
 
 bool is_sub_function(std::uint16_t code) {
     return code <= 18 || code == 20;
@@ -19,14 +18,15 @@ Result<void> check_diagnostics(std::uint16_t sub_function, std::size_t size) {
     if (!is_sub_function(sub_function))
         return fail(Code::unsupported, static_cast<std::int64_t>(Function::diagnostics), sub_function);
     if (sub_function == kReturnQueryData) return check_count(size % 2, 0);
-    if (size == kData) return {};
-    return fail(size < kData ? Code::too_short : Code::too_long, static_cast<std::int64_t>(kDataAt + size),
-                kDataAt + kData);
+    if (size == kSubFunctionData) return {};
+    return fail(size < kSubFunctionData ? Code::too_short : Code::too_long,
+                static_cast<std::int64_t>(kSubFunctionDataAt + size), kSubFunctionDataAt + kSubFunctionData);
 }
 
 // A response may do without data, except for the loopback.
 Result<void> check_diagnostics_response(std::uint16_t sub_function, std::size_t size) {
-    return check_diagnostics(sub_function, size == 0 && sub_function != kReturnQueryData ? kData : size);
+    return check_diagnostics(sub_function,
+                             size == 0 && sub_function != kReturnQueryData ? kSubFunctionData : size);
 }
 
 template <class Diagnostics>

@@ -104,7 +104,7 @@ struct Shape {
     }
 };
 
-std::size_t file_response_length(FileParts parts) {
+std::size_t file_response_length_of(FileParts parts) {
     std::size_t length = 2;
     while (!parts.empty()) length += file_response_bytes(parts.take().length);
     return length;
@@ -131,7 +131,7 @@ RequestShape shape_of(const RequestView& request) {
         case RequestForm::records:
             if (row.response == ResponseForm::repeated)
                 return repeated(plain(function, request.pdu().size(), kFixed));
-            return plain(function, file_response_length(request.file_parts()));
+            return plain(function, file_response_length_of(request.file_parts()));
         default: break;
     }
     if (row.most_items == 0) return other(function);

@@ -10,15 +10,8 @@
 namespace takt::wire {
 namespace {
 
-constexpr std::uint16_t kCoilOn = 0xFF00;
 constexpr std::size_t kAddress = 1;   // where the first address is
 constexpr std::size_t kQuantity = 3;  // and the first quantity, or the value of a single item
-
-constexpr std::uint16_t kReturnQueryData = 0;
-
-std::uint16_t word_at(Bytes bytes, std::size_t at) {
-    return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
-}
 
 bool between_1_and(std::size_t most, std::size_t quantity) {
     return quantity >= 1 && quantity <= most;

@@ -9,12 +9,6 @@
 namespace takt::wire {
 namespace {
 
-constexpr std::uint8_t kMoreFollows = 0xFF;
-
-std::size_t u16_at(Bytes bytes, std::size_t index) {
-    return std::size_t{bytes[index]} << 8 | bytes[index + 1];
-}
-
 Result<void> check_confirmation(bool same) {
     if (same) return {};
     return fail(Code::unexpected_reply);
@@ -28,10 +22,10 @@ Result<void> check_counted(Bytes pdu, std::size_t count) {
 }
 
 // Sub-function, then data as the request has it, or none.
-Result<void> check_diagnostics(Bytes request, Bytes pdu) {
+Result<void> check_diagnostics_echo(Bytes request, Bytes pdu) {
     constexpr std::size_t kData = 3;
     if (pdu.size() < kData) return fail(Code::too_short, static_cast<std::int64_t>(pdu.size()), kData);
-    TAKT_CHECK(check_confirmation(u16_at(pdu, 1) == u16_at(request, 1)));
+    TAKT_CHECK(check_confirmation(word_at(pdu, 1) == word_at(request, 1)));
     if (pdu.size() == kData) return {};
     return codec::check_count(pdu.size(), request.size());
 }
@@ -51,7 +45,7 @@ Result<void> check_event_log(Bytes pdu) {
 Result<void> check_file_records(Bytes request, Bytes pdu) {
     std::size_t next = 2;
     for (std::size_t range = 2; range < request.size(); range += kFileRange) {
-        const std::size_t bytes = 2 * u16_at(request, range + kFileRange - 2);
+        const std::size_t bytes = std::size_t{2} * word_at(request, range + kFileRange - 2);
         if (pdu.size() < next + 2 + bytes)
             return fail(Code::malformed, static_cast<std::int64_t>(pdu.size()),
                         static_cast<std::int64_t>(next + 2 + bytes));
@@ -66,9 +60,9 @@ Result<void> check_file_records(Bytes request, Bytes pdu) {
 Result<void> check_fifo(Bytes pdu) {
     constexpr std::size_t kHeader = 5;
     if (pdu.size() < kHeader) return fail(Code::too_short, static_cast<std::int64_t>(pdu.size()), kHeader);
-    const std::size_t count = u16_at(pdu, 3);
+    const std::size_t count = word_at(pdu, 3);
     TAKT_CHECK(codec::check_range(count, 0, kMaxFifoRegisters));
-    TAKT_CHECK(codec::check_count(u16_at(pdu, 1), 2 + 2 * count));
+    TAKT_CHECK(codec::check_count(word_at(pdu, 1), 2 + 2 * count));
     return codec::check_count(pdu.size(), kHeader + 2 * count);
 }
 
@@ -125,8 +119,8 @@ Result<ResponseView> decode_response(const RequestShape& shape, Bytes request, B
         case ResponseForm::records: TAKT_CHECK(check_file_records(request, pdu)); break;
         case ResponseForm::queue:
             TAKT_CHECK(check_fifo(pdu));
-            return ResponseView(pdu, Content::registers, row.response_bytes, u16_at(pdu, 3));
-        case ResponseForm::sub_function: TAKT_CHECK(check_diagnostics(request, pdu)); break;
+            return ResponseView(pdu, Content::registers, row.response_bytes, word_at(pdu, 3));
+        case ResponseForm::sub_function: TAKT_CHECK(check_diagnostics_echo(request, pdu)); break;
         case ResponseForm::encapsulated:
             TAKT_CHECK(check_encapsulated(request, pdu));
             return ResponseView(pdu, pdu[1] == kReadDeviceId ? Content::device_id : Content::other);

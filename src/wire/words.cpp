@@ -39,7 +39,7 @@ std::string list(const Bits& bits) {
 }
 
 template <class Values>
-std::string counted(const Values& values, std::size_t count) {
+std::string counted_text(const Values& values, std::size_t count) {
     if (count == 0) return "no values";
     return fmt::format("{} value{}:{}", count, count == 1 ? "" : "s", list(values));
 }
@@ -52,7 +52,7 @@ std::string printable(Bytes bytes) {
     return out;
 }
 
-std::string_view sub_function(std::uint16_t code) {
+std::string_view sub_function_name(std::uint16_t code) {
     switch (code) {
         case 0: return "return query data";
         case 1: return "restart communications";
@@ -105,7 +105,7 @@ struct RequestWords {
         add(out, " {} = {}", r.address.value, r.value);
     }
     void operator()(const DiagnosticsRequest& r) const {
-        add(out, " {} ({})", sub_function(r.sub_function), r.sub_function);
+        add(out, " {} ({})", sub_function_name(r.sub_function), r.sub_function);
         add_data(out, r.data.span());
     }
     void operator()(const WriteMultipleCoilsRequest& r) const {
@@ -144,9 +144,9 @@ struct ResponseWords {
         add(out, "exception {}", static_cast<unsigned>(r.code));
         if (name(r.code) != name(ExceptionCode{})) add(out, " {}", name(r.code));
     }
-    void operator()(const ReadBitsResponse& r) const { out += counted(r.values, r.values.size()); }
+    void operator()(const ReadBitsResponse& r) const { out += counted_text(r.values, r.values.size()); }
     void operator()(const ReadRegistersResponse& r) const {
-        out += counted(r.values.span(), r.values.size());
+        out += counted_text(r.values.span(), r.values.size());
     }
     void operator()(const WriteSingleCoilResponse& r) const {
         add(out, "{} = {}", r.address.value, r.on ? "on" : "off");
@@ -156,7 +156,7 @@ struct ResponseWords {
     }
     void operator()(const ReadExceptionStatusResponse& r) const { add(out, "status 0x{:02X}", r.status); }
     void operator()(const DiagnosticsResponse& r) const {
-        add(out, "{} ({})", sub_function(r.sub_function), r.sub_function);
+        add(out, "{} ({})", sub_function_name(r.sub_function), r.sub_function);
         add_data(out, r.data.span());
     }
     void operator()(const GetCommEventCounterResponse& r) const {
@@ -173,7 +173,7 @@ struct ResponseWords {
     void operator()(const ReadFileRecordResponse& r) const {
         std::span<const std::uint16_t> values = r.values.span();
         for (std::size_t i = 0; i < r.lengths.size(); ++i) {
-            add(out, "{}{}", i == 0 ? "" : "; ", counted(values.first(r.lengths[i]), r.lengths[i]));
+            add(out, "{}{}", i == 0 ? "" : "; ", counted_text(values.first(r.lengths[i]), r.lengths[i]));
             values = values.subspan(r.lengths[i]);
         }
     }
@@ -185,7 +185,7 @@ struct ResponseWords {
         add(out, "{} and 0x{:04X} or 0x{:04X}", r.address.value, r.and_mask, r.or_mask);
     }
     void operator()(const ReadFifoQueueResponse& r) const {
-        out += counted(r.values.span(), r.values.size());
+        out += counted_text(r.values.span(), r.values.size());
     }
     void operator()(const ReadDeviceIdResponse& r) const {
         Bytes text = r.text.span();

@@ -211,6 +211,14 @@ constexpr Function write_function(bool bits, bool single) {
 
 /// The MEI type of the encapsulated interface (0x2B) that reads the device identification.
 inline constexpr std::uint8_t kReadDeviceId = 14;
+/// "More follows" in a response to it.
+inline constexpr std::uint8_t kMoreFollows = 0xFF;
+
+/// The value of a coil that is switched on by 0x05.
+inline constexpr std::uint16_t kCoilOn = 0xFF00;
+
+/// The sub-function of 0x08 that returns its data, of any length.
+inline constexpr std::uint16_t kReturnQueryData = 0;
 
 /// The effect of a request: diagnostics (0x08) and the encapsulated interface (0x2B) depend on their
 /// sub-function or MEI type. A request too short to have one changes nothing.

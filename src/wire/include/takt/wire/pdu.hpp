@@ -18,6 +18,11 @@ inline constexpr std::size_t kMaxPdu = 253;
 /// An encoded PDU: function code and data, 1..253 bytes.
 using Pdu = InplaceVector<std::uint8_t, kMaxPdu>;
 
+/// The big-endian number at `index` of a PDU or of an MBAP header. @param index  index + 1 < bytes.size()
+constexpr std::uint16_t word_at(Bytes bytes, std::size_t index) {
+    return static_cast<std::uint16_t>(bytes[index] << 8 | bytes[index + 1]);
+}
+
 /// Register contents in the order of their addresses.
 using Registers = InplaceVector<std::uint16_t, 125>;
 
