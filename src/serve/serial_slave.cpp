@@ -33,7 +33,7 @@ SerialConfig with_defaults(SerialConfig config) {
     return config;
 }
 
-wire::FramerConfig framer_config(const SerialConfig& config) {
+wire::FramerConfig serial_framer_config(const SerialConfig& config) {
     wire::FramerConfig framer;
     framer.framing = config.framing;
     framer.side = wire::Side::slave;
@@ -48,13 +48,13 @@ wire::FramerConfig framer_config(const SerialConfig& config) {
 }
 
 wire::FramerConfig tolerant_config(const SerialConfig& config) {
-    wire::FramerConfig framer = framer_config(config);
+    wire::FramerConfig framer = serial_framer_config(config);
     framer.silence = std::max(framer.silence, config.byte_timeout);
     return framer;
 }
 
 EchoFilter echo_filter(const SerialConfig& config) {
-    const wire::FramerConfig framer = framer_config(config);
+    const wire::FramerConfig framer = serial_framer_config(config);
     return {config.untimed ? Duration::zero() : framer.character,
             framer.framing == wire::Framing::ascii ? framer.ascii_pause : framer.silence};
 }
@@ -85,7 +85,7 @@ SerialSlave::SerialSlave(const SerialConfig& config, Responder& responder, wire:
       observer_(observer),
       config_(with_defaults(config)),
       silence_(wire::frame_silence(config.framing, config.format)),
-      framer_(framer_config(config_)),
+      framer_(serial_framer_config(config_)),
       tolerant_framer_(tolerant_config(config_)),
       echo_(echo_filter(config_)) {
     TAKT_ASSERT(config.framing != wire::Framing::tcp && config.format.baud > 0);
@@ -153,7 +153,7 @@ void SerialSlave::on_tick(Instant t) {
 
 // A silence that ends a broken frame. The pieces before it belong to that frame.
 void SerialSlave::note_silence(Instant t, std::size_t received) {
-    const Duration sending = framer_config(config_).character * static_cast<Duration::rep>(received);
+    const Duration sending = serial_framer_config(config_).character * static_cast<Duration::rep>(received);
     const bool silent = t - sending >= after(last_byte_at_, config_.byte_timeout + kResyncSilence);
     last_byte_at_ = t;
     if (!silent) return;

@@ -9,7 +9,7 @@
 namespace takt::serve {
 namespace {
 
-wire::FramerConfig framer_config(const TcpConfig& config) {
+wire::FramerConfig tcp_framer_config(const TcpConfig& config) {
     wire::FramerConfig framer;
     framer.framing = config.framing;
     framer.side = wire::Side::slave;
@@ -29,7 +29,7 @@ TcpConnectionCore::TcpConnectionCore(const TcpConfig& config, Responder& respond
       observer_(observer),
       config_(config),
       pool_(pool),
-      framer_(framer_config(config), framer_storage, true) {}
+      framer_(tcp_framer_config(config), framer_storage, true) {}
 
 TcpConnectionCore::~TcpConnectionCore() {
     if (buffers_) pool_.release(*buffers_);
