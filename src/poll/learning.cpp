@@ -22,21 +22,17 @@ namespace {
 
 using model::ItemRange;
 
-constexpr bus::Backoff kSilence{std::chrono::seconds(1), std::chrono::minutes(1)};
+constexpr bus::Backoff kLearningBackoff{std::chrono::seconds(1), std::chrono::minutes(1)};
 constexpr Duration kBlocked = std::chrono::seconds(10);
 constexpr Duration kPause = std::chrono::seconds(5);         // without an answer: plan with what is known
 constexpr Duration kAfterReturn = std::chrono::minutes(10);  // not sooner than after the last time
 constexpr std::size_t kMaxEvents = 256;
 
-std::uint16_t length_of(const ItemRange& items) {
-    return static_cast<std::uint16_t>(items.last - items.first + 1);
-}
-
 Duration between(Instant earlier, Instant t) {
     return earlier >= t ? Duration::zero() : t - earlier;
 }
 
-Instant before(Instant t, Duration age) {
+Instant instant_before(Instant t, Duration age) {
     return t - age;
 }
 
@@ -51,8 +47,8 @@ Learning::Learning(const model::Line& line) {
             made.areas[a].most_items = device.learnt.most_items[a];
             for (const auto& refused : device.learnt.refused[a])
                 made.areas[a].refused.push_back({refused.items, refused.exception,
-                                                 before(Instant{}, refused.since),
-                                                 before(Instant{}, refused.checked)});
+                                                 instant_before(Instant{}, refused.since),
+                                                 instant_before(Instant{}, refused.checked)});
         }
     }
 }
@@ -115,7 +111,7 @@ void Learning::add_run(Instant t, plan::Trial trial, std::vector<Run>& known) {
 }
 
 Learning::Run Learning::make_run(Instant t, plan::Trial trial) {
-    Run run{.trial = std::move(trial), .stack = {}, .silence_backoff = kSilence};
+    Run run{.trial = std::move(trial), .stack = {}, .silence_backoff = kLearningBackoff};
     run.stack.push_back({.first = 0, .last = run.trial.gaps.size() - 1});
     run.not_before = t;
     if (!run.trial.refused) return run;

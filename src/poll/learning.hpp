@@ -24,6 +24,11 @@
 
 namespace takt::poll {
 
+/// The number of items, 0 for all 65536.
+[[nodiscard]] constexpr std::uint16_t length_of(const model::ItemRange& items) {
+    return static_cast<std::uint16_t>(items.last - items.first + 1);
+}
+
 /// Whether the values in a range of a device were read recently.
 enum class Freshness : std::uint8_t {
     good,     // all were read

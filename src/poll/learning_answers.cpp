@@ -11,10 +11,6 @@ using model::ItemRange;
 
 constexpr Duration kFirstPostponement = std::chrono::minutes(10);
 
-std::uint16_t length_of(const ItemRange& items) {
-    return static_cast<std::uint16_t>(items.last - items.first + 1);
-}
-
 }  // namespace
 
 void Learning::split(Run& run, std::size_t node) {

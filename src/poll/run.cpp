@@ -42,7 +42,7 @@ std::size_t longest_pdu(const model::Line& line, const plan::LinePlan& plan) {
     return longest;
 }
 
-WriteKind kind_of(const plan::Request& request) {
+WriteKind write_kind(const plan::Request& request) {
     if (request.write == wire::Function::mask_write_register) return WriteKind::mask;
     if (request.write == wire::Function::read_write_multiple_registers) return WriteKind::exchange;
     return request.read_modify_write ? WriteKind::modify : WriteKind::whole;
@@ -174,7 +174,7 @@ void LinePoller::Run::add_write(std::size_t index, const plan::RequestJob& plann
     auto& run = requests_[index];
     run.write_cost = longest_cost(planned.costs);
     const auto& request = *run.plan;
-    WriteGroup job{.plan = &request, .function = *request.write, .kind = kind_of(request)};
+    WriteGroup job{.plan = &request, .function = *request.write, .kind = write_kind(request)};
     if (planned.read_back) job.read_back = std::make_unique<ReadBack>(prepared(*planned.read_back));
     for (const auto v : planned.members)
         job.members.push_back(slots_.variable({plan_->line, run.device, v}).value - first_slot_);
