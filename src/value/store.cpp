@@ -15,7 +15,7 @@
 namespace takt::value {
 namespace {
 
-std::optional<double> number(const Value& value) {
+std::optional<double> numeric_value(const Value& value) {
     if (const auto* i = std::get_if<std::int64_t>(&value)) return static_cast<double>(*i);
     if (const auto* u = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*u);
     if (const auto* d = std::get_if<double>(&value); d && std::isfinite(*d)) return *d;
@@ -24,8 +24,8 @@ std::optional<double> number(const Value& value) {
 
 bool moved(const Value& from, const Value& to, double dead_band) {
     if (same(from, to)) return false;
-    const auto a = number(from);
-    const auto b = number(to);
+    const auto a = numeric_value(from);
+    const auto b = numeric_value(to);
     return !a || !b || !(std::abs(*b - *a) <= dead_band);
 }
 
