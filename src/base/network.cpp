@@ -9,7 +9,8 @@ namespace {
 constexpr std::size_t kIpv4At = 12;  // in the sixteen bytes
 constexpr std::array<std::uint8_t, kIpv4At> kIpv4Prefix{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};
 
-std::optional<unsigned> number(std::string_view text, unsigned greatest, int base, std::size_t most_digits) {
+std::optional<unsigned> parse_number(std::string_view text, unsigned greatest, int base,
+                                     std::size_t most_digits) {
     unsigned value = 0;
     if (text.empty() || text.size() > most_digits) return std::nullopt;
     if (base == 10 && text.size() > 1 && text.front() == '0') return std::nullopt;  // to some it is octal
@@ -19,7 +20,7 @@ std::optional<unsigned> number(std::string_view text, unsigned greatest, int bas
 }
 
 /// The text before the separator, and `text` becomes what is behind it; all of it where there is none.
-std::string_view cut(std::string_view& text, char separator) {
+std::string_view split_off(std::string_view& text, char separator) {
     const std::size_t at = text.find(separator);
     const std::string_view part = text.substr(0, at);
     text = at == std::string_view::npos ? std::string_view() : text.substr(at + 1);
@@ -32,7 +33,7 @@ std::optional<IpAddress> parse_ipv4(std::string_view text) {
     for (std::size_t i = 0; i < 4; ++i) {
         const bool last = i == 3;
         if (!last && text.find('.') == std::string_view::npos) return std::nullopt;
-        const auto byte = number(last ? text : cut(text, '.'), 255, 10, 3);
+        const auto byte = parse_number(last ? text : split_off(text, '.'), 255, 10, 3);
         if (!byte) return std::nullopt;
         address.bytes[kIpv4At + i] = static_cast<std::uint8_t>(*byte);
     }
@@ -51,7 +52,7 @@ std::optional<std::size_t> parse_groups(std::string_view text, std::array<std::u
             return size;
         }
         const bool more = text.find(':') != std::string_view::npos;
-        const auto group = number(cut(text, ':'), 0xFFFF, 16, 4);
+        const auto group = parse_number(split_off(text, ':'), 0xFFFF, 16, 4);
         if (!group || size + 2 > bytes.size() || (more && text.empty())) return std::nullopt;
         bytes[size++] = static_cast<std::uint8_t>(*group >> 8);
         bytes[size++] = static_cast<std::uint8_t>(*group);
@@ -115,10 +116,11 @@ bool Network::contains(const IpAddress& other) const {
 
 std::optional<Network> parse_network(std::string_view text) {
     const bool has_bits = text.find('/') != std::string_view::npos;
-    const std::string_view host = cut(text, '/');
+    const std::string_view host = split_off(text, '/');
     const bool ipv4 = host.find(':') == std::string_view::npos;
     const auto address = parse_ip(host);
-    const auto bits = has_bits ? number(text, ipv4 ? 32 : 128, 10, 3) : std::optional(ipv4 ? 32U : 128U);
+    const auto bits =
+        has_bits ? parse_number(text, ipv4 ? 32 : 128, 10, 3) : std::optional(ipv4 ? 32U : 128U);
     if (!address || !bits) return std::nullopt;
     return Network{*address, static_cast<std::uint8_t>(*bits + (ipv4 ? 8 * kIpv4At : 0))};
 }
