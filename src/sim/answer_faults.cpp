@@ -8,12 +8,12 @@
 namespace takt::sim {
 namespace {
 
-constexpr std::array<std::string_view, kAnswerFaults> kNames{"delay",   "silence",    "exception",
-                                                             "bad_crc", "wrong_unit", "cut"};
+constexpr std::array<std::string_view, kAnswerFaults> kAnswerFaultNames{"delay",   "silence",    "exception",
+                                                                        "bad_crc", "wrong_unit", "cut"};
 constexpr std::uint32_t kMillion = 1'000'000;
 constexpr Duration kLongestDelay = std::chrono::minutes(10);
 constexpr std::size_t kMbapHead = 7;
-constexpr std::size_t kMbapLength = 4;
+constexpr std::size_t kMbapLengthAt = 4;
 
 std::optional<Duration> parse_time(std::string_view text, Duration least, Duration most) {
     const auto parsed = model::parse_duration(text);
@@ -144,9 +144,9 @@ std::optional<FaultRule> parse_fault(std::string_view text) {
         rule.per_million = static_cast<std::uint32_t>(*percent * kMillion / 100);
     }
     const auto equals = text.find('=');
-    const auto found = std::ranges::find(kNames, text.substr(0, equals));
-    if (found == kNames.end()) return std::nullopt;
-    rule.kind = static_cast<AnswerFault>(found - kNames.begin());
+    const auto found = std::ranges::find(kAnswerFaultNames, text.substr(0, equals));
+    if (found == kAnswerFaultNames.end()) return std::nullopt;
+    rule.kind = static_cast<AnswerFault>(found - kAnswerFaultNames.begin());
     const bool argument = equals != std::string_view::npos;
     if (argument != needs_argument(rule.kind)) return std::nullopt;
     if (argument && !read_argument(rule, text.substr(equals + 1))) return std::nullopt;
@@ -154,7 +154,7 @@ std::optional<FaultRule> parse_fault(std::string_view text) {
 }
 
 std::string to_text(const FaultRule& rule) {
-    std::string text(kNames[static_cast<std::size_t>(rule.kind)]);
+    std::string text(kAnswerFaultNames[static_cast<std::size_t>(rule.kind)]);
     if (rule.kind == AnswerFault::exception) text += "=" + std::to_string(rule.code);
     if (rule.kind == AnswerFault::delay) text += "=" + model::to_text(rule.least);
     if (rule.kind == AnswerFault::delay && rule.most != rule.least) text += ".." + model::to_text(rule.most);
@@ -243,7 +243,7 @@ Bytes FaultyEngine::transmit(Instant t) {
     while (!rest.empty()) {
         std::size_t size = rest.size();
         if (framing_ == wire::Framing::tcp && rest.size() >= kMbapHead)
-            size = std::min(size, std::size_t{6} + rest[kMbapLength] * 256U + rest[kMbapLength + 1]);
+            size = std::min(size, std::size_t{6} + rest[kMbapLengthAt] * 256U + rest[kMbapLengthAt + 1]);
         send(t, rest.first(size));
         rest = rest.subspan(size);
     }

@@ -12,7 +12,7 @@ std::size_t place(Random& random, std::size_t count) {
     return random.below(static_cast<std::uint32_t>(count));
 }
 
-auto at(ByteString& bytes, std::size_t index) {
+auto iterator_at(ByteString& bytes, std::size_t index) {
     return bytes.begin() + static_cast<std::ptrdiff_t>(index);
 }
 
@@ -59,10 +59,10 @@ ByteString spoil_characters(Random& random, FaultKind kind, Bytes frame) {
     ByteString bytes(frame.begin(), frame.end());
     const std::size_t where = place(random, bytes.size());
     switch (kind) {
-        case FaultKind::lost_byte: bytes.erase(at(bytes, where)); break;
-        case FaultKind::repeated_byte: bytes.insert(at(bytes, where), bytes[where]); break;
+        case FaultKind::lost_byte: bytes.erase(iterator_at(bytes, where)); break;
+        case FaultKind::repeated_byte: bytes.insert(iterator_at(bytes, where), bytes[where]); break;
         case FaultKind::extra_byte:
-            bytes.insert(at(bytes, place(random, bytes.size() + 1)), any_byte(random));
+            bytes.insert(iterator_at(bytes, place(random, bytes.size() + 1)), any_byte(random));
             break;
         default:
             for (std::uint32_t bits = 1 + random.below(3); bits > 0; --bits)

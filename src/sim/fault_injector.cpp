@@ -8,9 +8,9 @@
 namespace takt::sim {
 namespace {
 
-constexpr int kMostTries = 100;
-constexpr std::ptrdiff_t kTail = 600;    // longer than any frame
-constexpr std::size_t kRemembered = 16;  // answers of a device
+constexpr int kMostRedraws = 100;
+constexpr std::ptrdiff_t kRememberedBytes = 600;  // longer than any frame
+constexpr std::size_t kRemembered = 16;           // answers of a device
 constexpr Duration kMostLate = std::chrono::minutes(3);
 
 constexpr std::uint64_t bit(FaultKind kind) {
@@ -243,7 +243,7 @@ ByteString FaultInjector::glitch_for(Bytes frame, bool before) {
 
 std::vector<std::uint8_t> FaultInjector::harmless(const std::function<std::vector<std::uint8_t>()>& make,
                                                   Bytes genuine) {
-    for (int tries = 0; tries < kMostTries; ++tries) {
+    for (int tries = 0; tries < kMostRedraws; ++tries) {
         std::vector<std::uint8_t> made = make();
         if (!could_mislead(made, false, genuine)) return made;
         ++counts_.redrawn;
@@ -272,7 +272,7 @@ bool FaultInjector::spoil_answer(FaultKind kind, const Exchange& exchange, Bytes
     auto answer = open_frame(framing_, sent);
     if (!answer || !alters(kind, exchange.request.span(), *answer)) return false;
     const OpenFrame good = *answer;
-    for (int tries = 0; tries < kMostTries; ++tries) {
+    for (int tries = 0; tries < kMostRedraws; ++tries) {
         alter(random_, kind, units_, *answer);
         instead = close_frame(framing_, *answer);
         if (!could_mislead(instead, true, instead)) return true;
@@ -299,7 +299,7 @@ bool FaultInjector::lost_for_what_was_before(Bytes frame) {
 void FaultInjector::remember(Bytes received, bool good) {
     if (good && tail_.empty()) return;
     tail_.insert(tail_.end(), received.begin(), received.end());
-    if (tail_.size() > kTail) tail_.erase(tail_.begin(), tail_.end() - kTail);
+    if (tail_.size() > kRememberedBytes) tail_.erase(tail_.begin(), tail_.end() - kRememberedBytes);
 }
 
 void FaultInjector::note_answer(Bytes received) {

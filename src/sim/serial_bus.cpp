@@ -18,7 +18,7 @@ namespace {
 
 // Bytes of one read() of a master that receives in blocks.
 constexpr std::size_t kReadSize = 256;
-constexpr int kMostTries = 100;
+constexpr int kMostLastCharacters = 100;
 
 std::uint8_t corrupted(std::uint8_t character, std::size_t index) {
     return static_cast<std::uint8_t>(character ^ ((0x5A + 38 * index) | 1));
@@ -175,7 +175,7 @@ void SerialBus::receive(Participant& sender, std::size_t until) {
 // Changes the last character until the damaged frame cannot be taken for a valid one. If no character helps,
 // the receivers miss the rest of it.
 void SerialBus::make_harmless(Participant& sender, std::size_t before) {
-    for (int tries = 0; tries < kMostTries; ++tries) {
+    for (int tries = 0; tries < kMostLastCharacters; ++tries) {
         if (!disturber_->misleads(sender.received, before, sender.sending)) return;
         ++sender.received.back();
     }
