@@ -7,7 +7,7 @@
 namespace takt::discover {
 namespace {
 
-std::unexpected<Error> unreadable(std::string_view host, std::string_view example) {
+std::unexpected<Error> unreadable_hosts(std::string_view host, std::string_view example) {
     constexpr std::size_t kShown = 40;
     return fail(Code::syntax, std::string(host.substr(0, kShown)).append(" → ").append(example));
 }
@@ -67,11 +67,11 @@ Result<std::optional<HostRange>> parse_host_range(std::string_view host) {
     HostRange range;
     if (host[separator] == '/') {
         const auto network = network_range(*first, behind);
-        if (!network) return unreadable(host, first_text + "/24");
+        if (!network) return unreadable_hosts(host, first_text + "/24");
         range = *network;
     } else {
         const auto last = parse_last(*first, behind);
-        if (!last || *last < *first) return unreadable(host, first_text + "-254");
+        if (!last || *last < *first) return unreadable_hosts(host, first_text + "-254");
         range = {*first, *last};
     }
     if (range.size() > kMaxScanTargets)

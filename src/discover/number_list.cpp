@@ -15,7 +15,7 @@ struct NumberRange {
     std::uint32_t last;
 };
 
-std::unexpected<Error> unreadable(std::string_view part) {
+std::unexpected<Error> unreadable_number(std::string_view part) {
     constexpr std::size_t kShown = 40;
     return fail(Code::syntax, part.substr(0, kShown));
 }
@@ -41,7 +41,7 @@ std::optional<NumberRange> parse_range(std::string_view part) {
     return NumberRange{*first, *last};
 }
 
-Result<void> append(std::vector<std::uint32_t>& numbers, const NumberRange& range) {
+Result<void> append_range(std::vector<std::uint32_t>& numbers, const NumberRange& range) {
     for (std::uint32_t value = range.first; value <= range.last; ++value) {
         if (std::ranges::find(numbers, value) != numbers.end()) continue;
         if (numbers.size() == kMaxListed)
@@ -59,10 +59,10 @@ Result<std::vector<std::uint32_t>> parse_numbers(std::string_view text, std::uin
     std::optional<std::string_view> rest = text;
     for (std::string_view part; next_part(rest, part);) {
         const auto range = parse_range(part);
-        if (!range) return unreadable(part);
+        if (!range) return unreadable_number(part);
         for (const auto bound : {range->first, range->last})
             if (bound < least || bound > greatest) return fail(Code::out_of_range, bound, least, greatest);
-        TAKT_CHECK(append(numbers, *range));
+        TAKT_CHECK(append_range(numbers, *range));
     }
     return numbers;
 }
@@ -72,7 +72,7 @@ Result<std::vector<wire::Parity>> parse_parities(std::string_view text) {
     std::optional<std::string_view> rest = text;
     for (std::string_view part; next_part(rest, part);) {
         const auto known = std::ranges::find(model::kParities, part);
-        if (known == model::kParities.end()) return unreadable(part);
+        if (known == model::kParities.end()) return unreadable_number(part);
         const auto parity = static_cast<wire::Parity>(known - model::kParities.begin());
         if (std::ranges::find(parities, parity) == parities.end()) parities.push_back(parity);
     }

@@ -35,7 +35,7 @@ bool is_refusal_of_item(ProbeReply reply) {
     return reply == ProbeReply::bad_value || reply == ProbeReply::failure;
 }
 
-void append(std::vector<model::ItemRange>& ranges, std::uint16_t item) {
+void append_item(std::vector<model::ItemRange>& ranges, std::uint16_t item) {
     if (!ranges.empty() && ranges.back().last + 1 == item)
         ranges.back().last = item;
     else
@@ -253,8 +253,8 @@ private:
     ProbeResult result() {
         for (std::int64_t a = first(); a <= last(); ++a) {
             const auto item = static_cast<std::uint16_t>(a);
-            if (known(a) == Known::present) append(result_.readable, item);
-            if (known(a) != Known::nothing) append(result_.tested, item);
+            if (known(a) == Known::present) append_item(result_.readable, item);
+            if (known(a) != Known::nothing) append_item(result_.tested, item);
             const bool on_grid = (a - first()) % config_.step == 0;
             if (on_grid && known(a) == Known::nothing && result_.next == 65536)
                 result_.next = static_cast<std::uint32_t>(a);
