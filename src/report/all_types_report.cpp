@@ -53,11 +53,11 @@ value::Value decoded(DataType type, ByteOrder order, Registers registers) {
     return *std::move(value);
 }
 
-std::string text_of(DataType type, ByteOrder order, Registers registers) {
+std::string decoded_text(DataType type, ByteOrder order, Registers registers) {
     return text::escape_line(value::format(type, false, decoded(type, order, registers)));
 }
 
-std::string binary(std::uint16_t word) {
+std::string binary_text(std::uint16_t word) {
     const auto digits = fmt::format("{:016b}", word);
     std::string groups = digits.substr(0, 4);
     for (std::size_t i = 4; i < digits.size(); i += 4) groups += ' ' + digits.substr(i, 4);
@@ -74,9 +74,9 @@ std::string words_table(const Texts& texts, std::uint16_t start, Registers regis
     for (std::size_t i = 0; i < registers.size(); ++i) {
         const auto word = registers.subspan(i, 1);
         std::vector<std::string> row{std::to_string(start + i), fmt::format("{:04X}", word[0]),
-                                     binary(word[0])};
+                                     binary_text(word[0])};
         for (const auto order : kOrdersOfOne)
-            for (const auto type : types_of(1)) row.push_back(text_of(type, order, word));
+            for (const auto type : types_of(1)) row.push_back(decoded_text(type, order, word));
         table.add(std::move(row));
     }
     return table.render();
@@ -90,7 +90,7 @@ std::string values_table(std::size_t first, Registers registers) {
     table.add(std::move(head));
     for (const auto order : orders_of(registers.size())) {
         std::vector<std::string> row{order_name(order, registers.size())};
-        for (const auto type : types) row.push_back(text_of(type, order, registers));
+        for (const auto type : types) row.push_back(decoded_text(type, order, registers));
         table.add(std::move(row));
     }
     return '\n' + table.render();
@@ -139,7 +139,7 @@ std::string all_types_text(const Texts& texts, std::uint16_t start, Registers re
     text += '\n';
     for (const auto order : kOrdersOfOne)
         text += fmt::format("string {}  {}\n", order_name(order, 1),
-                            text_of(DataType::string, order, text_part(registers)));
+                            decoded_text(DataType::string, order, text_part(registers)));
     return text + '\n' + orders;
 }
 

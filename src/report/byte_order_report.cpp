@@ -12,7 +12,7 @@ namespace takt::report {
 namespace {
 
 constexpr int kTwoRegisters = 2;
-constexpr std::size_t kMostNames = 4;
+constexpr std::size_t kMostListedNames = 4;
 
 bool in_bits(const model::Variable& variable) {
     return variable.area == wire::Area::coil || variable.area == wire::Area::discrete_input;
@@ -23,9 +23,9 @@ bool differs(const model::Variable& variable, ByteOrder order) {
                                      model::byte_order_text(order, variable.type);
 }
 
-void append(std::string& list, std::size_t number, const std::string& text) {
-    if (number < kMostNames) list += (number == 0 ? "" : ", ") + text;
-    if (number == kMostNames) list += ", …";
+void append_limited(std::string& list, std::size_t number, const std::string& text) {
+    if (number < kMostListedNames) list += (number == 0 ? "" : ", ") + text;
+    if (number == kMostListedNames) list += ", …";
 }
 
 }  // namespace
@@ -81,13 +81,13 @@ std::string byte_orders_text(const model::Line& line) {
         std::size_t other = 0;
         for (const auto& variable : device.variables)
             if (differs(variable, device.order))
-                append(others, other++,
-                       fmt::format("{} {}", variable.name,
-                                   model::byte_order_text(variable.order, variable.type)));
+                append_limited(others, other++,
+                               fmt::format("{} {}", variable.name,
+                                           model::byte_order_text(variable.order, variable.type)));
         if (device.order == ByteOrder{} && others.empty()) continue;
         auto text = fmt::format("{} {}", device.name, model::byte_order_text(device.order, kTwoRegisters));
         if (!others.empty()) text += " (" + others + ")";
-        append(devices, count++, text);
+        append_limited(devices, count++, text);
     }
     return devices;
 }

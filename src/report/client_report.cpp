@@ -27,7 +27,8 @@ Json begin(const ClientRun& run) {
     return object;
 }
 
-std::string reason(const Texts& texts, const ClientRun& run, const Error& error, std::string_view message) {
+std::string failure_reason(const Texts& texts, const ClientRun& run, const Error& error,
+                           std::string_view message) {
     return run.interrupted ? texts(message) : texts.describe(error);
 }
 
@@ -39,7 +40,7 @@ void set_end(Json& object, const Texts& texts, const ClientRun& run, const Resul
     if (ended) return;
     auto error = error_json(texts, ended.error());
     if (run.interrupted) error.set("code", "interrupted");
-    error.set("text", reason(texts, run, ended.error(), message));
+    error.set("text", failure_reason(texts, run, ended.error(), message));
     object.set("error", std::move(error));
 }
 
@@ -99,11 +100,11 @@ Json raw_json(const Texts& texts, const ClientRun& run, Bytes request, const Res
 }
 
 std::string ended_text(const Texts& texts, const ClientRun& run, const Error& error) {
-    return reason(texts, run, error, kInterrupted);
+    return failure_reason(texts, run, error, kInterrupted);
 }
 
 std::string write_ended_text(const Texts& texts, const ClientRun& run, const Error& error) {
-    return reason(texts, run, error, kWriteInterrupted);
+    return failure_reason(texts, run, error, kWriteInterrupted);
 }
 
 }  // namespace takt::report

@@ -11,10 +11,9 @@ namespace takt::report {
 namespace {
 
 using host::Command;
-using host::Outcome;
 using value::CommandResult;
 
-constexpr std::string_view word(Command::Kind kind) {
+constexpr std::string_view command_word(Command::Kind kind) {
     switch (kind) {
         case Command::Kind::set: return "set";
         case Command::Kind::write: return "write";
@@ -26,27 +25,27 @@ constexpr std::string_view word(Command::Kind kind) {
     return "";
 }
 
-constexpr std::string_view word(Outcome::Progress progress) {
+constexpr std::string_view progress_word(host::Outcome::Progress progress) {
     switch (progress) {
-        case Outcome::Progress::settled: return "";
-        case Outcome::Progress::waiting: return "waiting";
-        case Outcome::Progress::superseded: return "superseded";
+        case host::Outcome::Progress::settled: return "";
+        case host::Outcome::Progress::waiting: return "waiting";
+        case host::Outcome::Progress::superseded: return "superseded";
     }
     return "";
 }
 
-void append(std::string& line, std::string_view text) {
+void append_word(std::string& line, std::string_view text) {
     if (text.empty()) return;
     line += ' ';
     line += text;
 }
 
 /// A `write` always ends with a result; a `set` or `get` that went well is simply acknowledged.
-bool is_acknowledged(const Outcome& outcome) {
+bool is_acknowledged(const host::Outcome& outcome) {
     return outcome.kind != Command::Kind::write && outcome.result == CommandResult::done;
 }
 
-value::SlotInfo info_of(const host::Configuration& configuration, const Outcome& outcome) {
+value::SlotInfo info_of(const host::Configuration& configuration, const host::Outcome& outcome) {
     if (!outcome.service) return configuration.info(outcome.slot);
     return {.name = model::ServiceNames(configuration.project()).name(*outcome.service),
             .type = outcome.service->field->type,
@@ -56,7 +55,7 @@ value::SlotInfo info_of(const host::Configuration& configuration, const Outcome&
 
 /// The texts of an outcome's values.
 struct ValueTexts {
-    ValueTexts(const host::Configuration& configuration, const Outcome& outcome)
+    ValueTexts(const host::Configuration& configuration, const host::Outcome& outcome)
         : info(info_of(configuration, outcome)),
           value(value::format(info.type, info.scaled, outcome.value)),
           written(value::format(info.type, info.scaled, outcome.written)),
@@ -68,18 +67,18 @@ struct ValueTexts {
     std::string read_back;
 };
 
-std::string acknowledged_line(const ValueTexts& texts, const Outcome& outcome) {
+std::string acknowledged_line(const ValueTexts& texts, const host::Outcome& outcome) {
     std::string line = "ok";
-    append(line, texts.info.name);
-    append(line, texts.value);
-    append(line, word(outcome.progress));
+    append_word(line, texts.info.name);
+    append_word(line, texts.value);
+    append_word(line, progress_word(outcome.progress));
     return line;
 }
 
-std::string result_line(const ValueTexts& texts, const Outcome& outcome) {
+std::string result_line(const ValueTexts& texts, const host::Outcome& outcome) {
     std::string line(value::name(outcome.result));
-    append(line, texts.info.name);
-    append(line, reason_word(outcome.reason));
+    append_word(line, texts.info.name);
+    append_word(line, reason_word(outcome.reason));
     if (!texts.read_back.empty())
         line += " written " + texts.written + " read " + texts.read_back;
     else if (outcome.result != CommandResult::done)
@@ -105,7 +104,7 @@ std::string error_line(const Texts& texts, const Error& error) {
 }
 
 std::string outcome_line(const Texts& texts, const host::Configuration& configuration,
-                         const Outcome& outcome) {
+                         const host::Outcome& outcome) {
     if (outcome.error) return error_line(texts, *outcome.error);
     if (outcome.kind == Command::Kind::get)
         return text::escape_line(get_line(get_json(configuration, outcome))) + '\n';
@@ -129,9 +128,9 @@ file::Json error_json(const Texts& texts, const Error& error, std::string_view c
 }
 
 file::Json outcome_json(const Texts& texts, const host::Configuration& configuration,
-                        const Outcome& outcome) {
+                        const host::Outcome& outcome) {
     const auto info = info_of(configuration, outcome);
-    if (outcome.error) return error_json(texts, *outcome.error, word(outcome.kind), info.name);
+    if (outcome.error) return error_json(texts, *outcome.error, command_word(outcome.kind), info.name);
     const ValueTexts values(configuration, outcome);
     const bool acknowledged = is_acknowledged(outcome);
     auto object = file::Json::object();
@@ -139,7 +138,7 @@ file::Json outcome_json(const Texts& texts, const host::Configuration& configura
         if (!text.empty()) object.set(key, text);
     };
     object.set("event", acknowledged ? "answer" : "outcome");
-    object.set("command", word(outcome.kind));
+    object.set("command", command_word(outcome.kind));
     if (outcome.id > 0) object.set("id", outcome.id);
     if (!acknowledged) {
         const auto* const line = configuration.line_of(outcome.slot);
@@ -153,7 +152,7 @@ file::Json outcome_json(const Texts& texts, const host::Configuration& configura
         set_known("utc", utc_text(info, outcome.value));
         if (outcome.quality != value::Quality::good) object.set("quality", value::name(outcome.quality));
         set_known("reason", reason_word(outcome.reason));
-        if (const auto progress = word(outcome.progress); !progress.empty())
+        if (const auto progress = progress_word(outcome.progress); !progress.empty())
             object.set(std::string(progress), true);
     } else {
         object.set("outcome", value::name(outcome.result));

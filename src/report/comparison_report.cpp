@@ -13,44 +13,43 @@ namespace {
 
 using Align = TextTable::Align;
 
-constexpr std::size_t kBarWidth = 24;  // characters
+constexpr std::size_t kCostBarWidth = 24;  // characters
 
 /// A column of the table: its heading, its text for a cost, and the saving below it.
-struct Figure {
+struct CostFigure {
     const char* heading;
     std::string (*cost)(const plan::Cost&);
     double plan::Saving::* saved;
 };
 
-std::string per_second(double rate) {
-    return fmt::format("{:.{}f}", rate, rate < 100 ? 1 : 0);
-}
+const CostFigure kRequestsFigure{"app.requests",
+                                 [](const plan::Cost& cost) { return std::to_string(cost.requests); },
+                                 &plan::Saving::requests};
+const CostFigure kRequestRateFigure{
+    "app.requests_per_second",
+    [](const plan::Cost& cost) { return per_second_text(cost.requests_per_second); },
+    &plan::Saving::requests_per_second};
+const CostFigure kBytesFigure{"app.bytes", [](const plan::Cost& cost) { return std::to_string(cost.bytes); },
+                              &plan::Saving::bytes};
+const CostFigure kByteRateFigure{
+    "app.bytes_per_second", [](const plan::Cost& cost) { return per_second_text(cost.bytes_per_second); },
+    &plan::Saving::bytes_per_second};
+const CostFigure kBusTimeFigure{"app.bus_time",
+                                [](const plan::Cost& cost) { return milliseconds_text(cost.bus_time); },
+                                &plan::Saving::bus_time};
+const CostFigure kCycleFigure{
+    "app.cycle", [](const plan::Cost& cost) { return milliseconds_text(cost.cycle); }, &plan::Saving::cycle};
+const CostFigure kBusyFigure{
+    "app.line_busy", [](const plan::Cost& cost) { return fmt::format("{:.1f} %", cost.utilization * 100); },
+    &plan::Saving::utilization};
 
-const Figure kRequests{"app.requests", [](const plan::Cost& cost) { return std::to_string(cost.requests); },
-                       &plan::Saving::requests};
-const Figure kRequestRate{"app.requests_per_second",
-                          [](const plan::Cost& cost) { return per_second(cost.requests_per_second); },
-                          &plan::Saving::requests_per_second};
-const Figure kBytes{"app.bytes", [](const plan::Cost& cost) { return std::to_string(cost.bytes); },
-                    &plan::Saving::bytes};
-const Figure kByteRate{"app.bytes_per_second",
-                       [](const plan::Cost& cost) { return per_second(cost.bytes_per_second); },
-                       &plan::Saving::bytes_per_second};
-const Figure kBusTime{"app.bus_time", [](const plan::Cost& cost) { return milliseconds_text(cost.bus_time); },
-                      &plan::Saving::bus_time};
-const Figure kCycle{"app.cycle", [](const plan::Cost& cost) { return milliseconds_text(cost.cycle); },
-                    &plan::Saving::cycle};
-const Figure kBusy{"app.line_busy",
-                   [](const plan::Cost& cost) { return fmt::format("{:.1f} %", cost.utilization * 100); },
-                   &plan::Saving::utilization};
-
-std::vector<Figure> figures(const plan::Comparison& comparison) {
-    if (comparison.takes_turns()) return {kRequestRate, kByteRate, kBusy};
-    return {kRequests, kRequestRate, kBytes, kBusTime, kCycle, kBusy};
+std::vector<CostFigure> cost_figures(const plan::Comparison& comparison) {
+    if (comparison.takes_turns()) return {kRequestRateFigure, kByteRateFigure, kBusyFigure};
+    return {kRequestsFigure, kRequestRateFigure, kBytesFigure, kBusTimeFigure, kCycleFigure, kBusyFigure};
 }
 
 /// A bar in eighths of a character, as long as `share` of the widest, which has `width` characters.
-std::string bar(double share, std::size_t width) {
+std::string eighths_bar(double share, std::size_t width) {
     static constexpr const char* kEighths[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
     const auto eighths =
         static_cast<std::size_t>(std::lround(std::clamp(share, 0.0, 1.0) * static_cast<double>(width) * 8));
@@ -61,7 +60,7 @@ std::string bar(double share, std::size_t width) {
 
 /// The value that the bars show: the load, or the bus time where nothing has a period or the line is never
 /// idle.
-double weight(const plan::Comparison& comparison, const plan::Cost& cost) {
+double bar_value(const plan::Comparison& comparison, const plan::Cost& cost) {
     const bool by_load = comparison.single.utilization > 0 && !comparison.single.saturated;
     return by_load ? cost.utilization : static_cast<double>(cost.bus_time.count());
 }
@@ -69,7 +68,7 @@ double weight(const plan::Comparison& comparison, const plan::Cost& cost) {
 /// @param bar_width  characters of the longest bar; 0: no bars
 TextTable comparison_table(const Texts& texts, const std::string& line, const plan::Comparison& comparison,
                            std::size_t bar_width) {
-    const auto shown = figures(comparison);
+    const auto shown = cost_figures(comparison);
     std::vector<Align> columns(shown.size() + 2, Align::right);
     columns.front() = columns.back() = Align::left;
     TextTable table(columns);
@@ -78,11 +77,12 @@ TextTable comparison_table(const Texts& texts, const std::string& line, const pl
     table.add(cells);
     const auto rows = compared_rows(texts, comparison);
     double widest = 0;
-    for (const auto& row : rows) widest = std::max(widest, weight(comparison, *row.cost));
+    for (const auto& row : rows) widest = std::max(widest, bar_value(comparison, *row.cost));
     for (const auto& row : rows) {
         cells = {row.name};
         for (const auto& figure : shown) cells.push_back(figure.cost(*row.cost));
-        cells.push_back(widest > 0 ? bar(weight(comparison, *row.cost) / widest, bar_width) : std::string());
+        cells.push_back(widest > 0 ? eighths_bar(bar_value(comparison, *row.cost) / widest, bar_width)
+                                   : std::string());
         table.add(cells);
         if (!row.saved && !row.configured) continue;
         cells = {row.configured ? "  " + texts("app.as_configured") : std::string()};
@@ -97,10 +97,10 @@ TextTable comparison_table(const Texts& texts, const std::string& line, const pl
 std::string fitting_table(const Texts& texts, const std::string& line, const plan::Comparison& comparison,
                           std::size_t columns) {
     std::size_t widest = 0;
-    const auto table = comparison_table(texts, line, comparison, kBarWidth);
+    const auto table = comparison_table(texts, line, comparison, kCostBarWidth);
     for (const auto& row : table.lines()) widest = std::max(widest, display_width(row));
     if (widest <= columns) return table.render();
-    const auto left = kBarWidth - std::min(kBarWidth, widest - columns);
+    const auto left = kCostBarWidth - std::min(kCostBarWidth, widest - columns);
     return comparison_table(texts, line, comparison, left).render();
 }
 
@@ -129,6 +129,10 @@ file::Json cost_json(const plan::Cost& cost) {
 }
 
 }  // namespace
+
+std::string per_second_text(double rate) {
+    return fmt::format("{:.{}f}", rate, rate < 100 ? 1 : 0);
+}
 
 std::string saving_text(double percent) {
     return std::abs(percent) < 0.5 ? "0 %" : fmt::format("{:+.0f} %", -percent);

@@ -23,7 +23,7 @@ const model::Device& device_of(const Configuration& configuration, const host::R
     return configuration.project().lines[key.line].devices[key.device];
 }
 
-std::string_view severity_name(host::Notice::Severity severity) {
+std::string_view notice_severity_name(host::Notice::Severity severity) {
     switch (severity) {
         case host::Notice::Severity::status: return "status";
         case host::Notice::Severity::warning: return "warning";
@@ -213,7 +213,7 @@ public:
     }
     file::Json operator()(const host::Notice& notice) const {
         auto object = begin("notice");
-        object.set("severity", severity_name(notice.severity));
+        object.set("severity", notice_severity_name(notice.severity));
         object.set("code", notice.code);
         object.set("text", notice_text(texts_, notice));
         return object;

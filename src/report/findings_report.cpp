@@ -10,7 +10,7 @@
 namespace takt::report {
 namespace {
 
-const char* severity_name(model::Severity severity) {
+const char* finding_severity_name(model::Severity severity) {
     switch (severity) {
         case model::Severity::note: return "note";
         case model::Severity::warning: return "warning";
@@ -35,7 +35,7 @@ std::string location_text(std::span<const std::string> files, const model::Findi
 file::Json finding_json(const Texts& texts, std::span<const std::string> files,
                         const model::Finding& finding) {
     auto object = file::Json::object();
-    object.set("severity", severity_name(finding.severity));
+    object.set("severity", finding_severity_name(finding.severity));
     object.set("code", finding.code);
     object.set("file", file_name(files, finding));
     object.set("line", finding.location.line);
@@ -48,7 +48,7 @@ file::Json finding_json(const Texts& texts, std::span<const std::string> files,
     return object;
 }
 
-std::string count_of(std::span<const model::Finding> findings, model::Severity severity) {
+std::string count_by_severity(std::span<const model::Finding> findings, model::Severity severity) {
     return std::to_string(std::ranges::count(findings, severity, &model::Finding::severity));
 }
 
@@ -61,7 +61,7 @@ std::string findings_text(const Texts& texts, std::span<const std::string> files
     for (const auto& finding : findings) {
         if (finding.severity < least) continue;
         text += fmt::format("{}: {}: ", location_text(files, finding),
-                            texts(fmt::format("app.{}", severity_name(finding.severity))));
+                            texts(fmt::format("app.{}", finding_severity_name(finding.severity))));
         if (!finding.path.empty()) text += finding.path + ": ";
         text += texts.message(finding) + '\n';
         auto advice = texts.advice(finding);
@@ -101,9 +101,9 @@ file::Json check_json(const Texts& texts, const host::LoadedProject& loaded) {
 std::string findings_summary(const Texts& texts, const std::string& project_file,
                              std::span<const model::Finding> findings) {
     return texts("app.checked", {{"file", project_file},
-                                 {"errors", count_of(findings, model::Severity::error)},
-                                 {"warnings", count_of(findings, model::Severity::warning)},
-                                 {"notes", count_of(findings, model::Severity::note)}}) +
+                                 {"errors", count_by_severity(findings, model::Severity::error)},
+                                 {"warnings", count_by_severity(findings, model::Severity::warning)},
+                                 {"notes", count_by_severity(findings, model::Severity::note)}}) +
            '\n';
 }
 

@@ -7,7 +7,7 @@
 namespace takt::report {
 namespace {
 
-std::string items_text(std::uint16_t start, std::uint16_t quantity) {
+std::string item_span_text(std::uint16_t start, std::uint16_t quantity) {
     return quantity == 1 ? fmt::format("{}", start) : fmt::format("{}..{}", start, start + quantity - 1);
 }
 
@@ -15,6 +15,10 @@ std::string items_text(std::uint16_t start, std::uint16_t quantity) {
 
 double milliseconds(Duration duration) {
     return static_cast<double>(duration.count()) / 1e6;
+}
+
+double microseconds(Duration duration) {
+    return static_cast<double>(duration.count()) / 1e3;
 }
 
 std::string percent_text(double share) {
@@ -80,6 +84,18 @@ std::string range_text(const model::ItemRange& range) {
                                      : fmt::format("{}..{}", range.first, range.last);
 }
 
+file::Json function_json(const std::optional<wire::Function>& function) {
+    return function ? file::Json(static_cast<int>(*function)) : file::Json();
+}
+
+std::string csv_cell(std::string_view text, char separator) {
+    if (text.find_first_of("\"\r\n") == std::string_view::npos && !text.contains(separator))
+        return std::string(text);
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return quoted + '"';
+}
+
 // Function 0x17 is listed once, with the items it reads and those it writes; a read-modify-write as the two
 // functions it sends.
 std::string request_text(const plan::Request& request) {
@@ -89,9 +105,9 @@ std::string request_text(const plan::Request& request) {
         if (request.read_modify_write && !request.read) functions = "0x03";
         functions += (functions.empty() ? "" : "+") + function_text(*request.write);
     }
-    const std::string range = functions + " " + items_text(request.start, request.quantity);
+    const std::string range = functions + " " + item_span_text(request.start, request.quantity);
     if (request.write_quantity == 0) return range;
-    return range + " < " + items_text(request.write_start, request.write_quantity);
+    return range + " < " + item_span_text(request.write_start, request.write_quantity);
 }
 
 }  // namespace takt::report

@@ -31,7 +31,7 @@ std::string kind_text(const Texts& texts, const plan::Measure& measure, plan::Me
     return texts("app.measure." + std::string(plan::name(kind)));
 }
 
-std::string title(const Texts& texts, const plan::Measure& measure) {
+std::string measure_title(const Texts& texts, const plan::Measure& measure) {
     std::string text;
     for (const auto kind : measure.kinds)
         text += (text.empty() ? "" : " + ") + kind_text(texts, measure, kind);
@@ -48,11 +48,11 @@ std::string measure_text(const Texts& texts, const plan::Measure& measure) {
                                    {"deadline", plan::time_text(measure.deadline)},
                                    {"utilization_before", percent_text(measure.utilization_before)},
                                    {"utilization_after", percent_text(measure.utilization_after)}});
-    return fmt::format("  - {}\n      {}\n{}", title(texts, measure), figures,
+    return fmt::format("  - {}\n      {}\n{}", measure_title(texts, measure), figures,
                        changes_text(texts, measure.changes));
 }
 
-std::string_view name(plan::Goal goal) {
+std::string_view goal_word(plan::Goal goal) {
     if (goal == plan::Goal::with_faults) return "with_faults";
     return goal == plan::Goal::with_dead_device ? "with_dead_device" : "sound";
 }
@@ -62,8 +62,8 @@ file::Json measure_json(const Texts& texts, const plan::Measure& measure) {
     for (const auto kind : measure.kinds) kinds.push_back(plan::name(kind));
     auto object = file::Json::object();
     object.set("kinds", std::move(kinds));
-    object.set("text", title(texts, measure));
-    object.set("goal", name(measure.goal));
+    object.set("text", measure_title(texts, measure));
+    object.set("goal", goal_word(measure.goal));
     object.set("only_plan", measure.only_plan());
     object.set("changes", changes_json(measure.changes));
     object.set("variable", measure.variable);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <span>
 
+#include "takt/report/formatting.hpp"
 #include "takt/report/history_time.hpp"
 #include "takt/report/text_table.hpp"
 #include "takt/report/value_json.hpp"
@@ -15,8 +16,8 @@
 namespace takt::report {
 namespace {
 
-constexpr std::size_t kMostRows = 20;  // of gaps, and of bad times
-constexpr std::array<std::string_view, 8> kBars{"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+constexpr std::size_t kMostListedSpans = 20;  // of gaps, and of bad times
+constexpr std::array<std::string_view, 8> kSparkBlocks{"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
 
 std::string number_text(const store::HistorySeries& series, double value) {
     return value::format(
@@ -41,7 +42,7 @@ std::string small_picture(const store::HistoryPicture& picture, std::size_t widt
     const auto bar = [&](double value) {
         const double share = span > 0 ? (value - least) / span : 0.5;
         const auto level = static_cast<std::size_t>(std::clamp(share, 0.0, 1.0) * 7.99);
-        return kBars[level];
+        return kSparkBlocks[level];
     };
     const double column_ns =
         (static_cast<double>(picture.range.to_ns) - static_cast<double>(picture.range.from_ns)) /
@@ -93,14 +94,15 @@ std::string gaps_text(const Texts& texts, std::span<const store::HistoryGap> gap
     if (gaps.empty()) return {};
     using enum TextTable::Align;
     TextTable table({left, left, right});
-    for (const auto& gap : gaps.first(std::min(gaps.size(), kMostRows)))
+    for (const auto& gap : gaps.first(std::min(gaps.size(), kMostListedSpans)))
         table.add(
             {range_of_times({gap.first_ns, gap.last_ns}), gap_text(texts, gap.cause),
              gap.samples > 0 ? texts("app.history.lost", {{"count", std::to_string(gap.samples)}}) : ""});
     std::string text =
         texts("app.history.gaps", {{"count", std::to_string(gaps.size())}}) + '\n' + table.render("  ");
-    if (gaps.size() > kMostRows)
-        text += "  " + texts("app.history.more", {{"count", std::to_string(gaps.size() - kMostRows)}}) + '\n';
+    if (gaps.size() > kMostListedSpans)
+        text += "  " +
+                texts("app.history.more", {{"count", std::to_string(gaps.size() - kMostListedSpans)}}) + '\n';
     return text;
 }
 
@@ -109,13 +111,14 @@ std::string bad_text(const Texts& texts, const HistoryView& view) {
     if (bad.empty()) return {};
     using enum TextTable::Align;
     TextTable table({left, left});
-    for (const auto& span : std::span(bad).first(std::min(bad.size(), kMostRows)))
+    for (const auto& span : std::span(bad).first(std::min(bad.size(), kMostListedSpans)))
         table.add({range_of_times(span.range), texts.quality(span.quality, span.reason)});
     std::string text =
         texts("app.history.bad", {{"name", view.series.name}, {"count", std::to_string(bad.size())}}) + '\n' +
         table.render("  ");
-    if (bad.size() > kMostRows)
-        text += "  " + texts("app.history.more", {{"count", std::to_string(bad.size() - kMostRows)}}) + '\n';
+    if (bad.size() > kMostListedSpans)
+        text += "  " + texts("app.history.more", {{"count", std::to_string(bad.size() - kMostListedSpans)}}) +
+                '\n';
     return text;
 }
 
@@ -197,13 +200,6 @@ file::Json gaps_json(std::span<const store::HistoryGap> gaps) {
         items.push_back(std::move(item));
     }
     return file::Json(std::move(items));
-}
-
-std::string csv_cell(std::string_view text) {
-    if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-    std::string cell = "\"";
-    for (const char c : text) cell += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return cell + '"';
 }
 
 }  // namespace
@@ -304,10 +300,11 @@ std::string history_csv_row(const store::HistorySeries& series, const store::His
                                : value::is_exception(sample.reason)
                                    ? fmt::format("exception {}", value::status_code(sample.reason) % 256)
                                    : std::string(value::name(sample.reason));
-    return fmt::format(
-        "{},{},{},{},{},{},{}\n", csv_cell(series.name), utc_time_text(sample.time_ns),
-        local_time_text(sample.time_ns), csv_cell(value::format(series.type, series.scaled, sample.value)),
-        value::name(sample.quality), reason, sample.previous_ns ? utc_time_text(*sample.previous_ns) : "");
+    return fmt::format("{},{},{},{},{},{},{}\n", csv_cell(series.name, ','), utc_time_text(sample.time_ns),
+                       local_time_text(sample.time_ns),
+                       csv_cell(value::format(series.type, series.scaled, sample.value), ','),
+                       value::name(sample.quality), reason,
+                       sample.previous_ns ? utc_time_text(*sample.previous_ns) : "");
 }
 
 }  // namespace takt::report

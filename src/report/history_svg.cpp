@@ -5,26 +5,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "chart_layout.hpp"
 #include "takt/report/svg.hpp"
 #include "ticks.hpp"
 
 namespace takt::report {
 namespace {
 
-constexpr double kMargin = 24;
-constexpr double kLeft = 90;  // the labels of values are left of it
-constexpr double kPlotWidth = static_cast<double>(kHistorySvgPixels);
-constexpr double kWidth = kLeft + kPlotWidth + kMargin;
-constexpr double kPlotHeight = 180;
-constexpr double kHeading = 34;
-constexpr double kAxis = 40;
-constexpr std::size_t kTimeTicks = 6;
-constexpr std::size_t kValueTicks = 5;
-constexpr double kTickSize = 11;
+constexpr double kHistoryPlotWidth = static_cast<double>(kHistorySvgPixels);
+constexpr double kHistoryPageWidth = kChartLeft + kHistoryPlotWidth + kChartMargin;
+constexpr double kHistoryPlotHeight = 180;
+constexpr double kVariableHeadingHeight = 34;
+constexpr double kHistoryAxisHeight = 40;
+constexpr std::size_t kMostValueTicks = 5;
 constexpr double kNarrowestBand = 1;  // pixels
 
 // Colours of Okabe and Ito, which stay apart for every kind of colour vision.
-constexpr std::string_view kStyleSheet = R"(.page{fill:#fff}
+constexpr std::string_view kHistoryStyleSheet = R"(.page{fill:#fff}
 text{font-family:system-ui,"DejaVu Sans","Noto Sans",Arial,sans-serif;font-size:13px;fill:#1c2733}
 .heading{font-size:19px;font-weight:600}
 .name{font-size:15px;font-weight:600}
@@ -52,28 +49,28 @@ bool is_dead(const store::HistoryBadSpan& span) {
 }
 
 /// A time in which no value is drawn.
-struct Hole {
+struct HistoryHole {
     store::HistoryRange range;
     std::string_view style;
     std::string title;
 };
 
-std::vector<Hole> holes_of(const Texts& texts, const store::HistoryPicture& picture) {
-    std::vector<Hole> holes;
+std::vector<HistoryHole> holes_of(const Texts& texts, const store::HistoryPicture& picture) {
+    std::vector<HistoryHole> holes;
     for (const auto& gap : picture.gaps)
         holes.push_back({{gap.first_ns, gap.last_ns}, "lost", gap_text(texts, gap.cause)});
     for (const auto& span : picture.bad)
         if (span.quality != value::Quality::uncertain)
             holes.push_back(
                 {span.range, is_dead(span) ? "dead" : "bad", texts.quality(span.quality, span.reason)});
-    std::ranges::stable_sort(holes, {}, [](const Hole& hole) { return hole.range.from_ns; });
+    std::ranges::stable_sort(holes, {}, [](const HistoryHole& hole) { return hole.range.from_ns; });
     return holes;
 }
 
 /// The plot of one variable.
-class Plot {
+class HistoryPlot {
 public:
-    Plot(Svg& svg, const Texts& texts, const HistoryView& view, double top)
+    HistoryPlot(Svg& svg, const Texts& texts, const HistoryView& view, double top)
         : svg_(svg), view_(view), picture_(view.picture), holes_(holes_of(texts, view.picture)), top_(top) {
         least_ = picture_.min.value_or(0);
         greatest_ = picture_.max.value_or(1);
@@ -85,11 +82,11 @@ public:
 
     void draw() {
         draw_grid();
-        for (const Hole& hole : holes_) draw_hole(hole);
+        for (const HistoryHole& hole : holes_) draw_hole(hole);
         draw_curve();
         for (const auto& box : bands_) svg_.rect(box, "band");
         svg_.path(curve_, "curve");
-        svg_.rect({kLeft, top_, kPlotWidth, kPlotHeight}, "plot");
+        svg_.rect({kChartLeft, top_, kHistoryPlotWidth, kHistoryPlotHeight}, "plot");
     }
 
 private:
@@ -97,36 +94,37 @@ private:
         const auto& range = picture_.range;
         const double share =
             static_cast<double>(time_ns - range.from_ns) / static_cast<double>(range.to_ns - range.from_ns);
-        return kLeft + std::clamp(share, 0.0, 1.0) * kPlotWidth;
+        return kChartLeft + std::clamp(share, 0.0, 1.0) * kHistoryPlotWidth;
     }
     [[nodiscard]] double y(double value) const {
-        return top_ + kPlotHeight - (value - least_) / (greatest_ - least_) * kPlotHeight;
+        return top_ + kHistoryPlotHeight - (value - least_) / (greatest_ - least_) * kHistoryPlotHeight;
     }
 
     void draw_grid() {
-        for (const double value : value_ticks(least_, greatest_, kValueTicks)) {
-            svg_.line(kLeft, y(value), kLeft + kPlotWidth, y(value), "grid");
-            svg_.text(kLeft - 6, y(value) + 4, "value", fmt::format("{:.9g}", value));
+        for (const double value : value_ticks(least_, greatest_, kMostValueTicks)) {
+            svg_.line(kChartLeft, y(value), kChartLeft + kHistoryPlotWidth, y(value), "grid");
+            svg_.text(kChartLeft - 6, y(value) + 4, "value", fmt::format("{:.9g}", value));
         }
-        for (const auto& [time, text] : time_ticks(picture_.range, kTimeTicks)) {
-            const double half = text_width(text, kTickSize) / 2;
-            svg_.line(x(time), top_, x(time), top_ + kPlotHeight, "grid");
-            svg_.text(std::clamp(x(time), half, kWidth - half), top_ + kPlotHeight + 16, "tick", text);
+        for (const auto& [time, text] : time_ticks(picture_.range, kMostTimeTicks)) {
+            const double half = text_width(text, kTickFontSize) / 2;
+            svg_.line(x(time), top_, x(time), top_ + kHistoryPlotHeight, "grid");
+            svg_.text(std::clamp(x(time), half, kHistoryPageWidth - half), top_ + kHistoryPlotHeight + 16,
+                      "tick", text);
         }
     }
 
-    void draw_hole(const Hole& hole) {
+    void draw_hole(const HistoryHole& hole) {
         const double left = x(hole.range.from_ns);
         svg_.begin_group("hole");
         svg_.title(hole.title);
-        svg_.rect({left, top_, std::max(x(hole.range.to_ns) - left, 1.0), kPlotHeight}, hole.style);
+        svg_.rect({left, top_, std::max(x(hole.range.to_ns) - left, 1.0), kHistoryPlotHeight}, hole.style);
         svg_.end_group();
     }
 
     /// The time until which a value from `from` on holds, at most `to`.
     [[nodiscard]] std::int64_t hold_end(std::int64_t from, std::int64_t to) const {
         std::int64_t end = std::min(to, std::max(from, picture_.known_until_ns));
-        for (const Hole& hole : holes_)
+        for (const HistoryHole& hole : holes_)
             if (hole.range.from_ns >= from) end = std::min(end, hole.range.from_ns);
         return end;
     }
@@ -168,7 +166,7 @@ private:
             held_since_ = picture_.range.from_ns;
             held_value_ = picture_.held->value;
             holding_ = true;
-            move_to(kLeft, y(held_value_));
+            move_to(kChartLeft, y(held_value_));
         }
         for (const auto& pixel : picture_.pixels) {
             if (!pixel.has_value) continue;
@@ -184,7 +182,7 @@ private:
     Svg& svg_;
     const HistoryView& view_;
     const store::HistoryPicture& picture_;
-    std::vector<Hole> holes_;
+    std::vector<HistoryHole> holes_;
     double top_;
     double least_ = 0;
     double greatest_ = 1;
@@ -195,7 +193,7 @@ private:
     double held_value_ = 0;
 };
 
-std::string heading_of(const Texts& texts, const HistoryView& view) {
+std::string history_heading(const Texts& texts, const HistoryView& view) {
     const auto& [series, picture, last] = view;
     const auto number = [](std::optional<double> value) {
         return value ? fmt::format("{:.6g}", *value) : "–";
@@ -205,8 +203,8 @@ std::string heading_of(const Texts& texts, const HistoryView& view) {
            texts("app.history.max") + ' ' + number(picture.max);
 }
 
-void draw_legend(Svg& svg, const Texts& texts, double y) {
-    double x = kMargin;
+void draw_history_legend(Svg& svg, const Texts& texts, double y) {
+    double x = kChartMargin;
     for (const char* style : {"lost", "dead", "bad", "band"}) {
         const std::string name = texts(std::string("app.history.legend.") + style);
         svg.rect({x, y - 11, 22, 13}, style);
@@ -223,21 +221,22 @@ std::string history_svg(const Texts& texts, const std::string& title, const std:
     svg.hatch("dead", 135, 7, "dead-line");
     svg.hatch("bad", 0, 5, "bad-line");
     double y = 38;
-    svg.text(kMargin, y, "heading", text_within(title, 19, kWidth - 2 * kMargin));
+    svg.text(kChartMargin, y, "heading", text_within(title, 19, kHistoryPageWidth - 2 * kChartMargin));
     y += 30;
-    draw_legend(svg, texts, y);
+    draw_history_legend(svg, texts, y);
     for (const auto& view : views) {
-        y += kHeading;
-        svg.text(kMargin, y, "name", text_within(heading_of(texts, view), 15, kWidth - 2 * kMargin));
+        y += kVariableHeadingHeight;
+        svg.text(kChartMargin, y, "name",
+                 text_within(history_heading(texts, view), 15, kHistoryPageWidth - 2 * kChartMargin));
         y += 12;
-        Plot(svg, texts, view, y).draw();
-        y += kPlotHeight + kAxis;
+        HistoryPlot(svg, texts, view, y).draw();
+        y += kHistoryPlotHeight + kHistoryAxisHeight;
     }
-    return svg.document({.width = kWidth,
-                         .height = y + kMargin,
+    return svg.document({.width = kHistoryPageWidth,
+                         .height = y + kChartMargin,
                          .language = page_language(texts.language()),
                          .title = title,
-                         .style_sheet = kStyleSheet});
+                         .style_sheet = kHistoryStyleSheet});
 }
 
 }  // namespace takt::report

@@ -12,18 +12,17 @@
 namespace takt::report {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr double kMostSpan = 8e18;  // ns, 250 years
 
 std::int64_t whole_seconds(std::int64_t time_ns) {
-    return time_ns / kSecond - (time_ns % kSecond < 0 ? 1 : 0);
+    return time_ns / kNanosecondsPerSecond - (time_ns % kNanosecondsPerSecond < 0 ? 1 : 0);
 }
 
 std::int64_t milliseconds_of(std::int64_t time_ns) {
-    return (time_ns - whole_seconds(time_ns) * kSecond) / 1'000'000;
+    return (time_ns - whole_seconds(time_ns) * kNanosecondsPerSecond) / 1'000'000;
 }
 
-std::tm local(std::int64_t time_ns) {
+std::tm local_fields(std::int64_t time_ns) {
     const auto seconds = static_cast<std::time_t>(whole_seconds(time_ns));
     std::tm fields{};
     ::localtime_r(&seconds, &fields);
@@ -42,7 +41,7 @@ std::optional<std::int64_t> parse_span(std::string_view text, std::int64_t now_n
     constexpr std::array<Unit, 7> kUnits{
         {{"ms", 0.001}, {"s", 1}, {"m", 60}, {"min", 60}, {"h", 3600}, {"d", 86'400}, {"w", 604'800}}};
     for (const auto& [name, seconds] : kUnits) {
-        const double span = number * seconds * static_cast<double>(kSecond);
+        const double span = number * seconds * static_cast<double>(kNanosecondsPerSecond);
         if (unit == name && span < kMostSpan) return now_ns - static_cast<std::int64_t>(span);
     }
     return std::nullopt;
@@ -73,7 +72,7 @@ public:
     /// Digits behind a point, in ns.
     std::optional<std::int64_t> fraction() {
         std::int64_t value = 0;
-        std::int64_t unit = kSecond / 10;
+        std::int64_t unit = kNanosecondsPerSecond / 10;
         std::size_t count = 0;
         for (; !text_.empty() && text_.front() >= '0' && text_.front() <= '9'; ++count, unit /= 10) {
             value += (text_.front() - '0') * unit;
@@ -149,7 +148,7 @@ std::optional<std::int64_t> parse_history_time(std::string_view text, std::int64
     if (!clock) return std::nullopt;
     if (in.at_end()) {
         const auto seconds = local_seconds(*clock);
-        return seconds ? std::optional(*seconds * kSecond + clock->fraction_ns) : std::nullopt;
+        return seconds ? std::optional(*seconds * kNanosecondsPerSecond + clock->fraction_ns) : std::nullopt;
     }
     const std::int64_t utc =
         std::chrono::sys_days(clock->day).time_since_epoch().count() * std::int64_t{86'400} +
@@ -165,7 +164,7 @@ std::optional<std::int64_t> parse_history_time(std::string_view text, std::int64
         offset = (west ? -1 : 1) * (*hours * 3600 + *minutes * 60);
     }
     if (!in.at_end()) return std::nullopt;
-    return (utc - offset) * kSecond + clock->fraction_ns;
+    return (utc - offset) * kNanosecondsPerSecond + clock->fraction_ns;
 }
 
 std::string utc_time_text(std::int64_t time_ns) {
@@ -174,15 +173,15 @@ std::string utc_time_text(std::int64_t time_ns) {
 }
 
 std::string local_time_text(std::int64_t time_ns) {
-    const std::tm fields = local(time_ns);
+    const std::tm fields = local_fields(time_ns);
     const std::string offset = fmt::format("{:%z}", fields);  // "+0200"
     return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}{}:{}", fields, milliseconds_of(time_ns),
                        offset.substr(0, 3), offset.substr(3));
 }
 
 std::string short_time_text(std::int64_t time_ns, std::int64_t reference_ns) {
-    const std::tm fields = local(time_ns);
-    const std::tm reference = local(reference_ns);
+    const std::tm fields = local_fields(time_ns);
+    const std::tm reference = local_fields(reference_ns);
     const bool same_day = fields.tm_yday == reference.tm_yday && fields.tm_year == reference.tm_year;
     return same_day ? fmt::format("{:%H:%M:%S}", fields) : fmt::format("{:%Y-%m-%d %H:%M:%S}", fields);
 }

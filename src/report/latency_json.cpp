@@ -15,10 +15,6 @@ using capture::Series;
 using capture::SeriesKey;
 using file::Json;
 
-double microseconds(Duration time) {
-    return static_cast<double>(time.count()) / 1e3;
-}
-
 void set_times(Json& object, const capture::MeasuredTimes& times) {
     const auto set = [&](std::string_view name, Duration time) {
         object.set(std::string(name) + "_ms", times.count() == 0 ? Json() : Json(milliseconds(time)));
@@ -87,7 +83,7 @@ Json slow_json(const capture::SlowExchange& exchange) {
     return object;
 }
 
-Json histogram_json(const capture::BlockHistogram& histogram) {
+Json block_histogram_json(const capture::BlockHistogram& histogram) {
     auto list = Json::array();
     for (std::size_t i = 0; i < capture::BlockHistogram::kBuckets; ++i) {
         const auto bucket = histogram.bucket(i);
@@ -265,7 +261,7 @@ Json latency_json(const Texts& texts, const LatencyRun& run) {
     for (const auto& exchange : report.slowest())
         slowest.push_back(run.load ? slow_request_json(exchange) : slow_json(exchange));
     object.set("slowest", std::move(slowest));
-    object.set("histogram", histogram_json(report.total().times.histogram()));
+    object.set("histogram", block_histogram_json(report.total().times.histogram()));
     object.set("time_line", time_line_json(report.time_line()));
     if (config.limit) object.set("verdict", verdict_json(texts, report));
     return object;

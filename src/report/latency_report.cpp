@@ -19,7 +19,7 @@ namespace {
 using capture::Series;
 using capture::SeriesKey;
 
-constexpr std::size_t kMostRows = 50;
+constexpr std::size_t kMostSeriesRows = 50;
 constexpr double kLargeShare = 0.1;  // above it a bound is given in percent
 
 std::string ip_text(const IpAddress& address) {
@@ -36,20 +36,20 @@ std::string rate_text(const client::Rate& rate) {
 }
 
 /// Milliseconds down to a microsecond: "0.149".
-std::string ms(Duration time) {
+std::string plain_milliseconds_text(Duration time) {
     return fmt::format("{:.3f}", milliseconds(time));
 }
 
-std::string short_ms(Duration time) {
+std::string short_milliseconds_text(Duration time) {
     constexpr double kMostDigits = 1e6;
     const double value = milliseconds(time);
     return value < kMostDigits ? fmt::format("{:.6g} ms", value) : fmt::format("{:.0f} ms", value);
 }
 
 /// Prints rows of series.
-class Rows {
+class SeriesRows {
 public:
-    Rows(const Texts& texts, const capture::LatencyReport& report) : texts_(texts), report_(report) {}
+    SeriesRows(const Texts& texts, const capture::LatencyReport& report) : texts_(texts), report_(report) {}
 
     [[nodiscard]] std::string counts(std::size_t columns) const {
         using enum TextTable::Align;
@@ -113,25 +113,26 @@ private:
             cells.insert(cells.end(), 3 + kPercentiles.size(), "–");
             return;
         }
-        cells.push_back(ms(times.min()));
-        cells.push_back(ms(times.mean()));
-        for (const auto& [name, percent] : kPercentiles) cells.push_back(ms(times.percentile(percent)));
-        cells.push_back(ms(times.max()));
+        cells.push_back(plain_milliseconds_text(times.min()));
+        cells.push_back(plain_milliseconds_text(times.mean()));
+        for (const auto& [name, percent] : kPercentiles)
+            cells.push_back(plain_milliseconds_text(times.percentile(percent)));
+        cells.push_back(plain_milliseconds_text(times.max()));
     }
 
     [[nodiscard]] static std::vector<std::string> times_of(const std::string& number, const Series& series) {
         std::vector<std::string> cells{number};
         add_times(cells, series.times);
-        cells.emplace_back(series.intervals == 0 ? "–" : ms(series.mean_interval()));
-        cells.emplace_back(series.jitter.count() == 0 ? "–" : ms(series.jitter.mean()));
-        cells.emplace_back(series.jitter.count() == 0 ? "–" : ms(series.jitter.max()));
+        cells.emplace_back(series.intervals == 0 ? "–" : plain_milliseconds_text(series.mean_interval()));
+        cells.emplace_back(series.jitter.count() == 0 ? "–" : plain_milliseconds_text(series.jitter.mean()));
+        cells.emplace_back(series.jitter.count() == 0 ? "–" : plain_milliseconds_text(series.jitter.max()));
         return cells;
     }
 
     template <class Row>
     void for_each_row(const Row& row) const {
         const auto& series = report_.series();
-        for (std::size_t i = 0; i < std::min(series.size(), kMostRows); ++i)
+        for (std::size_t i = 0; i < std::min(series.size(), kMostSeriesRows); ++i)
             row(std::to_string(i + 1), series[i].first, *series[i].second);
         if (report_.others().requests > 0) row(word("others"), kTotal, report_.others());
         if (series.size() != 1) row(word("total"), kTotal, report_.total());
@@ -164,7 +165,7 @@ std::string load_heading_text(const Texts& texts, const LatencyRun& run) {
            '\n';
 }
 
-std::string heading_text(const Texts& texts, const LatencyRun& run) {
+std::string latency_heading_text(const Texts& texts, const LatencyRun& run) {
     if (run.load) return load_heading_text(texts, run);
     const auto& packets = run.packets;
     const auto requests = grouped_number(run.report.total().requests, texts.language());
@@ -187,7 +188,7 @@ std::string slowest_requests_text(const Texts& texts, const LatencyRun& run, std
     TextTable table({right, right, left});
     table.add({texts("app.latency.number"), texts("app.latency.time"), texts("app.latency.at")});
     for (const auto& exchange : run.report.slowest())
-        table.add({std::to_string(exchange.request.packet.number), ms(exchange.time()),
+        table.add({std::to_string(exchange.request.packet.number), plain_milliseconds_text(exchange.time()),
                    short_time_text(exchange.request.packet.time_ns, run.packets.first_ns)});
     return texts("app.latency.load.slowest") + '\n' + table.render("", columns);
 }
@@ -205,7 +206,7 @@ std::string slowest_text(const Texts& texts, const LatencyRun& run, std::size_t 
         const auto& route = exchange.request.route;
         table.add(
             {std::to_string(exchange.request.packet.number), std::to_string(exchange.response.packet.number),
-             ms(exchange.time()), route.serial ? "" : endpoint_text(route.client),
+             plain_milliseconds_text(exchange.time()), route.serial ? "" : endpoint_text(route.client),
              route.serial ? fmt::format("serial {}", route.interface) : endpoint_text(route.server),
              std::to_string(exchange.request.unit), fmt::format("0x{:02X}", exchange.request.function)});
     }
@@ -328,7 +329,7 @@ LatencyVerdict latency_verdict(const capture::LatencyReport& report) {
 std::string latency_verdict_text(const Texts& texts, const capture::LatencyReport& report) {
     const auto verdict = latency_verdict(report);
     const auto language = texts.language();
-    const std::string limit = short_ms(report.config().limit.value_or(Duration::zero()));
+    const std::string limit = short_milliseconds_text(report.config().limit.value_or(Duration::zero()));
     if (verdict.exchanges == 0) return texts("app.latency.undecided", {{"limit", limit}});
     auto text = texts(verdict.kept() ? "app.latency.kept" : "app.latency.exceeded",
                       {{"limit", limit},
@@ -346,14 +347,14 @@ std::string latency_verdict_text(const Texts& texts, const capture::LatencyRepor
 
 std::string latency_text(const Texts& texts, const LatencyRun& run, std::size_t columns) {
     const auto& report = run.report;
-    std::string text = heading_text(texts, run);
-    const Rows rows(texts, report);
+    std::string text = latency_heading_text(texts, run);
+    const SeriesRows rows(texts, report);
     if (report.total().requests > 0) {
         text += '\n' + rows.counts(columns);
-        if (report.series().size() > kMostRows)
-            text +=
-                texts("app.latency.more", {{"count", std::to_string(report.series().size() - kMostRows)}}) +
-                '\n';
+        if (report.series().size() > kMostSeriesRows)
+            text += texts("app.latency.more",
+                          {{"count", std::to_string(report.series().size() - kMostSeriesRows)}}) +
+                    '\n';
         const bool has_rate = run.load && run.load->options.rate;
         text += '\n' + texts(has_rate ? "app.latency.load.times" : "app.latency.times") + '\n' +
                 rows.times(columns);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "chart_layout.hpp"
 #include "latency_parts.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/svg.hpp"
@@ -15,20 +16,16 @@
 namespace takt::report {
 namespace {
 
-constexpr double kMargin = 24;
-constexpr double kLeft = 90;  // the labels of values are left of it
-constexpr double kPlotWidth = 1000;
-constexpr double kPlotHeight = 240;
-constexpr double kWidth = kLeft + kPlotWidth + kMargin;
-constexpr double kAxis = 46;
-constexpr std::size_t kBars = 250;
-constexpr std::size_t kTimeTicks = 6;
-constexpr double kTickSize = 11;
+constexpr double kLatencyPlotWidth = 1000;
+constexpr double kLatencyPlotHeight = 240;
+constexpr double kLatencyPageWidth = kChartLeft + kLatencyPlotWidth + kChartMargin;
+constexpr double kLatencyAxisHeight = 46;
+constexpr std::size_t kHistogramBars = 250;
 constexpr double kLeastUs = 0.1;   // left end of a logarithmic axis for times of zero
 constexpr double kBelowOne = 0.5;  // the count at the foot of a bar, so that a single exchange is visible
 
 // Colours of Okabe and Ito, which stay apart for every kind of colour vision.
-constexpr std::string_view kStyleSheet = R"(.page{fill:#fff}
+constexpr std::string_view kLatencyStyleSheet = R"(.page{fill:#fff}
 text{font-family:system-ui,"DejaVu Sans","Noto Sans",Arial,sans-serif;font-size:13px;fill:#1c2733}
 .heading{font-size:19px;font-weight:600}
 .name{font-size:15px;font-weight:600}
@@ -46,7 +43,7 @@ text{font-family:system-ui,"DejaVu Sans","Noto Sans",Arial,sans-serif;font-size:
 .bar{fill:#56b4e9}.mean{stroke:#f0f4f8}}
 )";
 
-double us(Duration time) {
+double positive_us(Duration time) {
     return std::max(static_cast<double>(time.count()) / 1e3, kLeastUs);
 }
 
@@ -78,32 +75,32 @@ struct LogAxis {
     [[nodiscard]] double at(double share) const { return least * std::pow(greatest / least, share); }
 };
 
-LogAxis axis_of(const capture::LatencyReport& report) {
+LogAxis latency_axis(const capture::LatencyReport& report) {
     const auto& times = report.total().times;
-    double greatest = us(times.max());
-    if (report.config().limit) greatest = std::max(greatest, us(*report.config().limit));
-    return {us(times.min()) / 1.1, greatest * 1.1};
+    double greatest = positive_us(times.max());
+    if (report.config().limit) greatest = std::max(greatest, positive_us(*report.config().limit));
+    return {positive_us(times.min()) / 1.1, greatest * 1.1};
 }
 
-class Picture {
+class LatencyPicture {
 public:
-    Picture(const Texts& texts, const LatencyRun& run)
-        : texts_(texts), run_(run), axis_(axis_of(run.report)) {}
+    LatencyPicture(const Texts& texts, const LatencyRun& run)
+        : texts_(texts), run_(run), axis_(latency_axis(run.report)) {}
 
     [[nodiscard]] std::string draw() {
         const std::string title = texts_("app.latency.title", {{"file", run_.file}});
-        svg_.text(kMargin, 38, "heading", text_within(title, 19, kWidth - 2 * kMargin));
+        svg_.text(kChartMargin, 38, "heading", text_within(title, 19, kLatencyPageWidth - 2 * kChartMargin));
         double y = 68;
-        svg_.text(kMargin, y, "", text_within(summary(), 13, kWidth - 2 * kMargin));
+        svg_.text(kChartMargin, y, "", text_within(summary(), 13, kLatencyPageWidth - 2 * kChartMargin));
         if (run_.report.total().times.count() > 0) {
             y = draw_histogram(y + 34);
             y = draw_time_line(y + 34);
         }
-        return svg_.document({.width = kWidth,
-                              .height = y + kMargin,
+        return svg_.document({.width = kLatencyPageWidth,
+                              .height = y + kChartMargin,
                               .language = page_language(texts_.language()),
                               .title = title,
-                              .style_sheet = kStyleSheet});
+                              .style_sheet = kLatencyStyleSheet});
     }
 
 private:
@@ -113,47 +110,48 @@ private:
                            grouped_number(run_.report.total().answered, texts_.language()));
     }
 
-    [[nodiscard]] double x(double value) const { return kLeft + axis_.share(value) * kPlotWidth; }
+    [[nodiscard]] double x(double value) const { return kChartLeft + axis_.share(value) * kLatencyPlotWidth; }
 
-    [[nodiscard]] std::array<std::uint64_t, kBars> bars() const {
-        std::array<std::uint64_t, kBars> counts{};
+    [[nodiscard]] std::array<std::uint64_t, kHistogramBars> bars() const {
+        std::array<std::uint64_t, kHistogramBars> counts{};
         const auto& times = run_.report.total().times;
         for (std::size_t i = 0; i < capture::BlockHistogram::kBuckets; ++i) {
             const auto bucket = times.histogram().bucket(i);
             if (bucket.count == 0) continue;
-            const double middle = (us(bucket.lower) + us(std::min(bucket.upper, times.max()))) / 2;
-            counts[std::min(static_cast<std::size_t>(axis_.share(middle) * kBars), kBars - 1)] +=
-                bucket.count;
+            const double middle =
+                (positive_us(bucket.lower) + positive_us(std::min(bucket.upper, times.max()))) / 2;
+            counts[std::min(static_cast<std::size_t>(axis_.share(middle) * kHistogramBars),
+                            kHistogramBars - 1)] += bucket.count;
         }
         return counts;
     }
 
     double draw_histogram(double top) {
-        svg_.text(kMargin, top, "name", texts_("app.latency.histogram"));
+        svg_.text(kChartMargin, top, "name", texts_("app.latency.histogram"));
         top += 26;
-        const double bottom = top + kPlotHeight;
+        const double bottom = top + kLatencyPlotHeight;
         const auto counts = bars();
         const LogAxis height{kBelowOne, static_cast<double>(*std::ranges::max_element(counts)) * 1.2};
-        const auto y = [&](double count) { return bottom - height.share(count) * kPlotHeight; };
+        const auto y = [&](double count) { return bottom - height.share(count) * kLatencyPlotHeight; };
         for (const double count : log_ticks(1, height.greatest)) {
-            svg_.line(kLeft, y(count), kLeft + kPlotWidth, y(count), "grid");
-            svg_.text(kLeft - 6, y(count) + 4, "value",
+            svg_.line(kChartLeft, y(count), kChartLeft + kLatencyPlotWidth, y(count), "grid");
+            svg_.text(kChartLeft - 6, y(count) + 4, "value",
                       grouped_number(static_cast<std::uint64_t>(count), texts_.language()));
         }
         for (const double value : log_ticks(axis_.least, axis_.greatest)) {
             svg_.line(x(value), top, x(value), bottom, "grid");
             svg_.text(x(value), bottom + 16, "tick", us_text(value));
         }
-        const double width = kPlotWidth / kBars;
-        for (std::size_t i = 0; i < kBars; ++i) {
+        const double width = kLatencyPlotWidth / kHistogramBars;
+        for (std::size_t i = 0; i < kHistogramBars; ++i) {
             if (counts[i] == 0) continue;
             const double bar_top = y(static_cast<double>(counts[i]));
-            svg_.rect({kLeft + static_cast<double>(i) * width, bar_top, width, bottom - bar_top}, "bar",
+            svg_.rect({kChartLeft + static_cast<double>(i) * width, bar_top, width, bottom - bar_top}, "bar",
                       fmt::format(" data-count=\"{}\"", counts[i]));
         }
         draw_marks(top, bottom);
-        svg_.rect({kLeft, top, kPlotWidth, kPlotHeight}, "plot");
-        return bottom + kAxis;
+        svg_.rect({kChartLeft, top, kLatencyPlotWidth, kLatencyPlotHeight}, "plot");
+        return bottom + kLatencyAxisHeight;
     }
 
     /// Percentiles, each unless its label would cover the one before, and the limit.
@@ -161,32 +159,35 @@ private:
         double free_from = 0;
         const auto mark = [&](double value, const char* style, const std::string& label) {
             svg_.line(x(value), top, x(value), bottom, style);
-            const double half = text_width(label, kTickSize) / 2;
+            const double half = text_width(label, kTickFontSize) / 2;
             if (x(value) - half < free_from) return;
             svg_.text(x(value), top - 4, "mark", label);
             free_from = x(value) + half + 4;
         };
         for (const auto& [name, percent] : kPercentiles)
-            mark(us(run_.report.total().times.percentile(percent)), "percentile", std::string(name));
-        mark(us(run_.report.total().times.max()), "percentile", texts_("app.latency.max"));
+            mark(positive_us(run_.report.total().times.percentile(percent)), "percentile", std::string(name));
+        mark(positive_us(run_.report.total().times.max()), "percentile", texts_("app.latency.max"));
         if (run_.report.config().limit)
-            svg_.line(x(us(*run_.report.config().limit)), top, x(us(*run_.report.config().limit)), bottom,
-                      "limit");
+            svg_.line(x(positive_us(*run_.report.config().limit)), top,
+                      x(positive_us(*run_.report.config().limit)), bottom, "limit");
     }
 
     double draw_time_line(double top) {
-        svg_.text(kMargin, top, "name", texts_("app.latency.time_line"));
+        svg_.text(kChartMargin, top, "name", texts_("app.latency.time_line"));
         top += 16;
-        const double bottom = top + kPlotHeight;
+        const double bottom = top + kLatencyPlotHeight;
         const auto& line = run_.report.time_line();
-        const auto y = [&](Duration time) { return bottom - axis_.share(us(time)) * kPlotHeight; };
+        const auto y = [&](Duration time) {
+            return bottom - axis_.share(positive_us(time)) * kLatencyPlotHeight;
+        };
         const auto column = [&](std::size_t index) {
-            return kLeft + (static_cast<double>(index) + 0.5) / static_cast<double>(line.size()) * kPlotWidth;
+            return kChartLeft +
+                   (static_cast<double>(index) + 0.5) / static_cast<double>(line.size()) * kLatencyPlotWidth;
         };
         for (const double value : log_ticks(axis_.least, axis_.greatest)) {
-            const double at = bottom - axis_.share(value) * kPlotHeight;
-            svg_.line(kLeft, at, kLeft + kPlotWidth, at, "grid");
-            svg_.text(kLeft - 6, at + 4, "value", us_text(value));
+            const double at = bottom - axis_.share(value) * kLatencyPlotHeight;
+            svg_.line(kChartLeft, at, kChartLeft + kLatencyPlotWidth, at, "grid");
+            svg_.text(kChartLeft - 6, at + 4, "value", us_text(value));
         }
         draw_times_of_day(line, top, bottom);
         std::string mean;
@@ -198,20 +199,21 @@ private:
         }
         svg_.path(mean, "mean");
         if (run_.report.config().limit)
-            svg_.line(kLeft, y(*run_.report.config().limit), kLeft + kPlotWidth,
+            svg_.line(kChartLeft, y(*run_.report.config().limit), kChartLeft + kLatencyPlotWidth,
                       y(*run_.report.config().limit), "limit");
-        svg_.rect({kLeft, top, kPlotWidth, kPlotHeight}, "plot");
-        return bottom + kAxis;
+        svg_.rect({kChartLeft, top, kLatencyPlotWidth, kLatencyPlotHeight}, "plot");
+        return bottom + kLatencyAxisHeight;
     }
 
     void draw_times_of_day(const capture::TimeLine& line, double top, double bottom) {
         const auto length = line.width_ns() * static_cast<std::int64_t>(line.size());
-        for (const auto& [time, text] : time_ticks({line.begin_ns(), line.begin_ns() + length}, kTimeTicks)) {
-            const double at = kLeft + static_cast<double>(time - line.begin_ns()) /
-                                          static_cast<double>(length) * kPlotWidth;
-            const double half = text_width(text, kTickSize) / 2;
+        for (const auto& [time, text] :
+             time_ticks({line.begin_ns(), line.begin_ns() + length}, kMostTimeTicks)) {
+            const double at = kChartLeft + static_cast<double>(time - line.begin_ns()) /
+                                               static_cast<double>(length) * kLatencyPlotWidth;
+            const double half = text_width(text, kTickFontSize) / 2;
             svg_.line(at, top, at, bottom, "grid");
-            svg_.text(std::clamp(at, half, kWidth - half), bottom + 16, "tick", text);
+            svg_.text(std::clamp(at, half, kLatencyPageWidth - half), bottom + 16, "tick", text);
         }
     }
 
@@ -224,7 +226,7 @@ private:
 }  // namespace
 
 std::string latency_svg(const Texts& texts, const LatencyRun& run) {
-    return Picture(texts, run).draw();
+    return LatencyPicture(texts, run).draw();
 }
 
 }  // namespace takt::report

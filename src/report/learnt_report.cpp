@@ -12,17 +12,18 @@ namespace takt::report {
 namespace {
 
 constexpr std::size_t kMostRanges = 12;  // of a kind, as text
-constexpr std::array kReads{wire::Function::read_coils, wire::Function::read_discrete_inputs,
-                            wire::Function::read_holding_registers, wire::Function::read_input_registers};
+constexpr std::array kReadFunctions{wire::Function::read_coils, wire::Function::read_discrete_inputs,
+                                    wire::Function::read_holding_registers,
+                                    wire::Function::read_input_registers};
 
-std::string age_text(const Texts& texts, Duration age) {
+std::string learnt_age_text(const Texts& texts, Duration age) {
     const auto minutes = std::chrono::floor<std::chrono::minutes>(age).count();
     return texts("app.learnt.age",
                  {{"hours", std::to_string(minutes / 60)}, {"minutes", std::to_string(minutes % 60)}});
 }
 
 /// The items of one function of one device.
-struct Known {
+struct KnownItems {
     std::size_t device = 0;
     wire::Function read{};
     std::vector<model::ItemRange> confirmed;
@@ -35,17 +36,18 @@ struct Known {
     }
 };
 
-std::vector<Known> known_of(const model::Project& project, std::size_t line) {
-    std::vector<Known> all;
+std::vector<KnownItems> known_of(const model::Project& project, std::size_t line) {
+    std::vector<KnownItems> all;
     if (!plan::learns(project.lines[line])) return all;
     const auto trials = plan::learning_plan(project, line).trials;
     const auto& devices = project.lines[line].devices;
     for (std::size_t d = 0; d < devices.size(); ++d) {
         if (!plan::learns(devices[d])) continue;
-        for (const auto read : kReads) {
+        for (const auto read : kReadFunctions) {
             const auto area = static_cast<std::size_t>(wire::area_of(read));
             const auto& learnt = devices[d].learnt;
-            Known known{d, read, learnt.confirmed[area], learnt.refused[area], {}, learnt.most_items[area]};
+            KnownItems known{
+                d, read, learnt.confirmed[area], learnt.refused[area], {}, learnt.most_items[area]};
             for (const auto& trial : trials)
                 if (trial.device == d && trial.read == read && !trial.refused)
                     for (const auto& gap : trial.gaps) known.untried.push_back(gap.items);
@@ -56,38 +58,39 @@ std::vector<Known> known_of(const model::Project& project, std::size_t line) {
 }
 
 template <class Ranges>
-std::string list_text(const Ranges& ranges, auto text) {
+std::string range_list_text(const Ranges& ranges, auto text) {
     std::string all;
     for (std::size_t i = 0; i < std::min(ranges.size(), kMostRanges); ++i)
         all += (i == 0 ? "" : ", ") + text(ranges[i]);
     return ranges.size() > kMostRanges ? fmt::format("{}, … ({})", all, ranges.size()) : all;
 }
 
-std::string known_text(const Texts& texts, const Known& known) {
+std::string known_text(const Texts& texts, const KnownItems& known) {
     std::string text;
     const auto append = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
     if (!known.confirmed.empty())
-        append(texts("app.learnt.confirmed_items", {{"items", list_text(known.confirmed, range_text)}}));
+        append(
+            texts("app.learnt.confirmed_items", {{"items", range_list_text(known.confirmed, range_text)}}));
     if (!known.refused.empty())
         append(texts("app.learnt.refused_items",
-                     {{"items", list_text(known.refused, [&](const auto& refused) {
+                     {{"items", range_list_text(known.refused, [&](const auto& refused) {
                            return texts("app.learnt.refused_range",
                                         {{"items", range_text(refused.items)},
                                          {"exception", std::to_string(refused.exception)},
-                                         {"age", age_text(texts, refused.checked)}});
+                                         {"age", learnt_age_text(texts, refused.checked)}});
                        })}}));
     if (!known.untried.empty())
-        append(texts("app.learnt.untried_items", {{"items", list_text(known.untried, range_text)}}));
+        append(texts("app.learnt.untried_items", {{"items", range_list_text(known.untried, range_text)}}));
     if (known.most_items > 0)
         append(texts("app.learnt.most_items", {{"count", std::to_string(known.most_items)}}));
     return text;
 }
 
-std::int64_t seconds(Duration age) {
+std::int64_t whole_seconds_of(Duration age) {
     return std::chrono::floor<std::chrono::seconds>(age).count();
 }
 
-file::Json ranges_json(const std::vector<model::ItemRange>& ranges) {
+file::Json range_objects_json(const std::vector<model::ItemRange>& ranges) {
     auto list = file::Json::array();
     for (const auto& range : ranges) {
         auto entry = file::Json::object();
@@ -121,17 +124,17 @@ file::Json learnt_json(const model::Project& project, std::size_t line) {
             entry.set("first", range.items.first);
             entry.set("last", range.items.last);
             entry.set("exception", range.exception);
-            entry.set("since_s", seconds(range.since));
-            entry.set("checked_s", seconds(range.checked));
+            entry.set("since_s", whole_seconds_of(range.since));
+            entry.set("checked_s", whole_seconds_of(range.checked));
             refused.push_back(std::move(entry));
         }
         auto object = file::Json::object();
         object.set("device", device.name);
         object.set("unit", device.address.value);
         object.set("function", static_cast<int>(known.read));
-        object.set("confirmed", ranges_json(known.confirmed));
+        object.set("confirmed", range_objects_json(known.confirmed));
         object.set("refused", std::move(refused));
-        object.set("untried", ranges_json(known.untried));
+        object.set("untried", range_objects_json(known.untried));
         object.set("most_items", known.most_items > 0 ? file::Json(known.most_items) : file::Json());
         list.push_back(std::move(object));
     }

@@ -12,7 +12,7 @@ namespace {
 using file::Json;
 using listen::Outcome;
 
-std::string_view name(Outcome outcome) {
+std::string_view outcome_word(Outcome outcome) {
     switch (outcome) {
         case Outcome::answered: return "answered";
         case Outcome::exception: return "exception";
@@ -60,7 +60,7 @@ Json polls_json(const listen::HeardDevice& device) {
     return polls;
 }
 
-Json device_json(const ListenRun& run, std::uint8_t unit, const listen::HeardDevice& device) {
+Json heard_device_json(const ListenRun& run, std::uint8_t unit, const listen::HeardDevice& device) {
     const auto* const known = run.names.device(unit);
     auto object = Json::object();
     object.set("unit", unit);
@@ -116,7 +116,7 @@ Json exchange_json(const HeardNames& names, const std::string& time, const liste
     const auto* const device = names.device(request.unit);
     object.set("device", device != nullptr ? Json(device->name) : Json());
     set_poll(object, listen::poll_key(request.pdu.span()));
-    object.set("outcome", name(exchange.outcome));
+    object.set("outcome", outcome_word(exchange.outcome));
     object.set("exception", refused ? Json(exchange.response[1]) : Json());
     object.set("response_ms",
                exchange.response.empty() ? Json() : Json(milliseconds(exchange.response_time)));
@@ -170,7 +170,7 @@ Json listen_json(const ListenRun& run) {
     object.set("faulty_characters", run.faulty_characters);
     auto devices = Json::array();
     for (const auto& [unit, device] : run.statistics.devices())
-        devices.push_back(device_json(run, unit, device));
+        devices.push_back(heard_device_json(run, unit, device));
     object.set("devices", std::move(devices));
     object.set("masters", masters_json(run.statistics));
     return object;

@@ -12,7 +12,7 @@
 namespace takt::report {
 namespace {
 
-std::string period_text(Duration period) {
+std::string period_yaml(Duration period) {
     return fmt::format("{}ms", period / std::chrono::milliseconds(1));
 }
 
@@ -35,15 +35,15 @@ std::string variable_yaml(const model::Variable& variable, Duration usual) {
     if (variable.read) text += fmt::format(", read: {}", function_text(*variable.read));
     if (variable.write) text += fmt::format(", write: {}", function_text(*variable.write));
     if (variable.read && variable.period != usual)
-        text += fmt::format(", period: {}", period_text(variable.period));
+        text += fmt::format(", period: {}", period_yaml(variable.period));
     return text + "}\n";
 }
 
-std::string device_yaml(const Texts& texts, const model::Device& device, std::size_t left_out) {
+std::string heard_device_yaml(const Texts& texts, const model::Device& device, std::size_t left_out) {
     auto text = fmt::format("      - name: {}\n        address: {}\n        poll_period: {}\n", device.name,
-                            device.address.value, period_text(device.poll_period));
+                            device.address.value, period_yaml(device.poll_period));
     if (device.response_timeout != model::device_defaults(model::Profile::generic).response_timeout)
-        text += fmt::format("        response_timeout: {}\n", period_text(device.response_timeout));
+        text += fmt::format("        response_timeout: {}\n", period_yaml(device.response_timeout));
     if (device.registers_per_request_set)
         text += fmt::format("        registers_per_request: {}\n", device.registers_per_request);
     if (device.fc22) text += "        fc22: true\n";
@@ -73,7 +73,7 @@ std::string line_yaml(const Texts& texts, const listen::HeardProject& project) {
     auto text =
         fmt::format("  - name: {}\n{}    devices:\n", project.line.name, connection_yaml(project.line));
     for (std::size_t i = 0; i < project.line.devices.size(); ++i)
-        text += device_yaml(texts, project.line.devices[i], project.left_out[i]);
+        text += heard_device_yaml(texts, project.line.devices[i], project.left_out[i]);
     std::string others;
     for (const auto unit : project.other_units)
         others += fmt::format("{}{}", others.empty() ? "" : ", ", unit);

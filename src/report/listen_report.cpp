@@ -21,7 +21,7 @@ using listen::Poll;
 constexpr std::size_t kMostBytesShown = 32;
 constexpr std::size_t kMostPollsShown = 200;  // rows of the table
 
-std::string named(const HeardNames& names, std::uint8_t unit, const std::string& words) {
+std::string with_device_name(const HeardNames& names, std::uint8_t unit, const std::string& words) {
     const auto* const device = names.device(unit);
     return device != nullptr ? device->name + ": " + words : words;
 }
@@ -35,7 +35,7 @@ std::string words_of(const Exchange& exchange) {
 }
 
 /// The outcome of an exchange and its peculiarities, behind its words.
-std::string remarks(const Texts& texts, const Exchange& exchange) {
+std::string exchange_remarks(const Texts& texts, const Exchange& exchange) {
     std::string text;
     const auto add = [&](const std::string& remark) { text += "; " + remark; };
     switch (exchange.outcome) {
@@ -64,7 +64,7 @@ std::string poll_text(const listen::PollKey& key) {
     return key.quantity > 1 ? text + fmt::format("..{}", key.start + key.quantity - 1) : text;
 }
 
-std::string period_text(const Poll::Period& period) {
+std::string heard_period_text(const Poll::Period& period) {
     if (period.median == Duration::zero()) return {};
     return fmt::format("{} ({} – {})", milliseconds_text(period.median), milliseconds_text(period.least),
                        milliseconds_text(period.greatest));
@@ -78,7 +78,7 @@ std::string time_cell(const capture::MeasuredTimes& times, Duration time) {
     return times.count() == 0 ? std::string() : fmt::format("{:.2f}", milliseconds(time));
 }
 
-std::string exceptions_text(const std::map<std::uint8_t, std::uint64_t>& exceptions) {
+std::string exception_counts_text(const std::map<std::uint8_t, std::uint64_t>& exceptions) {
     std::string text;
     for (const auto& [code, count] : exceptions)
         text += fmt::format("{}{}×{}", text.empty() ? "" : " ", code, count);
@@ -103,7 +103,7 @@ std::string devices_table(const Texts& texts, const ListenRun& run, std::size_t 
         const auto& times = device.times;
         table.add({std::to_string(unit), known != nullptr ? known->name : std::string(),
                    std::to_string(device.requests), std::to_string(device.answered),
-                   exceptions_text(device.exceptions), count_text(device.unanswered),
+                   exception_counts_text(device.exceptions), count_text(device.unanswered),
                    time_cell(times, times.min()), time_cell(times, times.percentile(50)),
                    time_cell(times, times.percentile(99)), time_cell(times, times.max()),
                    device_state(texts, device)});
@@ -140,7 +140,7 @@ std::string polls_table(const Texts& texts, const ListenRun& run, const MasterNu
             const auto number = numbers.find({unit, i});
             table.add({std::to_string(unit), poll_text(poll.key),
                        number != numbers.end() ? std::to_string(number->second) : std::string(),
-                       period_text(poll.period()), std::to_string(poll.requests),
+                       heard_period_text(poll.period()), std::to_string(poll.requests),
                        std::to_string(poll.normal + poll.exceptions), count_text(poll.unanswered),
                        count_text(poll.repeats)});
         }
@@ -157,7 +157,7 @@ std::string masters_text(const Texts& texts, const std::vector<listen::HeardMast
         const auto& master = masters[i];
         text += "  " +
                 texts("app.listen.master_line", {{"number", std::to_string(i + 1)},
-                                                 {"cycle", period_text(master.cycle)},
+                                                 {"cycle", heard_period_text(master.cycle)},
                                                  {"polls", std::to_string(master.polls.size())},
                                                  {"requests", std::to_string(master.requests)}}) +
                 '\n';
@@ -202,8 +202,8 @@ std::string line_setting_text(const model::Line& connection, bool has_settings) 
 
 std::string exchange_line(const Texts& texts, const HeardNames& names, const std::string& time,
                           const Exchange& exchange) {
-    auto line =
-        time + "  " + named(names, exchange.request.unit, words_of(exchange)) + remarks(texts, exchange);
+    auto line = time + "  " + with_device_name(names, exchange.request.unit, words_of(exchange)) +
+                exchange_remarks(texts, exchange);
     std::string separator = "; ";
     for (const auto& value : names.values(exchange)) {
         line += separator + value.variable->name + " = " + value.text;
@@ -215,7 +215,7 @@ std::string exchange_line(const Texts& texts, const HeardNames& names, const std
 std::string stray_line(const Texts& texts, const HeardNames& names, const std::string& time,
                        const listen::LineFrame& frame) {
     const auto words = wire::describe_response(UnitId{frame.unit}, frame.pdu);
-    return time + "  " + named(names, frame.unit, words) + "; " + texts("app.listen.stray");
+    return time + "  " + with_device_name(names, frame.unit, words) + "; " + texts("app.listen.stray");
 }
 
 std::string damaged_line(const Texts& texts, const std::string& time, const listen::DamagedBytes& damaged) {

@@ -18,9 +18,9 @@ namespace {
 using poll::DeviceState;
 using value::Quality;
 
-constexpr std::size_t kLeastRows = 6;   // of a screen
-constexpr std::size_t kCursorRows = 1;  // of the screen: the cursor is below the display
-constexpr std::size_t kKeyRows = 1;     // the last line
+constexpr std::size_t kLeastLiveRows = 6;  // of a screen
+constexpr std::size_t kCursorRows = 1;     // of the screen: the cursor is below the display
+constexpr std::size_t kKeyRows = 1;        // the last line
 constexpr std::size_t kHeadingRows = 1;
 
 // ---- lines and devices
@@ -37,7 +37,7 @@ std::string cycle_text(Duration cycle) {
     return cycle > Duration::zero() ? milliseconds_text(cycle) : "–";
 }
 
-std::string line_text(const Texts& texts, const host::Snapshot& snapshot, std::size_t index) {
+std::string live_line_text(const Texts& texts, const host::Snapshot& snapshot, std::size_t index) {
     const auto& line = snapshot.lines[index];
     auto text = texts("app.ctl.line", {{"line", snapshot.configuration->project().lines[index].name},
                                        {"state", texts(fmt::format("app.link.{}", link_word(line)))},
@@ -70,7 +70,7 @@ std::string devices_text(const Texts& texts, const host::Snapshot& snapshot, std
 
 /// "late responses: Meter 3 (up to 412 ms); turnaround at most: Boiler 7.60 ms, Meter 9.10 ms". Empty if
 /// nothing was measured.
-std::string times_text(const Texts& texts, const host::Snapshot& snapshot, std::size_t index) {
+std::string live_times_text(const Texts& texts, const host::Snapshot& snapshot, std::size_t index) {
     const auto& devices = snapshot.configuration->project().lines[index].devices;
     std::string late;
     std::string turnaround;
@@ -110,10 +110,11 @@ std::vector<std::string> header(const Texts& texts, const host::Snapshot& snapsh
                                                           {"trouble", std::to_string(trouble)}}));
             break;
         }
-        lines.push_back(line_text(texts, snapshot, order[i]));
+        lines.push_back(live_line_text(texts, snapshot, order[i]));
         if (auto devices = devices_text(texts, snapshot, order[i]); !devices.empty())
             lines.push_back(std::move(devices));
-        if (auto times = has_times ? times_text(texts, snapshot, order[i]) : std::string(); !times.empty())
+        if (auto times = has_times ? live_times_text(texts, snapshot, order[i]) : std::string();
+            !times.empty())
             lines.push_back(std::move(times));
     }
     return lines;
@@ -144,7 +145,7 @@ std::vector<value::SlotId> selected_values(const host::Snapshot& snapshot, const
     return selected;
 }
 
-std::vector<std::string> row(const Texts& texts, const host::Snapshot& snapshot, value::SlotId id) {
+std::vector<std::string> value_row(const Texts& texts, const host::Snapshot& snapshot, value::SlotId id) {
     const auto& configuration = *snapshot.configuration;
     const auto& slot = snapshot.values[id.value];
     const auto& info = configuration.info(id);
@@ -186,7 +187,7 @@ std::string keys_line(const Texts& texts, const LiveSelection& selection, std::s
 std::vector<std::string> live_screen(const Texts& texts, const host::Snapshot& snapshot,
                                      LiveSelection& selection, const Screen& screen) {
     using enum TextTable::Align;
-    const std::size_t height = std::max(screen.rows, kLeastRows) - kCursorRows - kKeyRows - kHeadingRows;
+    const std::size_t height = std::max(screen.rows, kLeastLiveRows) - kCursorRows - kKeyRows - kHeadingRows;
     auto lines = header(texts, snapshot, std::max<std::size_t>(height / 2, 1));
     for (const auto& output : selection.outputs)
         if (lines.size() < height / 2) lines.push_back(fitted(output, screen.columns - 1));
@@ -194,7 +195,8 @@ std::vector<std::string> live_screen(const Texts& texts, const host::Snapshot& s
     const auto shown = turn_page(selection, values.size(), height - std::min(height - 1, lines.size()));
     TextTable table({left, left, right, right, whole});
     table.add({texts("app.device"), texts("app.variable"), texts("app.value"), texts("app.age"), ""});
-    for (std::size_t i = 0; i < shown; ++i) table.add(row(texts, snapshot, values[selection.first + i]));
+    for (std::size_t i = 0; i < shown; ++i)
+        table.add(value_row(texts, snapshot, values[selection.first + i]));
     for (auto& line : table.lines(screen.columns - 1)) lines.push_back(std::move(line));
     if (auto keys = keys_line(texts, selection, values.size(), shown); !keys.empty())
         lines.push_back(std::move(keys));

@@ -55,7 +55,7 @@ Duration duration_of(const file::Json* milliseconds) {
     return number == nullptr ? Duration{} : Duration(static_cast<std::int64_t>(*number * 1e6));
 }
 
-std::string string_of(const file::Json& object, std::string_view key) {
+std::string scalar_text(const file::Json& object, std::string_view key) {
     const auto* const found = object.find(key);
     if (found == nullptr) return {};
     if (const auto* const text = std::get_if<std::string>(&found->value())) return *text;
@@ -63,41 +63,41 @@ std::string string_of(const file::Json& object, std::string_view key) {
 }
 
 /// The line of an object of output_json(); keys that are missing are left out.
-std::string line_of(const Texts& texts, const file::Json& output) {
-    auto text = texts("app.output.state", {{"name", string_of(output, "name")},
-                                           {"state", texts("app.output." + string_of(output, "state"))},
-                                           {"destination", string_of(output, "destination")},
-                                           {"delivered", string_of(output, "delivered")},
-                                           {"waiting", string_of(output, "waiting")}});
+std::string output_line(const Texts& texts, const file::Json& output) {
+    auto text = texts("app.output.state", {{"name", scalar_text(output, "name")},
+                                           {"state", texts("app.output." + scalar_text(output, "state"))},
+                                           {"destination", scalar_text(output, "destination")},
+                                           {"delivered", scalar_text(output, "delivered")},
+                                           {"waiting", scalar_text(output, "waiting")}});
     if (const auto* const age = output.find("oldest_waiting_ms"); age != nullptr && !age->is_null())
         text += texts("app.output.oldest", {{"age", age_text(duration_of(age))}});
-    if (const auto dropped = string_of(output, "dropped"); !dropped.empty() && dropped != "0")
+    if (const auto dropped = scalar_text(output, "dropped"); !dropped.empty() && dropped != "0")
         text += texts("app.output.dropped", {{"count", dropped}});
-    if (const auto gaps = string_of(output, "gaps"); !gaps.empty() && gaps != "0")
+    if (const auto gaps = scalar_text(output, "gaps"); !gaps.empty() && gaps != "0")
         text += texts("app.output.gaps", {{"count", gaps}});
-    if (const auto failure = string_of(output, "failure"); !failure.empty())
+    if (const auto failure = scalar_text(output, "failure"); !failure.empty())
         text += texts("app.output.failure", {{"failure", failure}});
-    if (const auto count = string_of(output, "commands_unrecorded"); !count.empty() && count != "0")
+    if (const auto count = scalar_text(output, "commands_unrecorded"); !count.empty() && count != "0")
         text += texts("app.output.unrecorded", {{"count", count}});
-    if (const auto count = string_of(output, "too_large"); !count.empty() && count != "0")
+    if (const auto count = scalar_text(output, "too_large"); !count.empty() && count != "0")
         text += texts("app.output.too_large", {{"count", count}});
-    if (const auto aside = string_of(output, "set_aside"); !aside.empty())
+    if (const auto aside = scalar_text(output, "set_aside"); !aside.empty())
         text += texts("app.output.set_aside", {{"file", aside}});
     const auto* const journal = output.find("journal");
-    const auto torn = journal != nullptr ? string_of(*journal, "torn_bytes") : std::string();
+    const auto torn = journal != nullptr ? scalar_text(*journal, "torn_bytes") : std::string();
     if (!torn.empty() && torn != "0") text += texts("app.output.torn", {{"count", torn}});
     const auto waits = journal != nullptr ? duration_of(journal->find("disk_waits_ms")) : Duration{};
     if (waits > Duration{}) text += texts("app.output.disk_waits", {{"age", age_text(waits)}});
     const auto* const failure = journal != nullptr ? journal->find("failure") : nullptr;
     if (failure != nullptr && !failure->is_null())
-        text += texts("app.output.journal", {{"failure", without_stop(string_of(*failure, "text"))}});
+        text += texts("app.output.journal", {{"failure", without_stop(scalar_text(*failure, "text"))}});
     return text;
 }
 
 }  // namespace
 
 std::string output_text(const Texts& texts, const publish::OutputStatus& status, std::int64_t wall_ns) {
-    return line_of(texts, output_json(texts, status, wall_ns));
+    return output_line(texts, output_json(texts, status, wall_ns));
 }
 
 std::string outputs_text(const Texts& texts, const file::Json& object) {
@@ -105,7 +105,7 @@ std::string outputs_text(const Texts& texts, const file::Json& object) {
     const auto* const outputs = object.find("outputs");
     if (outputs == nullptr) return text;
     for (const auto& output : std::get<file::Json::Array>(outputs->value()))
-        text += line_of(texts, output) + '\n';
+        text += output_line(texts, output) + '\n';
     return text;
 }
 

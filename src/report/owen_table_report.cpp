@@ -13,7 +13,7 @@ using Align = TextTable::Align;
 using file::Json;
 using table::OwenEntry;
 
-const char* type_name(const OwenEntry& entry) {
+const char* owen_type_name(const OwenEntry& entry) {
     constexpr const char* kTypes[] = {"bit", "word", "double word"};
     return kTypes[entry.type_and_bit & 3];
 }
@@ -22,13 +22,13 @@ Json index_json(table::Place place) {
     return place == 0 ? Json() : Json(place);
 }
 
-Json entry_json(const OwenEntry& entry, std::uint16_t device_period) {
+Json owen_entry_json(const OwenEntry& entry, std::uint16_t device_period) {
     auto object = Json::object();
-    object.set("type", type_name(entry));
+    object.set("type", owen_type_name(entry));
     object.set("bit", (entry.type_and_bit & 15) == OwenEntry::kBit ? Json(entry.type_and_bit >> 4) : Json());
     object.set("type_and_bit", entry.type_and_bit);
-    object.set("function", function_json(entry.read));
-    object.set("write_function", function_json(entry.write));
+    object.set("function", function_code_json(entry.read));
+    object.set("write_function", function_code_json(entry.write));
     object.set("flags", entry.flags);
     object.set("quantity", entry.quantity);
     object.set("start", entry.start);
@@ -43,7 +43,7 @@ Json entry_json(const OwenEntry& entry, std::uint16_t device_period) {
     return object;
 }
 
-Json device_json(const table::OwenTable& table, const table::OwenDevice& device) {
+Json owen_device_json(const table::OwenTable& table, const table::OwenDevice& device) {
     auto object = Json::object();
     object.set("unit", device.unit);
     object.set("period_ms", device.period_ms);
@@ -55,7 +55,7 @@ Json device_json(const table::OwenTable& table, const table::OwenDevice& device)
     object.set("poll_enable", index_json(device.poll_enable));
     auto entries = Json::array();
     for (std::size_t e = 0; e < device.entry_count; ++e)
-        entries.push_back(entry_json(table.entries[device.first_entry + e], device.period_ms));
+        entries.push_back(owen_entry_json(table.entries[device.first_entry + e], device.period_ms));
     object.set("entries", std::move(entries));
     return object;
 }
@@ -70,7 +70,8 @@ std::string index_column(table::Place place) {
     return place == 0 ? std::string("–") : std::to_string(place);
 }
 
-std::string entries_text(const Texts& texts, const table::OwenTable& table, const table::OwenDevice& device) {
+std::string owen_entries_text(const Texts& texts, const table::OwenTable& table,
+                              const table::OwenDevice& device) {
     TextTable rows({Align::right, Align::left, Align::left, Align::right, Align::left, Align::right,
                     Align::left, Align::right, Align::left});
     rows.add({texts("app.table.entry"), texts("app.table.type"), texts("app.request"),
@@ -81,7 +82,8 @@ std::string entries_text(const Texts& texts, const table::OwenTable& table, cons
         const bool own = entry.period_ms != OwenEntry::kPeriodOfDevice;
         const bool bit = (entry.type_and_bit & 15) == OwenEntry::kBit;
         rows.add({std::to_string(device.first_entry + e),
-                  bit ? fmt::format("{} {}", type_name(entry), entry.type_and_bit >> 4) : type_name(entry),
+                  bit ? fmt::format("{} {}", owen_type_name(entry), entry.type_and_bit >> 4)
+                      : owen_type_name(entry),
                   fmt::format("{} {} × {}", function_column(entry), entry.start, entry.quantity),
                   fmt::format("0x{:02X}", entry.flags), own ? fmt::format("{} ms", entry.period_ms) : "–",
                   std::to_string(entry.data),
@@ -102,7 +104,7 @@ std::string table_text(const Texts& texts, const table::OwenTable& table, Bytes 
             text += device_text(texts, fmt::format("{} {}", texts("app.device"), master.first_device + d),
                                 device.unit, std::chrono::milliseconds(device.period_ms),
                                 std::chrono::milliseconds(device.timeout_ms), device.attempts);
-            text += entries_text(texts, table, device);
+            text += owen_entries_text(texts, table, device);
         }
     }
     return text;
@@ -127,7 +129,7 @@ Json table_json(const table::OwenTable& table, Bytes image) {
         line.set("frame_gap_us", master.frame_gap_us);
         auto devices = Json::array();
         for (std::size_t d = 0; d < master.device_count; ++d)
-            devices.push_back(device_json(table, table.devices[master.first_device + d]));
+            devices.push_back(owen_device_json(table, table.devices[master.first_device + d]));
         line.set("devices", std::move(devices));
         lines.push_back(std::move(line));
     }

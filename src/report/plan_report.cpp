@@ -21,15 +21,11 @@ namespace {
 
 using Align = TextTable::Align;
 
-constexpr const char* kNone = "–";
-constexpr std::string_view kIndent = "  ";
+constexpr const char* kDash = "–";
+constexpr std::string_view kRowIndent = "  ";
 
 std::string baud_text(const model::Line& line) {
     return line.is_serial() ? fmt::format(", {} bit/s", line.format.baud) : std::string();
-}
-
-file::Json function_json(const std::optional<wire::Function>& function) {
-    return function ? file::Json(static_cast<int>(*function)) : file::Json();
 }
 
 file::Json local_json(const model::Project& project, const std::optional<model::LocalIndex>& local) {
@@ -118,7 +114,7 @@ std::vector<std::string> figure_cells(const plan::LinePlan& planned, const std::
                                       const plan::Shares& shares, const plan::LineGuarantee* guarantee,
                                       Figures figures) {
     const auto cell = [](const std::optional<Duration>& time) {
-        return time ? milliseconds_text(*time) : std::string(kNone);
+        return time ? milliseconds_text(*time) : std::string(kDash);
     };
     const auto* const bound = guarantee ? &guarantee->requests[turns.front()] : nullptr;
     if (bound && figures == Figures::proof)
@@ -126,7 +122,7 @@ std::vector<std::string> figure_cells(const plan::LinePlan& planned, const std::
     double share = 0;
     for (const std::size_t turn : turns) share += shares.requests[turn];
     std::vector<std::string> cells{milliseconds_text(planned.requests[turns.front()].bus_time),
-                                   share > 0 ? percent_text(share) : kNone};
+                                   share > 0 ? percent_text(share) : kDash};
     if (bound) cells.push_back(cell(bound->age));
     return cells;
 }
@@ -157,11 +153,11 @@ std::string requests_text(const Texts& texts, const model::Project& project, con
              turns.size() > 1 ? turns_text(planned.requests, turns) : when_text(texts, project, request)},
             figure_cells(planned, turns, shares, guarantee, style.figures), variables_text(device, request));
     }
-    const auto rows = table.lines(style.columns - std::min(style.columns, kIndent.size()));
-    std::string text = std::string(kIndent) + rows.front() + '\n';
+    const auto rows = table.lines(style.columns - std::min(style.columns, kRowIndent.size()));
+    std::string text = std::string(kRowIndent) + rows.front() + '\n';
     for (std::size_t i = 0; i < rows_of.size(); ++i) {
         const auto& request = planned.requests[rows_of[i].front()];
-        text += std::string(kIndent) + rows[i + 1] + '\n';
+        text += std::string(kRowIndent) + rows[i + 1] + '\n';
         if (request.bridged)
             text += "      ├ " + texts(request.bridged->code, request.bridged->arguments) + '\n';
         text += "      └ " + texts(request.why.code, request.why.arguments) + '\n';
@@ -208,19 +204,30 @@ std::string variables_text(const model::Device& device, const plan::Request& req
     return plan::names_text(device, request.variables);
 }
 
-std::string when_text(const Texts& texts, const model::Project& project, const plan::Request& request) {
+std::string causes_text(const Texts& texts, const RequestCauses& causes) {
     std::string when;
     const auto append = [&when](const std::string& text) { when += (when.empty() ? "" : ", ") + text; };
-    if (request.period)
-        append(*request.period == Duration::zero() ? texts("app.when.always")
-                                                   : turn_text(*request.period, request.phase));
-    if (request.read_trigger)
-        append(texts("app.when.read_trigger", {{"local", project.locals[*request.read_trigger].name}}));
-    if (request.write_on_change) append(texts("app.when.change"));
-    if (request.write_trigger)
-        append(texts("app.when.write_trigger", {{"local", project.locals[*request.write_trigger].name}}));
-    if (when.empty() && request.write) append(texts("app.when.command"));
+    if (causes.period)
+        append(*causes.period == Duration::zero() ? texts("app.when.always")
+                                                  : turn_text(*causes.period, causes.phase));
+    if (!causes.read_trigger.empty())
+        append(texts("app.when.read_trigger", {{"local", causes.read_trigger}}));
+    if (causes.on_change) append(texts("app.when.change"));
+    if (!causes.write_trigger.empty())
+        append(texts("app.when.write_trigger", {{"local", causes.write_trigger}}));
     return when;
+}
+
+std::string when_text(const Texts& texts, const model::Project& project, const plan::Request& request) {
+    const auto name_of = [&project](const std::optional<model::LocalIndex>& local) {
+        return local ? project.locals[*local].name : std::string();
+    };
+    const auto when = causes_text(texts, {.period = request.period,
+                                          .phase = request.phase,
+                                          .read_trigger = name_of(request.read_trigger),
+                                          .on_change = request.write_on_change,
+                                          .write_trigger = name_of(request.write_trigger)});
+    return when.empty() && request.write ? texts("app.when.command") : when;
 }
 
 std::string line_heading(const Texts& texts, const model::Project& project, const plan::LinePlan& planned) {

@@ -8,15 +8,13 @@
 namespace takt::report {
 namespace {
 
-using namespace picture;
-
-constexpr std::size_t kMostLines = 40;
-constexpr std::size_t kMostBars = 6000;  // of the page
+constexpr std::size_t kMostDrawnLines = 40;
+constexpr std::size_t kMostBarsOfPage = 6000;  // of the page
 constexpr std::size_t kMostBarsOfLine = 2000;
 constexpr double kLegendHeight = 34;
 
 // Hues that stay apart for every kind of colour vision (Okabe and Ito), dark text on white.
-constexpr std::string_view kStyleSheet = R"(.page{fill:#fff}
+constexpr std::string_view kPlanStyleSheet = R"(.page{fill:#fff}
 text{font-family:system-ui,"DejaVu Sans","Noto Sans",Arial,sans-serif;font-size:13px;fill:#1c2733}
 .heading{font-size:19px;font-weight:600}
 .line{font-size:15px;font-weight:600}
@@ -46,13 +44,13 @@ text{font-family:system-ui,"DejaVu Sans","Noto Sans",Arial,sans-serif;font-size:
 .mixed{fill:#cc79a7}
 )";
 
-void draw_legend(Svg& svg, const Texts& texts, const Legend& legend, double y) {
-    double x = kMargin;
+void draw_plan_legend(Svg& svg, const Texts& texts, const picture::Legend& legend, double y) {
+    double x = picture::kMargin;
     const auto entry = [&](const char* style, const std::string& text = {}) {
         const std::string name = text.empty() ? texts(std::string("app.svg.") + style) : text;
         svg.rect({x, y - 11, 22, 13}, style);
         svg.text(x + 29, y, "", name);
-        x += 29 + text_width(name, kBody) + 16;
+        x += 29 + text_width(name, picture::kBody) + 16;
     };
     for (const char* style : {"silence", "request", "turnaround", "response"}) entry(style);
     if (legend.pause) entry("pause");
@@ -66,35 +64,37 @@ void draw_legend(Svg& svg, const Texts& texts, const Legend& legend, double y) {
 std::string plan_svg(const Texts& texts, const std::string& name, const model::Project& project,
                      const plan::Plan& plan) {
     Svg svg;
-    Legend legend;
+    picture::Legend legend;
     const auto comparisons = plan::compare(project, plan);
-    const std::size_t drawn = std::min(plan.lines.size(), kMostLines);
-    const std::size_t most_bars = std::min(kMostBarsOfLine, kMostBars / std::max<std::size_t>(drawn, 1));
+    const std::size_t drawn = std::min(plan.lines.size(), kMostDrawnLines);
+    const std::size_t most_bars =
+        std::min(kMostBarsOfLine, kMostBarsOfPage / std::max<std::size_t>(drawn, 1));
     double y = 38;
     const std::string title = texts("app.svg.title", {{"file", name}});
-    svg.text(kMargin, y, "heading", text_within(title, 19, kWidth - 2 * kMargin));
+    svg.text(picture::kMargin, y, "heading", text_within(title, 19, picture::kWidth - 2 * picture::kMargin));
     y += kLegendHeight;
     const double legend_y = y - 2;
     for (std::size_t i = 0; i < drawn; ++i) {
         y += 22;
-        svg.line(kMargin, y, kWidth - kMargin, y, "rule");
+        svg.line(picture::kMargin, y, picture::kWidth - picture::kMargin, y, "rule");
         y += 26;
         const std::string heading = line_heading(texts, project, plan.lines[i]);
-        svg.text(kMargin, y, "line", text_within(heading, 15, kWidth - 2 * kMargin));
-        y = draw_timeline(svg, texts, project, plan.lines[i], y, most_bars, legend);
-        y = draw_comparison(svg, texts, comparisons[i], y);
+        svg.text(picture::kMargin, y, "line",
+                 text_within(heading, 15, picture::kWidth - 2 * picture::kMargin));
+        y = picture::draw_timeline(svg, texts, project, plan.lines[i], y, most_bars, legend);
+        y = picture::draw_comparison(svg, texts, comparisons[i], y);
     }
-    draw_legend(svg, texts, legend, legend_y);
+    draw_plan_legend(svg, texts, legend, legend_y);
     if (drawn < plan.lines.size()) {
         y += 30;
-        svg.text(kMargin, y, "caption",
+        svg.text(picture::kMargin, y, "caption",
                  texts("app.svg.more_lines", {{"count", std::to_string(plan.lines.size() - drawn)}}));
     }
-    return svg.document({.width = kWidth,
-                         .height = y + kMargin,
+    return svg.document({.width = picture::kWidth,
+                         .height = y + picture::kMargin,
                          .language = page_language(texts.language()),
                          .title = title,
-                         .style_sheet = kStyleSheet});
+                         .style_sheet = kPlanStyleSheet});
 }
 
 }  // namespace takt::report

@@ -16,7 +16,7 @@ using discover::ProbeEnd;
 using discover::ProbeFindings;
 using file::Json;
 
-std::string_view name(ProbeEnd end) {
+std::string_view probe_end_word(ProbeEnd end) {
     switch (end) {
         case ProbeEnd::complete: return "complete";
         case ProbeEnd::out_of_requests: return "out_of_requests";
@@ -42,7 +42,7 @@ int exception_of(discover::ProbeReply reply) {
 }
 
 /// The part of the search that was carried out; empty: the area could not be searched.
-std::string extent(const Texts& texts, const AreaProbe& area) {
+std::string searched_extent(const Texts& texts, const AreaProbe& area) {
     const auto& result = area.result;
     const auto gap = area.longest_gap();
     const Texts::Arguments arguments{
@@ -56,14 +56,14 @@ std::string extent(const Texts& texts, const AreaProbe& area) {
         {"whole", result.tested.empty() ? std::string() : range_text(result.tested.front())},
         {"gap", gap ? range_text(*gap) : std::string("0")}};
     if (result.end != ProbeEnd::complete)
-        return texts(fmt::format("app.probe.{}", name(result.end)), arguments);
+        return texts(fmt::format("app.probe.{}", probe_end_word(result.end)), arguments);
     return texts(gap ? "app.probe.step" : "app.probe.all_tested", arguments);
 }
 
-std::string remarks(const Texts& texts, const AreaProbe& area) {
+std::string probe_remarks(const Texts& texts, const AreaProbe& area) {
     const auto& result = area.result;
     const std::string area_name(wire::name(area.area));
-    std::string text = extent(texts, area) + '\n';
+    std::string text = searched_extent(texts, area) + '\n';
     if (result.limited)
         text +=
             texts("app.probe.limited", {{"area", area_name}, {"longest", std::to_string(result.longest)}}) +
@@ -77,13 +77,13 @@ std::string remarks(const Texts& texts, const AreaProbe& area) {
     return text;
 }
 
-Json ranges_json(const std::vector<model::ItemRange>& ranges) {
+Json range_pairs_json(const std::vector<model::ItemRange>& ranges) {
     auto list = Json::array();
     for (const auto& range : ranges) list.push_back(Json(Json::Array{range.first, range.last}));
     return list;
 }
 
-Json refused_json(const AreaProbe& area) {
+Json refused_items_json(const AreaProbe& area) {
     auto list = Json::array();
     for (const auto& [range, reply] : area.result.refused) {
         auto entry = Json::object();
@@ -95,15 +95,15 @@ Json refused_json(const AreaProbe& area) {
     return list;
 }
 
-Json area_json(const AreaProbe& area) {
+Json area_probe_json(const AreaProbe& area) {
     const auto& result = area.result;
     auto object = Json::object();
     object.set("area", wire::name(area.area));
     object.set("function", static_cast<int>(wire::read_function(area.area)));
-    object.set("end", name(result.end));
-    object.set("ranges", ranges_json(result.readable));
+    object.set("end", probe_end_word(result.end));
+    object.set("ranges", range_pairs_json(result.readable));
     object.set("items", static_cast<std::uint64_t>(area.items()));
-    object.set("refused", refused_json(area));
+    object.set("refused", refused_items_json(area));
     object.set("longest_read", result.longest);
     object.set("limited", result.limited);
     object.set("step", area.step);
@@ -111,7 +111,7 @@ Json area_json(const AreaProbe& area) {
     object.set("next", result.next > 65535 ? Json() : Json(result.next));
     object.set("addresses", static_cast<std::uint64_t>(area.addresses()));
     object.set("tested", static_cast<std::uint64_t>(area.tested()));
-    object.set("tested_ranges", ranges_json(result.tested));
+    object.set("tested_ranges", range_pairs_json(result.tested));
     const auto gap = area.longest_gap();
     object.set("longest_gap", gap ? Json(Json::Array{gap->first, gap->last}) : Json());
     return object;
@@ -151,7 +151,7 @@ Json probe_json(const ProbeFindings& findings, const ProbeRun& run) {
     auto areas = Json::array();
     auto readable = Json::object();
     for (const auto& area : findings.areas) {
-        areas.push_back(area_json(area));
+        areas.push_back(area_probe_json(area));
         if (!area.result.readable.empty())
             readable.set(wire::name(area.area), ranges_text(area.result.readable));
     }
@@ -172,7 +172,7 @@ Json probe_json(const ProbeFindings& findings, const ProbeRun& run) {
 
 std::string probe_summary(const Texts& texts, const ProbeFindings& findings, const ProbeRun& run) {
     std::string text;
-    for (const auto& area : findings.areas) text += remarks(texts, area);
+    for (const auto& area : findings.areas) text += probe_remarks(texts, area);
     std::string not_begun;
     for (const auto area : findings.not_begun)
         not_begun.append(not_begun.empty() ? "" : ", ").append(wire::name(area));

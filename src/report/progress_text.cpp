@@ -16,7 +16,7 @@ constexpr std::size_t kLeastBar = 6;
 constexpr std::size_t kBesideBar = 4;   // two brackets, a blank, and the last column
 constexpr double kLeastSeconds = 1e-3;  // against a division by zero
 
-std::size_t percent(const Done& done) {
+std::size_t done_percent(const Done& done) {
     return done.total == 0 ? 0 : std::min(done.done, done.total) * 100 / done.total;
 }
 
@@ -36,9 +36,10 @@ std::string progress_bar(std::size_t done, std::size_t total, std::size_t width)
 
 std::string progress_line(const Texts& texts, const Done& done, Duration elapsed, const std::string& what) {
     const double seconds = std::max(static_cast<double>(elapsed.count()) / 1e9, kLeastSeconds);
-    auto text = done.total == 0 && !done.requests
-                    ? what
-                    : texts("app.progress", {{"percent", std::to_string(percent(done))}, {"what", what}});
+    auto text =
+        done.total == 0 && !done.requests
+            ? what
+            : texts("app.progress", {{"percent", std::to_string(done_percent(done))}, {"what", what}});
     if (done.requests)
         text += texts("app.progress.rate",
                       {{"rate", fmt::format("{:.1f}", static_cast<double>(*done.requests) / seconds)}});

@@ -12,16 +12,17 @@
 #include "takt/model/fields.hpp"
 #include "takt/model/item_ranges.hpp"
 #include "takt/model/value_words.hpp"
+#include "takt/report/formatting.hpp"
 
 namespace takt::report {
 namespace {
 
-constexpr std::size_t kColumns = 14;
-constexpr std::array<std::string_view, kColumns> kKeys{"area", "first",  "reference",  "registers", "bit",
-                                                       "name", "type",   "byte_order", "scale",     "offset",
-                                                       "unit", "access", "words",      "comment"};
+constexpr std::size_t kMapColumns = 14;
+constexpr std::array<std::string_view, kMapColumns> kMapKeys{
+    "area",       "first", "reference", "registers", "bit",    "name",  "type",
+    "byte_order", "scale", "offset",    "unit",      "access", "words", "comment"};
 
-using Cells = std::array<std::string, kColumns>;
+using MapCells = std::array<std::string, kMapColumns>;
 
 /// 40001 for holding register 0; six digits beyond 9999.
 std::string reference_of(wire::Area area, unsigned start) {
@@ -41,7 +42,7 @@ bool is_written(const model::ServerUnit& unit, std::size_t index) {
     return binding == unit.bindings.end() || !binding->source || binding->sink;
 }
 
-Cells cells_of(const model::ServerUnit& unit, std::size_t index) {
+MapCells map_cells(const model::ServerUnit& unit, std::size_t index) {
     const auto& variable = unit.variables[index];
     const bool bits = wire::is_bit_area(variable.area);
     auto words = model::text_of(variable.enumeration);
@@ -63,7 +64,7 @@ Cells cells_of(const model::ServerUnit& unit, std::size_t index) {
 }
 
 /// The used variables of a unit, by area and address.
-std::vector<std::size_t> in_order(const model::ServerUnit& unit) {
+std::vector<std::size_t> used_in_order(const model::ServerUnit& unit) {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < unit.variables.size(); ++i)
         if (unit.variables[i].used) order.push_back(i);
@@ -72,13 +73,6 @@ std::vector<std::size_t> in_order(const model::ServerUnit& unit) {
         return std::tuple(variable.area, variable.start(), variable.bit.value_or(0), i);
     });
     return order;
-}
-
-std::string csv_cell(const std::string& text, char separator) {
-    if (text.find_first_of(std::string("\"\r\n") + separator) == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return quoted + '"';
 }
 
 std::string markdown_cell(const std::string& text) {
@@ -91,10 +85,10 @@ std::string markdown_cell(const std::string& text) {
 }
 
 /// Whether any variable of the unit has the column; the first seven and the access always are there.
-std::array<bool, kColumns> used_columns(const std::vector<Cells>& rows) {
-    std::array<bool, kColumns> used{};
-    for (std::size_t column = 0; column < kColumns; ++column)
-        used[column] = std::ranges::any_of(rows, [&](const Cells& row) { return !row[column].empty(); });
+std::array<bool, kMapColumns> used_columns(const std::vector<MapCells>& rows) {
+    std::array<bool, kMapColumns> used{};
+    for (std::size_t column = 0; column < kMapColumns; ++column)
+        used[column] = std::ranges::any_of(rows, [&](const MapCells& row) { return !row[column].empty(); });
     return used;
 }
 
@@ -103,20 +97,20 @@ std::array<bool, kColumns> used_columns(const std::vector<Cells>& rows) {
 std::size_t count_served(const model::Project& project) {
     std::size_t count = 0;
     for (const auto& server : project.servers)
-        for (const auto& unit : server.units) count += in_order(unit).size();
+        for (const auto& unit : server.units) count += used_in_order(unit).size();
     return count;
 }
 
 std::string register_map_csv(const model::Project& project, char separator) {
     std::string text = fmt::format("server{0}unit_address", separator);
-    for (const auto key : kKeys) text.append(1, separator).append(key);
+    for (const auto key : kMapKeys) text.append(1, separator).append(key);
     text += "\r\n";
     for (const auto& server : project.servers)
         for (const auto& unit : server.units)
-            for (const auto index : in_order(unit)) {
+            for (const auto index : used_in_order(unit)) {
                 text += csv_cell(server.name, separator);
                 text += separator + std::to_string(unit.address.value);
-                for (const auto& cell : cells_of(unit, index)) text += separator + csv_cell(cell, separator);
+                for (const auto& cell : map_cells(unit, index)) text += separator + csv_cell(cell, separator);
                 text += "\r\n";
             }
     return text;
@@ -126,8 +120,8 @@ std::string register_map_markdown(const Texts& texts, const model::Project& proj
     std::string text;
     for (const auto& server : project.servers)
         for (const auto& unit : server.units) {
-            std::vector<Cells> rows;
-            for (const auto index : in_order(unit)) rows.push_back(cells_of(unit, index));
+            std::vector<MapCells> rows;
+            for (const auto index : used_in_order(unit)) rows.push_back(map_cells(unit, index));
             if (rows.empty()) continue;
             const auto used = used_columns(rows);
             text += (text.empty() ? "# " : "\n# ") +
@@ -136,15 +130,15 @@ std::string register_map_markdown(const Texts& texts, const model::Project& proj
                     "\n\n";
             std::string rule = "|";
             text += '|';
-            for (std::size_t column = 0; column < kColumns; ++column) {
+            for (std::size_t column = 0; column < kMapColumns; ++column) {
                 if (!used[column]) continue;
-                text += ' ' + texts("map." + std::string(kKeys[column])) + " |";
+                text += ' ' + texts("map." + std::string(kMapKeys[column])) + " |";
                 rule += " --- |";
             }
             text += '\n' + rule + '\n';
             for (const auto& row : rows) {
                 text += '|';
-                for (std::size_t column = 0; column < kColumns; ++column)
+                for (std::size_t column = 0; column < kMapColumns; ++column)
                     if (used[column]) text += ' ' + markdown_cell(row[column]) + " |";
                 text += '\n';
             }

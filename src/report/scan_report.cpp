@@ -50,7 +50,7 @@ std::string proof_text(const Texts& texts, const discover::FoundUnit& unit) {
                                : texts("app.scan.exception", {{"code", std::to_string(unit.exception)}});
 }
 
-std::string remarks(const Texts& texts, const discover::FoundUnit& unit) {
+std::string found_unit_remarks(const Texts& texts, const discover::FoundUnit& unit) {
     std::string text;
     for (const auto& [applies, code] :
          {std::pair{unit.doubled, "app.scan.doubled"}, std::pair{unit.garbled, "app.scan.some_garbled"},
@@ -63,7 +63,7 @@ file::Json optional_text(const std::string* text) {
     return text ? file::Json(printable(*text, text->size())) : file::Json();
 }
 
-file::Json device_json(const FoundDevice& device) {
+file::Json found_device_json(const FoundDevice& device) {
     const auto& unit = device.unit;
     auto object = file::Json::object();
     object.set("target", url_of(device.line));
@@ -123,8 +123,8 @@ std::string probed_yaml(const discover::ProbeFindings& probe) {
     return text;
 }
 
-std::string device_yaml(const model::Device& device, const std::string& comment,
-                        const discover::ProbeFindings* probe) {
+std::string found_device_yaml(const model::Device& device, const std::string& comment,
+                              const discover::ProbeFindings* probe) {
     auto text = fmt::format("      - name: {}\n        address: {}\n", device.name, device.address.value);
     if (!comment.empty()) text += fmt::format("        comment: {}\n", quoted_yaml(comment));
     if (device.response_timeout != model::device_defaults(model::Profile::generic).response_timeout)
@@ -152,8 +152,8 @@ std::string identity_text(const discover::UnitIdentity& identity) {
 std::string device_line(const Texts& texts, const FoundDevice& device) {
     auto line = fmt::format("{} --unit {}  {}", url_of(device.line), device.unit.unit.value,
                             milliseconds_text(device.unit.response_time));
-    for (const auto& part :
-         {identity_text(device.unit.identity), proof_text(texts, device.unit), remarks(texts, device.unit)})
+    for (const auto& part : {identity_text(device.unit.identity), proof_text(texts, device.unit),
+                             found_unit_remarks(texts, device.unit)})
         if (!part.empty()) line += "  " + part;
     return line;
 }
@@ -172,7 +172,7 @@ std::string trouble_line(const Texts& texts, const ScanTrouble& trouble) {
 
 file::Json scan_json(const Texts& texts, const ScanFindings& findings) {
     auto devices = file::Json::array();
-    for (const auto& device : findings.devices) devices.push_back(device_json(device));
+    for (const auto& device : findings.devices) devices.push_back(found_device_json(device));
     auto troubles = file::Json::array();
     for (const auto& trouble : findings.troubles) {
         auto entry = file::Json::object();
@@ -203,8 +203,8 @@ std::string scan_project(const Texts& texts, const ScanFindings& findings,
         text += fmt::format("  - name: {}\n{}    devices:\n", line.name, connection_yaml(line));
         for (std::size_t i = 0; i < found.size(); ++i) {
             const auto probe = probes.find(found[i]);
-            text += device_yaml(line.devices[i], identity_text(found[i]->unit.identity),
-                                probe == probes.end() ? nullptr : &probe->second);
+            text += found_device_yaml(line.devices[i], identity_text(found[i]->unit.identity),
+                                      probe == probes.end() ? nullptr : &probe->second);
         }
     }
     const auto append_comment = [&](std::string_view head, const auto& devices) {

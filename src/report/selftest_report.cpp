@@ -15,14 +15,14 @@ namespace {
 using selftest::Subject;
 using timing::LatencyStatistics;
 
-std::string time_text(Duration time) {
+std::string sample_time_text(Duration time) {
     using std::chrono::microseconds;
     if (time >= std::chrono::milliseconds(1)) return milliseconds_text(time);
     return std::to_string(std::chrono::round<microseconds>(time).count()) + " µs";
 }
 
 /// Counts in rows that end at 1, 2, 5, 10 µs and so on.
-struct Row {
+struct HistogramRow {
     Duration upper{};
     std::uint64_t count = 0;
 };
@@ -31,8 +31,8 @@ Duration next_end(Duration end) {
     return std::to_string(end.count()).front() == '2' ? end * 5 / 2 : end * 2;
 }
 
-std::vector<Row> rows_of(const LatencyStatistics& statistics) {
-    std::vector<Row> rows{{std::chrono::microseconds(1), 0}};
+std::vector<HistogramRow> histogram_rows(const LatencyStatistics& statistics) {
+    std::vector<HistogramRow> rows{{std::chrono::microseconds(1), 0}};
     const auto& histogram = statistics.histogram();
     for (std::size_t i = 0; i < timing::Histogram::kBuckets; ++i) {
         const auto bucket = histogram.bucket(i);
@@ -40,7 +40,7 @@ std::vector<Row> rows_of(const LatencyStatistics& statistics) {
         while (bucket.lower >= rows.back().upper) rows.push_back({next_end(rows.back().upper), 0});
         rows.back().count += bucket.count;
     }
-    const auto first = std::ranges::find_if(rows, [](const Row& row) { return row.count > 0; });
+    const auto first = std::ranges::find_if(rows, [](const HistogramRow& row) { return row.count > 0; });
     rows.erase(rows.begin(), first);
     return rows;
 }
@@ -58,8 +58,8 @@ std::string bar_of(std::uint64_t count) {
 std::string histogram_text(const LatencyStatistics& statistics) {
     using enum TextTable::Align;
     TextTable table({right, right, left});
-    for (const auto& row : rows_of(statistics))
-        table.add({"< " + time_text(row.upper), std::to_string(row.count), bar_of(row.count)});
+    for (const auto& row : histogram_rows(statistics))
+        table.add({"< " + sample_time_text(row.upper), std::to_string(row.count), bar_of(row.count)});
     return table.render("  ");
 }
 
@@ -68,7 +68,7 @@ void add_rows(TextTable& table, const Texts& texts, const SelftestRun& run) {
         const auto& measured = run[static_cast<std::size_t>(subject)];
         if (!measured) continue;
         const bool any = measured->count() > 0;
-        const auto text = [&](Duration time) { return any ? time_text(time) : std::string("–"); };
+        const auto text = [&](Duration time) { return any ? sample_time_text(time) : std::string("–"); };
         table.add({"  " + texts("selftest." + std::string(name(subject))), std::to_string(measured->count()),
                    text(measured->min()), text(measured->percentile(50)), text(measured->percentile(99)),
                    text(measured->percentile(99.9)), text(measured->max())});
@@ -92,10 +92,6 @@ std::string host_line(const selftest::HostBudget& budget) {
            "}";
 }
 
-double microseconds(Duration time) {
-    return static_cast<double>(time.count()) / 1000.0;
-}
-
 file::Json statistics_json(const LatencyStatistics& statistics) {
     auto object = file::Json::object();
     object.set("samples", statistics.count());
@@ -106,7 +102,7 @@ file::Json statistics_json(const LatencyStatistics& statistics) {
     object.set("p999_us", microseconds(statistics.percentile(99.9)));
     object.set("max_us", microseconds(statistics.max()));
     auto histogram = file::Json::array();
-    for (const auto& row : rows_of(statistics)) {
+    for (const auto& row : histogram_rows(statistics)) {
         auto pair = file::Json::array();
         pair.push_back(microseconds(row.upper));
         pair.push_back(row.count);

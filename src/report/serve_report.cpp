@@ -13,11 +13,7 @@ namespace {
 
 using file::Json;
 
-std::string text_of(std::uint64_t number) {
-    return std::to_string(number);
-}
-
-std::uint64_t faults(const serve::Counters& counters) {
+std::uint64_t dropped_requests(const serve::Counters& counters) {
     std::uint64_t all = 0;
     for (const std::uint64_t count : counters.faults) all += count;
     return all;
@@ -28,24 +24,25 @@ using Connections = endpoint::ListenerStatistics::Connections;
 std::string connections_text(const Texts& texts, const std::string& where, const Connections& connections) {
     const auto& counts = connections.counters;
     std::string text =
-        texts("app.served_connections", {{"where", where}, {"accepted", text_of(counts.accepted)}}) + '\n';
+        texts("app.served_connections", {{"where", where}, {"accepted", std::to_string(counts.accepted)}}) +
+        '\n';
     if (counts.refused > 0)
         text += texts("app.served_refused", {{"where", where},
-                                             {"count", text_of(counts.refused)},
-                                             {"limit", text_of(counts.over_limit)},
-                                             {"peer", text_of(counts.over_peer_limit)},
-                                             {"descriptors", text_of(counts.no_descriptors)}}) +
+                                             {"count", std::to_string(counts.refused)},
+                                             {"limit", std::to_string(counts.over_limit)},
+                                             {"peer", std::to_string(counts.over_peer_limit)},
+                                             {"descriptors", std::to_string(counts.no_descriptors)}}) +
                 '\n';
     const std::uint64_t ended = connections.bad_headers + connections.frame_deadlines +
                                 connections.idle_deadlines + counts.write_stalls + counts.evicted;
     if (ended > 0)
         text += texts("app.served_ended", {{"where", where},
-                                           {"count", text_of(ended)},
-                                           {"header", text_of(connections.bad_headers)},
-                                           {"frame", text_of(connections.frame_deadlines)},
-                                           {"idle", text_of(connections.idle_deadlines)},
-                                           {"unread", text_of(counts.write_stalls)},
-                                           {"evicted", text_of(counts.evicted)}}) +
+                                           {"count", std::to_string(ended)},
+                                           {"header", std::to_string(connections.bad_headers)},
+                                           {"frame", std::to_string(connections.frame_deadlines)},
+                                           {"idle", std::to_string(connections.idle_deadlines)},
+                                           {"unread", std::to_string(counts.write_stalls)},
+                                           {"evicted", std::to_string(counts.evicted)}}) +
                 '\n';
     return text;
 }
@@ -102,8 +99,9 @@ Json retained_json(const std::vector<endpoint::RetainedStatistics>& units) {
 }
 
 using Instrument = endpoint::InstrumentStatistics;
+using NamedCount = std::pair<const char*, std::uint64_t>;
 
-std::array<std::pair<const char*, std::uint64_t>, 12> named(const source::InstrumentCounters& counters) {
+std::array<NamedCount, 12> instrument_counts(const source::InstrumentCounters& counters) {
     return {{{"requests", counters.requests},
              {"answers", counters.answers},
              {"timeouts", counters.timeouts},
@@ -122,7 +120,8 @@ std::string instrument_text(const Texts& texts, const Instrument& instrument) {
     Texts::Arguments arguments{
         {"instrument", instrument.name},
         {"state", texts("instrument.state." + std::string(source::name(instrument.state)))}};
-    for (const auto& [name, count] : named(instrument.counters)) arguments.emplace_back(name, text_of(count));
+    for (const auto& [name, count] : instrument_counts(instrument.counters))
+        arguments.emplace_back(name, std::to_string(count));
     const auto& counters = instrument.counters;
     std::string text = texts("app.instrument", arguments) + '\n';
     if (counters.starts + counters.failed_starts + counters.resets > 0)
@@ -138,20 +137,18 @@ Json instruments_json(const std::vector<Instrument>& instruments) {
         auto object = Json::object();
         object.set("name", instrument.name);
         object.set("state", source::name(instrument.state));
-        for (const auto& [name, count] : named(instrument.counters)) object.set(name, count);
+        for (const auto& [name, count] : instrument_counts(instrument.counters)) object.set(name, count);
         list.push_back(std::move(object));
     }
     return list;
 }
 
-using Named = std::pair<const char*, std::uint64_t>;
-
-std::array<Named, 10> named(const relay::GatewayCounters& counters) {
-    return {Named{"asked", counters.asked},    {"sent", counters.sent},
-            {"shared", counters.shared},       {"cached", counters.from_cache},
-            {"no_answer", counters.no_answer}, {"not_asked", counters.not_asked},
-            {"no_path", counters.no_path},     {"busy", counters.busy},
-            {"refused", counters.refused},     {"forgotten", counters.forgotten}};
+std::array<NamedCount, 10> gateway_counts(const relay::GatewayCounters& counters) {
+    return {NamedCount{"asked", counters.asked}, {"sent", counters.sent},
+            {"shared", counters.shared},         {"cached", counters.from_cache},
+            {"no_answer", counters.no_answer},   {"not_asked", counters.not_asked},
+            {"no_path", counters.no_path},       {"busy", counters.busy},
+            {"refused", counters.refused},       {"forgotten", counters.forgotten}};
 }
 
 }  // namespace
@@ -160,19 +157,19 @@ std::string served_text(const Texts& texts, const endpoint::Statistics& statisti
     std::string text;
     for (const auto& [where, counters, connections] : statistics.listeners) {
         text += texts("app.served", {{"where", where},
-                                     {"requests", text_of(counters.requests)},
-                                     {"answers", text_of(counters.answers)},
-                                     {"exceptions", text_of(counters.exceptions)},
-                                     {"dropped", text_of(faults(counters))}}) +
+                                     {"requests", std::to_string(counters.requests)},
+                                     {"answers", std::to_string(counters.answers)},
+                                     {"exceptions", std::to_string(counters.exceptions)},
+                                     {"dropped", std::to_string(dropped_requests(counters))}}) +
                 '\n';
         if (connections) text += connections_text(texts, where, *connections);
     }
     for (const auto& [unit, file, written] : statistics.retained)
         text += texts("app.served_registers", {{"unit", std::to_string(unit.value)},
                                                {"file", file},
-                                               {"commits", text_of(written.commits)},
-                                               {"bytes", text_of(written.bytes)},
-                                               {"failures", text_of(written.failures)}}) +
+                                               {"commits", std::to_string(written.commits)},
+                                               {"bytes", std::to_string(written.bytes)},
+                                               {"failures", std::to_string(written.failures)}}) +
                 '\n';
     for (const auto& instrument : statistics.instruments) text += instrument_text(texts, instrument);
     return text;
@@ -194,7 +191,8 @@ std::string relayed_text(const Texts& texts, const model::Project& project,
     std::string text;
     for (const auto& [line, counters] : statistics.relayed) {
         Texts::Arguments arguments{{"line", project.lines[line].name}};
-        for (const auto& [name, count] : named(counters)) arguments.emplace_back(name, std::to_string(count));
+        for (const auto& [name, count] : gateway_counts(counters))
+            arguments.emplace_back(name, std::to_string(count));
         text += texts("app.relayed", arguments) + '\n';
     }
     return text;
@@ -206,7 +204,7 @@ std::string relayed_json(const model::Project& project, const endpoint::Statisti
         auto object = Json::object();
         object.set("event", "relayed");
         object.set("line", project.lines[line].name);
-        for (const auto& [name, count] : named(counters)) object.set(name, count);
+        for (const auto& [name, count] : gateway_counts(counters)) object.set(name, count);
         text += object.dump() + '\n';
     }
     return text;

@@ -24,7 +24,6 @@ namespace takt::report {
 namespace {
 
 using namespace std::chrono_literals;
-using enum TextTable::Align;
 using poll::DeviceState;
 using value::Quality;
 
@@ -161,8 +160,8 @@ std::string_view health_word(const host::Snapshot& snapshot) {
     return trouble || silent > 0 || std::ranges::any_of(snapshot.values, not_good) ? "degraded" : "ok";
 }
 
-file::Json delays_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
-                       std::size_t device) {
+file::Json described_delays_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
+                                 std::size_t device) {
     const auto& finding = snapshot.lines[line].devices[device].delays;
     if (!finding) return {};
     auto object = file::Json::object();
@@ -173,8 +172,8 @@ file::Json delays_json(const Texts& texts, const host::Snapshot& snapshot, std::
     return object;
 }
 
-file::Json noise_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
-                      std::size_t device) {
+file::Json described_noise_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
+                                std::size_t device) {
     const auto& finding = snapshot.lines[line].devices[device].noise;
     if (!finding) return {};
     auto object = file::Json::object();
@@ -199,8 +198,8 @@ file::Json back_off_json(const poll::DeviceStatistics& device, Instant t) {
     return object;
 }
 
-file::Json device_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
-                       std::size_t index) {
+file::Json device_state_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
+                             std::size_t index) {
     const auto& device = snapshot.lines[line].devices[index];
     const auto& settings = snapshot.configuration->project().lines[line].devices[index];
     auto object = file::Json::object();
@@ -219,8 +218,8 @@ file::Json device_json(const Texts& texts, const host::Snapshot& snapshot, std::
     set_availability(object, device.availability.at(snapshot.t));
     object.set("late_answers", device.late);
     object.set("surplus_answers", device.surplus);
-    object.set("delays", delays_json(texts, snapshot, line, index));
-    object.set("noise", noise_json(texts, snapshot, line, index));
+    object.set("delays", described_delays_json(texts, snapshot, line, index));
+    object.set("noise", described_noise_json(texts, snapshot, line, index));
     const auto& measured = snapshot.lines[line].times[index];
     object.set("turnaround",
                with_text(turnaround_json(settings, measured), turnaround_text(texts, settings, measured)));
@@ -229,7 +228,7 @@ file::Json device_json(const Texts& texts, const host::Snapshot& snapshot, std::
     return object;
 }
 
-file::Json line_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t index) {
+file::Json line_state_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t index) {
     const auto& line = snapshot.lines[index];
     const auto& settings = snapshot.configuration->project().lines[index];
     auto object = file::Json::object();
@@ -246,7 +245,7 @@ file::Json line_json(const Texts& texts, const host::Snapshot& snapshot, std::si
     object.set("overrun", std::ranges::count_if(line.requests, &poll::RequestStatistics::overrun));
     auto devices = file::Json::array();
     for (std::size_t i = 0; i < settings.devices.size(); ++i)
-        devices.push_back(device_json(texts, snapshot, index, i));
+        devices.push_back(device_state_json(texts, snapshot, index, i));
     object.set("devices", std::move(devices));
     return object;
 }
@@ -259,12 +258,12 @@ const file::Json& member(const file::Json& object, std::string_view key) {
     return found ? *found : kNull;
 }
 
-std::string string_of(const file::Json& object, std::string_view key) {
+std::string string_member(const file::Json& object, std::string_view key) {
     const auto* const text = std::get_if<std::string>(&member(object, key).value());
     return text ? *text : std::string();
 }
 
-std::optional<double> number_of(const file::Json& object, std::string_view key) {
+std::optional<double> number_member(const file::Json& object, std::string_view key) {
     const auto& value = member(object, key).value();
     if (const auto* const n = std::get_if<double>(&value)) return *n;
     if (const auto* const n = std::get_if<std::int64_t>(&value)) return static_cast<double>(*n);
@@ -272,30 +271,30 @@ std::optional<double> number_of(const file::Json& object, std::string_view key) 
     return std::nullopt;
 }
 
-std::string count_of(const file::Json& object, std::string_view key) {
-    return fmt::format("{:.0f}", number_of(object, key).value_or(0));
+std::string count_member(const file::Json& object, std::string_view key) {
+    return fmt::format("{:.0f}", number_member(object, key).value_or(0));
 }
 
-std::optional<Duration> time_of(const file::Json& object, std::string_view key) {
+std::optional<Duration> time_member(const file::Json& object, std::string_view key) {
     constexpr double kMostMs = 1e12;  // far from the limit of Duration
-    const auto ms = number_of(object, key);
+    const auto ms = number_member(object, key);
     if (!ms) return std::nullopt;
     return Duration(static_cast<std::int64_t>(std::clamp(*ms, 0.0, kMostMs) * 1e6));
 }
 
-const file::Json::Array& array_of(const file::Json& object, std::string_view key) {
+const file::Json::Array& array_member(const file::Json& object, std::string_view key) {
     static const file::Json::Array kNone;
     const auto* const array = std::get_if<file::Json::Array>(&member(object, key).value());
     return array ? *array : kNone;
 }
 
 std::string milliseconds_or_dash(const file::Json& object, std::string_view key) {
-    const auto time = time_of(object, key);
+    const auto time = time_member(object, key);
     return time ? milliseconds_text(*time) : "–";
 }
 
 std::string percentage_or_dash(const file::Json& object, std::string_view key) {
-    const auto percent = number_of(object, key);
+    const auto percent = number_member(object, key);
     return percent ? availability_text(*percent / 100) : "–";
 }
 
@@ -305,7 +304,7 @@ std::string word_text(const Texts& texts, const std::string& prefix, const std::
 }
 
 /// The text of what reason_word() returned.
-std::string reason_text(const Texts& texts, const std::string& reason) {
+std::string reason_word_text(const Texts& texts, const std::string& reason) {
     constexpr std::string_view kException = "exception ";
     return reason.starts_with(kException)
                ? texts("app.reason.exception", {{"code", reason.substr(kException.size())}})
@@ -314,65 +313,67 @@ std::string reason_text(const Texts& texts, const std::string& reason) {
 
 /// " (time-out)": why a device does not answer.
 std::string cause_text(const Texts& texts, const file::Json& object) {
-    const auto cause = string_of(object, "cause");
-    return cause.empty() ? cause : " (" + reason_text(texts, cause) + ')';
+    const auto cause = string_member(object, "cause");
+    return cause.empty() ? cause : " (" + reason_word_text(texts, cause) + ')';
 }
 
 std::string values_counted(const Texts& texts, const file::Json& counts) {
     std::string text;
     for (const auto* const quality : {"good", "uncertain", "bad", "never_read"}) {
-        const auto count = count_of(counts, quality);
+        const auto count = count_member(counts, quality);
         if (count == "0") continue;
         text += (text.empty() ? "" : ", ") + count + ' ' + texts(fmt::format("app.quality.{}", quality));
     }
     return text.empty() ? "–" : text;
 }
 
-std::string line_text(const Texts& texts, const file::Json& line, std::size_t columns) {
+std::string line_state_text(const Texts& texts, const file::Json& line, std::size_t columns) {
     std::string text =
-        texts("app.ctl.line", {{"line", string_of(line, "name")},
-                               {"state", word_text(texts, "app.link.", string_of(line, "state"))},
-                               {"load", percent_text(number_of(line, "load").value_or(0))},
+        texts("app.ctl.line", {{"line", string_member(line, "name")},
+                               {"state", word_text(texts, "app.link.", string_member(line, "state"))},
+                               {"load", percent_text(number_member(line, "load").value_or(0))},
                                {"measured", milliseconds_or_dash(line, "measured_cycle_ms")},
                                {"planned", milliseconds_or_dash(line, "planned_cycle_ms")}});
-    if (count_of(line, "overrun") != "0")
-        text += texts("app.ctl.overrun",
-                      {{"count", count_of(line, "overrun")}, {"requests", count_of(line, "requests")}});
+    if (count_member(line, "overrun") != "0")
+        text += texts("app.ctl.overrun", {{"count", count_member(line, "overrun")},
+                                          {"requests", count_member(line, "requests")}});
     text += '\n';
-    if (const auto why = string_of(line, "text"); !why.empty()) text += "  " + text::escape_line(why) + '\n';
+    if (const auto why = string_member(line, "text"); !why.empty())
+        text += "  " + text::escape_line(why) + '\n';
+    using enum TextTable::Align;
     TextTable table({left, left, left, right, right, right, right, right});
     table.add({texts("app.device"), texts("app.state"), texts("app.ctl.values"), texts("app.ctl.response"),
                texts("app.sent"), texts("app.failed"), texts("app.outages"), texts("app.available")});
-    for (const auto& device : array_of(line, "devices"))
-        table.add({string_of(device, "name"),
-                   word_text(texts, "app.state.", string_of(device, "state")) + cause_text(texts, device),
+    for (const auto& device : array_member(line, "devices"))
+        table.add({string_member(device, "name"),
+                   word_text(texts, "app.state.", string_member(device, "state")) + cause_text(texts, device),
                    values_counted(texts, member(device, "values")),
-                   milliseconds_or_dash(device, "response_ms"), count_of(device, "sent"),
-                   count_of(device, "failed"), count_of(device, "outages"),
+                   milliseconds_or_dash(device, "response_ms"), count_member(device, "sent"),
+                   count_member(device, "failed"), count_member(device, "outages"),
                    percentage_or_dash(device, "availability_percent")});
     text += table.render("  ", columns);
-    for (const auto& device : array_of(line, "devices"))
+    for (const auto& device : array_member(line, "devices"))
         for (const auto* const key : {"delays", "noise", "turnaround", "late_responses"})
-            if (const auto words = string_of(member(device, key), "text"); !words.empty())
+            if (const auto words = string_member(member(device, key), "text"); !words.empty())
                 text += "  " + text::escape_line(words) + '\n';
     return text;
 }
 
 /// With its unit and its words; "–" for none.
 std::string value_with_unit(const file::Json& value) {
-    const auto text = string_of(value, "text");
-    const auto unit = string_of(value, "unit");
+    const auto text = string_member(value, "text");
+    const auto unit = string_member(value, "unit");
     if (text.empty() && member(value, "value").is_null()) return "–";
-    const auto words = string_of(value, "words");
+    const auto words = string_member(value, "words");
     return text + (unit.empty() ? "" : ' ' + unit) + (words.empty() ? "" : " (" + words + ')');
 }
 
 std::string value_age(const file::Json& value) {
-    const auto age = time_of(value, "age_ms");
-    return age && !string_of(value, "device").empty() ? age_text(*age) : "";
+    const auto age = time_member(value, "age_ms");
+    return age && !string_member(value, "device").empty() ? age_text(*age) : "";
 }
 
-bool matches_here(std::string_view pattern, std::string_view name) {
+bool matches_pattern(std::string_view pattern, std::string_view name) {
     // Backtracks to the last `*` alone: linear in practice, at worst the product of the lengths.
     std::size_t p = 0;
     std::size_t n = 0;
@@ -399,7 +400,7 @@ bool matches_here(std::string_view pattern, std::string_view name) {
 
 bool name_matches(std::string_view pattern, std::string_view name) {
     const bool has_wildcard = pattern.find_first_of("*?") != std::string_view::npos;
-    return has_wildcard ? matches_here(pattern, name) : name.find(pattern) != std::string_view::npos;
+    return has_wildcard ? matches_pattern(pattern, name) : name.find(pattern) != std::string_view::npos;
 }
 
 std::string_view link_word(const host::Snapshot::Line& line) {
@@ -422,7 +423,8 @@ file::Json status_json(const Texts& texts, const host::Snapshot& snapshot, const
     for (const auto& slot : snapshot.values) counts.add(slot.quality);
     object.set("values", counts.json());
     auto lines = file::Json::array();
-    for (std::size_t i = 0; i < snapshot.lines.size(); ++i) lines.push_back(line_json(texts, snapshot, i));
+    for (std::size_t i = 0; i < snapshot.lines.size(); ++i)
+        lines.push_back(line_state_json(texts, snapshot, i));
     object.set("lines", std::move(lines));
     return object;
 }
@@ -485,38 +487,41 @@ file::Json get_json(const host::Configuration& configuration, const host::Outcom
 }
 
 std::string status_text(const Texts& texts, const file::Json& status, std::size_t columns) {
-    const auto uptime = time_of(status, "uptime_ms");
+    const auto uptime = time_member(status, "uptime_ms");
     std::string text =
-        texts("app.ctl.status", {{"health", word_text(texts, "app.health.", string_of(status, "health"))},
+        texts("app.ctl.status", {{"health", word_text(texts, "app.health.", string_member(status, "health"))},
                                  {"time", age_text(uptime.value_or(Duration{}))},
                                  {"values", values_counted(texts, member(status, "values"))}}) +
         '\n';
-    for (const auto& line : array_of(status, "lines")) text += '\n' + line_text(texts, line, columns);
+    for (const auto& line : array_member(status, "lines"))
+        text += '\n' + line_state_text(texts, line, columns);
     const auto outputs = outputs_text(texts, status);
     return outputs.empty() ? text : text + '\n' + wrapped(outputs, columns);
 }
 
 std::string list_text(const Texts& texts, const file::Json& list, std::size_t columns) {
+    using enum TextTable::Align;
     TextTable table({left, whole, left, left, left});
     table.add({texts("app.device"), texts("app.variable"), texts("app.ctl.type"), texts("app.ctl.unit"),
                texts("app.ctl.access")});
-    for (const auto& entry : array_of(list, "names")) {
+    for (const auto& entry : array_member(list, "names")) {
         const auto is = [&](const char* key) { return member(entry, key) == file::Json(true); };
         const auto* const access = !is("writable")  ? "app.ctl.access.read"
                                    : is("readable") ? "app.ctl.access.both"
                                                     : "app.ctl.access.write";
-        table.add({string_of(entry, "device"), string_of(entry, "name"), string_of(entry, "type"),
-                   string_of(entry, "unit"), texts(access)});
+        table.add({string_member(entry, "device"), string_member(entry, "name"), string_member(entry, "type"),
+                   string_member(entry, "unit"), texts(access)});
     }
     return table.render("", columns);
 }
 
 std::string values_text(const Texts& texts, const file::Json& values, std::size_t columns) {
+    using enum TextTable::Align;
     TextTable table({left, whole, right, right, whole});
     table.add({texts("app.device"), texts("app.variable"), texts("app.value"), texts("app.age"),
                texts("app.ctl.quality")});
-    for (const auto& entry : array_of(values, "values"))
-        table.add({string_of(entry, "device"), string_of(entry, "name"),
+    for (const auto& entry : array_member(values, "values"))
+        table.add({string_member(entry, "device"), string_member(entry, "name"),
                    fitted(value_with_unit(entry), columns / 3), value_age(entry),
                    quality_text(texts, entry)});
     return table.render("", columns);
@@ -524,18 +529,18 @@ std::string values_text(const Texts& texts, const file::Json& values, std::size_
 
 std::string get_line(const file::Json& value) {
     std::string line = "ok";
-    const auto quality = string_of(value, "quality");
+    const auto quality = string_member(value, "quality");
     const bool good = quality == value::name(Quality::good);
-    for (const auto& part : {string_of(value, "name"), string_of(value, "text"), good ? "" : quality,
-                             good ? "" : string_of(value, "reason")})
+    for (const auto& part : {string_member(value, "name"), string_member(value, "text"), good ? "" : quality,
+                             good ? "" : string_member(value, "reason")})
         if (!part.empty()) line += ' ' + part;
     return line;
 }
 
 std::string quality_text(const Texts& texts, const file::Json& value) {
-    auto text = word_text(texts, "app.quality.", string_of(value, "quality"));
-    if (const auto reason = string_of(value, "reason"); !reason.empty())
-        text += ", " + reason_text(texts, reason);
+    auto text = word_text(texts, "app.quality.", string_member(value, "quality"));
+    if (const auto reason = string_member(value, "reason"); !reason.empty())
+        text += ", " + reason_word_text(texts, reason);
     return text + cause_text(texts, value);
 }
 

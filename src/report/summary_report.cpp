@@ -39,7 +39,7 @@ file::Json measured_json(bool measured, Duration time) {
     return measured ? file::Json(milliseconds(time)) : file::Json();
 }
 
-std::string period_text(const poll::RequestStatistics& request, const Texts& texts) {
+std::string request_period_text(const poll::RequestStatistics& request, const Texts& texts) {
     if (!request.period) return texts("app.on_demand");
     const Duration real = request.overrun ? request.recent_period : request.real_period.mean();
     return fmt::format("{} → {}{}", milliseconds_text(*request.period),
@@ -111,7 +111,7 @@ std::string fitting_text(const Make& make, std::size_t columns) {
     return fits(text, columns) ? text : make(Failures::below).text(columns);
 }
 
-std::uint64_t faults(const bus::TransactionCounters& counters) {
+std::uint64_t failed_exchanges(const bus::TransactionCounters& counters) {
     return counters.checksums + counters.unexpected + counters.ambiguous + counters.link_lost;
 }
 
@@ -131,13 +131,14 @@ CountTable request_table(const host::Snapshot& snapshot, const Texts& texts, std
         const auto& statistics = state.requests[i];
         const auto& counters = statistics.counters;
         const bool measured = counters.time.count() > 0;
-        table.add({line.devices[request.device].name, request_text(request), std::to_string(counters.sent)},
-                  {std::to_string(counters.answered), std::to_string(counters.timeouts),
-                   std::to_string(faults(counters)), exceptions(counters, texts)},
-                  {measured_text(measured, counters.time.mean()),
-                   measured_text(measured, counters.time.max()), period_text(statistics, texts)},
-                  joined({counted(texts, "app.timeouts", counters.timeouts),
-                          counted(texts, "app.faults", faults(counters)), exceptions(counters, texts)}));
+        table.add(
+            {line.devices[request.device].name, request_text(request), std::to_string(counters.sent)},
+            {std::to_string(counters.answered), std::to_string(counters.timeouts),
+             std::to_string(failed_exchanges(counters)), exceptions(counters, texts)},
+            {measured_text(measured, counters.time.mean()), measured_text(measured, counters.time.max()),
+             request_period_text(statistics, texts)},
+            joined({counted(texts, "app.timeouts", counters.timeouts),
+                    counted(texts, "app.faults", failed_exchanges(counters)), exceptions(counters, texts)}));
     }
     return table;
 }
@@ -155,7 +156,7 @@ CountTable device_table(const host::Snapshot& snapshot, const Texts& texts, std:
     for (std::size_t i = 0; i < devices.size(); ++i) {
         const auto& device = state.devices[i];
         const auto availability = device.availability.at(snapshot.t);
-        const auto failed = device.counters.timeouts + faults(device.counters);
+        const auto failed = device.counters.timeouts + failed_exchanges(device.counters);
         table.add({devices[i].name, texts(fmt::format("app.state.{}", poll::name(device.state))),
                    std::to_string(device.counters.sent), std::to_string(device.counters.answered)},
                   {std::to_string(failed), exceptions(device.counters, texts)},
@@ -168,7 +169,7 @@ CountTable device_table(const host::Snapshot& snapshot, const Texts& texts, std:
 
 /// A line for each device that is slower than a setting says, with noise before its responses, or
 /// with responses that no request asked for.
-std::string findings_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
+std::string device_findings_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
     std::string text;
     const auto& devices = snapshot.lines[line].devices;
     for (std::size_t i = 0; i < devices.size(); ++i) {
@@ -198,7 +199,7 @@ std::string idle_noise_text(const host::Snapshot& snapshot, const Texts& texts, 
     return "  " + texts("app.noise.idle", {{"line", line.name}, {"count", std::to_string(bytes)}}) + '\n';
 }
 
-std::string times_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
+std::string line_response_times_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
     std::string text;
     const auto& devices = snapshot.configuration->project().lines[line].devices;
     for (std::size_t i = 0; i < devices.size(); ++i)
@@ -207,7 +208,7 @@ std::string times_text(const host::Snapshot& snapshot, const Texts& texts, std::
     return text;
 }
 
-std::string heading_text(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
+std::string line_summary_heading(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
     const auto& statistics = snapshot.lines[line].statistics;
     const auto availability = statistics.availability.at(snapshot.t);
     return texts("app.summary.line", {{"line", snapshot.configuration->project().lines[line].name},
@@ -220,10 +221,6 @@ std::string heading_text(const host::Snapshot& snapshot, const Texts& texts, std
            texts("app.summary.availability", {{"available", availability_text(availability.share())},
                                               {"down", downtime_text(availability.downtime)}}) +
            '\n';
-}
-
-file::Json function_json(const std::optional<wire::Function>& function) {
-    return function ? file::Json(static_cast<int>(*function)) : file::Json();
 }
 
 file::Json counters_json(const bus::TransactionCounters& counters) {
@@ -247,21 +244,21 @@ file::Json counters_json(const bus::TransactionCounters& counters) {
     return object;
 }
 
-file::Json delays_json(const std::optional<poll::DelayFinding>& finding) {
+file::Json delay_finding_json(const std::optional<poll::DelayFinding>& finding) {
     if (!finding) return {};
     auto object = file::Json::object();
     set_delay_finding(object, *finding);
     return object;
 }
 
-file::Json noise_json(const std::optional<poll::NoiseFinding>& finding) {
+file::Json noise_finding_json(const std::optional<poll::NoiseFinding>& finding) {
     if (!finding) return {};
     auto object = file::Json::object();
     set_noise_finding(object, *finding);
     return object;
 }
 
-file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
+file::Json line_summary_json(const host::Snapshot& snapshot, std::size_t index) {
     const auto& state = snapshot.lines[index];
     const auto& line = snapshot.configuration->project().lines[index];
     const auto& statistics = state.statistics;
@@ -290,10 +287,10 @@ file::Json line_json(const host::Snapshot& snapshot, std::size_t index) {
         set_availability(device, state.devices[i].availability.at(snapshot.t));
         device.set("late_answers", state.devices[i].late);
         device.set("surplus_answers", state.devices[i].surplus);
-        device.set("delays", delays_json(state.devices[i].delays));
+        device.set("delays", delay_finding_json(state.devices[i].delays));
         device.set("noisy_answers", state.devices[i].counters.noisy_answers);
         device.set("noise_bytes", state.devices[i].counters.noise_bytes);
-        device.set("noise", noise_json(state.devices[i].noise));
+        device.set("noise", noise_finding_json(state.devices[i].noise));
         device.set("turnaround", turnaround_json(line.devices[i], state.times[i]));
         device.set("late_responses", late_responses_json(state.times[i]));
         device.set("verified", state.devices[i].verified);
@@ -336,10 +333,10 @@ std::string summary_text(const Texts& texts, const host::Snapshot& snapshot, std
         const auto table = [&](const auto& make) {
             return fitting_text([&](Failures where) { return make(snapshot, texts, i, where); }, columns);
         };
-        text += (i == 0 ? "" : "\n") + wrapped(heading_text(snapshot, texts, i), columns) +
+        text += (i == 0 ? "" : "\n") + wrapped(line_summary_heading(snapshot, texts, i), columns) +
                 table(device_table) +
-                wrapped(findings_text(snapshot, texts, i) + idle_noise_text(snapshot, texts, i) +
-                            times_text(snapshot, texts, i),
+                wrapped(device_findings_text(snapshot, texts, i) + idle_noise_text(snapshot, texts, i) +
+                            line_response_times_text(snapshot, texts, i),
                         columns) +
                 '\n' + table(request_table) + wrapped(broken_bounds_text(texts, snapshot, i), columns);
     }
@@ -351,7 +348,7 @@ file::Json summary_json(const host::Snapshot& snapshot) {
     object.set("event", "summary");
     object.set("duration_ms", milliseconds(snapshot.t - snapshot.started));
     auto lines = file::Json::array();
-    for (std::size_t i = 0; i < snapshot.lines.size(); ++i) lines.push_back(line_json(snapshot, i));
+    for (std::size_t i = 0; i < snapshot.lines.size(); ++i) lines.push_back(line_summary_json(snapshot, i));
     object.set("lines", std::move(lines));
     return object;
 }

@@ -21,7 +21,7 @@ std::size_t character_length(std::string_view text) {
     return control || noncharacter ? 0 : bytes;
 }
 
-std::string number(double value) {
+std::string svg_number(double value) {
     std::string text = fmt::format("{:.2f}", value);
     text.erase(text.find_last_not_of('0') + 1);
     if (text.back() == '.') text.pop_back();
@@ -65,17 +65,18 @@ std::string_view page_language(text::Language language) {
 
 void Svg::rect(const Box& box, std::string_view style, std::string_view attributes) {
     body_ += fmt::format("<rect class=\"{}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}/>\n", style,
-                         number(box.x), number(box.y), number(box.width), number(box.height), attributes);
+                         svg_number(box.x), svg_number(box.y), svg_number(box.width), svg_number(box.height),
+                         attributes);
 }
 
 void Svg::line(double x1, double y1, double x2, double y2, std::string_view style) {
-    body_ += fmt::format("<line class=\"{}\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n", style, number(x1),
-                         number(y1), number(x2), number(y2));
+    body_ += fmt::format("<line class=\"{}\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n", style,
+                         svg_number(x1), svg_number(y1), svg_number(x2), svg_number(y2));
 }
 
 void Svg::text(double x, double y, std::string_view style, std::string_view content) {
-    body_ += fmt::format("<text class=\"{}\" x=\"{}\" y=\"{}\">{}</text>\n", style, number(x), number(y),
-                         xml_text(content));
+    body_ += fmt::format("<text class=\"{}\" x=\"{}\" y=\"{}\">{}</text>\n", style, svg_number(x),
+                         svg_number(y), xml_text(content));
 }
 
 void Svg::path(std::string_view commands, std::string_view style) {
@@ -87,7 +88,7 @@ void Svg::hatch(std::string_view id, double degrees, double distance, std::strin
         "<defs><pattern id=\"{0}\" width=\"{1}\" height=\"{1}\" patternUnits=\"userSpaceOnUse\" "
         "patternTransform=\"rotate({2})\"><line class=\"{3}\" x1=\"0\" y1=\"0\" x2=\"0\" y2=\"{1}\"/>"
         "</pattern></defs>\n",
-        id, number(distance), number(degrees), line_style);
+        id, svg_number(distance), svg_number(degrees), line_style);
 }
 
 void Svg::title(std::string_view content) {
@@ -108,8 +109,8 @@ std::string Svg::document(const Page& page) const {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
         "role=\"img\" xml:lang=\"{2}\">\n<title>{3}</title>\n<style>\n{4}</style>\n"
         "<rect class=\"page\" x=\"0\" y=\"0\" width=\"{0}\" height=\"{1}\"/>\n{5}</svg>\n",
-        number(page.width), number(page.height), page.language, xml_text(page.title), page.style_sheet,
-        body_);
+        svg_number(page.width), svg_number(page.height), page.language, xml_text(page.title),
+        page.style_sheet, body_);
 }
 
 }  // namespace takt::report

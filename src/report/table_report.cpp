@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "table_report_parts.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/report/formatting.hpp"
+#include "takt/report/plan_report.hpp"
 #include "takt/report/text_table.hpp"
 #include "takt/table/restore.hpp"
 
@@ -15,16 +18,7 @@ using Align = TextTable::Align;
 using file::Json;
 using table::EntryRecord;
 using table::ItemRecord;
-using table::kNone;
 using table::View;
-
-double milliseconds(std::int64_t ns) {
-    return static_cast<double>(ns) / 1e6;
-}
-
-double microseconds(std::int64_t ns) {
-    return static_cast<double>(ns) / 1e3;
-}
 
 std::string item_name(const View& view, std::uint32_t item) {
     const auto name = view.text(view.item(item).name);
@@ -32,27 +26,27 @@ std::string item_name(const View& view, std::uint32_t item) {
 }
 
 Json item_or_null(const View& view, std::uint32_t item) {
-    return item == kNone ? Json() : Json(item_name(view, item));
+    return item == table::kNone ? Json() : Json(item_name(view, item));
 }
 
 Json place_or_null(std::uint32_t place) {
-    return place == kNone ? Json() : Json(place);
+    return place == table::kNone ? Json() : Json(place);
 }
 
-Json entry_json(const View& view, std::uint32_t index) {
+Json entry_record_json(const View& view, std::uint32_t index) {
     const auto entry = view.entry(index);
     auto object = Json::object();
-    object.set("function", function_json(entry.read));
-    object.set("write_function", function_json(entry.write));
+    object.set("function", function_code_json(entry.read));
+    object.set("write_function", function_code_json(entry.write));
     object.set("flags", entry.flags);
     object.set("start", entry.start);
     object.set("quantity", entry.quantity);
     object.set("write_start", entry.write_start);
     object.set("write_quantity", entry.write_quantity);
     const bool polled = (entry.flags & EntryRecord::kPolled) != 0;
-    object.set("period_ms", polled ? Json(milliseconds(entry.period)) : Json());
-    object.set("phase_ms", milliseconds(entry.phase));
-    object.set("deadline_ms", milliseconds(entry.deadline));
+    object.set("period_ms", polled ? Json(milliseconds(Duration(entry.period))) : Json());
+    object.set("phase_ms", milliseconds(Duration(entry.phase)));
+    object.set("deadline_ms", milliseconds(Duration(entry.deadline)));
     object.set("stream", entry.stream);
     object.set("read_trigger", item_or_null(view, entry.read_trigger));
     object.set("write_trigger", item_or_null(view, entry.write_trigger));
@@ -67,18 +61,18 @@ Json entry_json(const View& view, std::uint32_t index) {
     }
     object.set("variables", std::move(variables));
     object.set("items", std::move(items));
-    object.set("bus_time_us", microseconds(entry.bus_time));
+    object.set("bus_time_us", microseconds(Duration(entry.bus_time)));
     return object;
 }
 
-Json device_json(const View& view, std::uint32_t index) {
+Json device_record_json(const View& view, std::uint32_t index) {
     const auto device = view.device(index);
     auto object = Json::object();
     object.set("name", std::string(view.text(device.name)));
     object.set("unit", device.unit);
-    object.set("period_ms", milliseconds(device.period));
-    object.set("response_timeout_ms", milliseconds(device.response_timeout));
-    object.set("wait_ms", milliseconds(device.wait));
+    object.set("period_ms", milliseconds(Duration(device.period)));
+    object.set("response_timeout_ms", milliseconds(Duration(device.response_timeout)));
+    object.set("wait_ms", milliseconds(Duration(device.wait)));
     object.set("attempts", device.attempts);
     object.set("high_byte_first", (device.flags & table::DeviceRecord::kHighByteFirst) != 0);
     object.set("high_register_first", (device.flags & table::DeviceRecord::kHighRegisterFirst) != 0);
@@ -86,12 +80,12 @@ Json device_json(const View& view, std::uint32_t index) {
     object.set("poll_enable", item_or_null(view, device.poll_enable));
     auto entries = Json::array();
     for (std::uint32_t e = 0; e < device.entry_count; ++e)
-        entries.push_back(entry_json(view, device.first_entry + e));
+        entries.push_back(entry_record_json(view, device.first_entry + e));
     object.set("entries", std::move(entries));
     return object;
 }
 
-Json line_json(const View& view, std::uint32_t index) {
+Json line_record_json(const View& view, std::uint32_t index) {
     const auto line = view.line(index);
     auto object = Json::object();
     object.set("name", std::string(view.text(line.name)));
@@ -103,12 +97,12 @@ Json line_json(const View& view, std::uint32_t index) {
     object.set("data_bits", line.data_bits);
     object.set("stop_bits", line.stop_bits);
     object.set("order", line.order == 0 ? "deadline" : "address");
-    object.set("request_gap_us", microseconds(line.request_gap));
-    object.set("frame_gap_us", microseconds(line.frame_gap));
-    object.set("margin_us", microseconds(line.margin));
+    object.set("request_gap_us", microseconds(Duration(line.request_gap)));
+    object.set("frame_gap_us", microseconds(Duration(line.frame_gap)));
+    object.set("margin_us", microseconds(Duration(line.margin)));
     auto devices = Json::array();
     for (std::uint32_t d = 0; d < line.device_count; ++d)
-        devices.push_back(device_json(view, line.first_device + d));
+        devices.push_back(device_record_json(view, line.first_device + d));
     object.set("devices", std::move(devices));
     return object;
 }
@@ -117,16 +111,17 @@ Json item_json(const View& view, std::uint32_t index) {
     const auto item = view.item(index);
     auto object = Json::object();
     object.set("name", item_name(view, index));
-    object.set("device",
-               item.device == kNone ? Json() : Json(std::string(view.text(view.device(item.device).name))));
+    object.set("device", item.device == table::kNone
+                             ? Json()
+                             : Json(std::string(view.text(view.device(item.device).name))));
     object.set("type", name(table::type_of(item)));
-    if (item.device != kNone) {
+    if (item.device != table::kNone) {
         object.set("area", wire::name(wire::Area{item.area}));
         object.set("start", item.start);
         object.set("registers", item.registers);
         object.set("bit", item.bit == ItemRecord::kNoBit ? Json() : Json(item.bit));
-        object.set("function", function_json(item.read));
-        object.set("write_function", function_json(item.write));
+        object.set("function", function_code_json(item.read));
+        object.set("write_function", function_code_json(item.write));
         object.set("high_byte_first", (item.flags & ItemRecord::kHighByteFirst) != 0);
         object.set("high_register_first", (item.flags & ItemRecord::kHighRegisterFirst) != 0);
         object.set("scale", item.scale);
@@ -137,26 +132,16 @@ Json item_json(const View& view, std::uint32_t index) {
     return object;
 }
 
-std::string when_text(const Texts& texts, bool polled, Duration period, Duration phase,
-                      const std::string& read_trigger, bool on_change, const std::string& write_trigger) {
-    std::string when;
-    const auto append = [&when](const std::string& text) { when += (when.empty() ? "" : ", ") + text; };
-    if (polled) append(period == Duration::zero() ? texts("app.when.always") : turn_text(period, phase));
-    if (!read_trigger.empty()) append(texts("app.when.read_trigger", {{"local", read_trigger}}));
-    if (on_change) append(texts("app.when.change"));
-    if (!write_trigger.empty()) append(texts("app.when.write_trigger", {{"local", write_trigger}}));
-    return when;
-}
-
-std::string entries_text(const Texts& texts, const View& view, const table::DeviceRecord& device,
-                         const plan::LinePlan& plan, std::uint32_t first_of_line) {
+std::string table_entries_text(const Texts& texts, const View& view, const table::DeviceRecord& device,
+                               const plan::LinePlan& plan, std::uint32_t first_of_line) {
     TextTable rows({Align::right, Align::left, Align::left, Align::left});
     rows.add({texts("app.table.entry"), texts("app.request"), texts("app.when"), texts("app.variables")});
     for (std::uint32_t e = 0; e < device.entry_count; ++e) {
         const auto index = device.first_entry + e;
         const auto entry = view.entry(index);
+        const bool polled = (entry.flags & EntryRecord::kPolled) != 0;
         const auto local = [&](std::uint32_t item) {
-            return item == kNone ? std::string() : item_name(view, item);
+            return item == table::kNone ? std::string() : item_name(view, item);
         };
         std::string names;
         for (std::uint32_t m = 0; m < entry.member_count; ++m) {
@@ -164,9 +149,11 @@ std::string entries_text(const Texts& texts, const View& view, const table::Devi
             names += fmt::format("{}{}@{}", m > 0 ? ", " : "", item_name(view, item), view.item(item).place);
         }
         rows.add({std::to_string(index), request_text(plan.requests[index - first_of_line]),
-                  when_text(texts, (entry.flags & EntryRecord::kPolled) != 0, Duration(entry.period),
-                            Duration(entry.phase), local(entry.read_trigger),
-                            (entry.flags & EntryRecord::kWrittenOnChange) != 0, local(entry.write_trigger)),
+                  causes_text(texts, {.period = polled ? std::optional(Duration(entry.period)) : std::nullopt,
+                                      .phase = Duration(entry.phase),
+                                      .read_trigger = local(entry.read_trigger),
+                                      .on_change = (entry.flags & EntryRecord::kWrittenOnChange) != 0,
+                                      .write_trigger = local(entry.write_trigger)}),
                   names});
     }
     return rows.render("  ");
@@ -186,7 +173,7 @@ std::string error_code(const Error& error) {
 
 }  // namespace
 
-Json function_json(std::uint8_t function) {
+Json function_code_json(std::uint8_t function) {
     return function == 0 ? Json() : Json(static_cast<int>(function));
 }
 
@@ -225,7 +212,7 @@ std::string table_text(const Texts& texts, const View& view) {
             const auto device = view.device(line.first_device + d);
             text += device_text(texts, std::string(view.text(device.name)), device.unit,
                                 Duration(device.period), Duration(device.response_timeout), device.attempts);
-            text += entries_text(texts, view, device, plan.lines[l], line.first_entry);
+            text += table_entries_text(texts, view, device, plan.lines[l], line.first_entry);
         }
     }
     return text;
@@ -240,7 +227,7 @@ Json table_json(const View& view) {
     object.set("value_words", view.header().value_words);
     object.set("write_words", view.header().write_words);
     auto lines = Json::array();
-    for (std::uint32_t l = 0; l < view.line_count(); ++l) lines.push_back(line_json(view, l));
+    for (std::uint32_t l = 0; l < view.line_count(); ++l) lines.push_back(line_record_json(view, l));
     object.set("lines", std::move(lines));
     Json::Array items;
     for (std::uint32_t i = 0; i < view.item_count(); ++i) items.push_back(item_json(view, i));

@@ -11,7 +11,7 @@
 namespace takt::report {
 
 /// null for 0, which is no function
-[[nodiscard]] file::Json function_json(std::uint8_t function);
+[[nodiscard]] file::Json function_code_json(std::uint8_t function);
 [[nodiscard]] std::string checksum_text(std::uint32_t checksum);
 [[nodiscard]] std::string heading(const Texts& texts, const char* format, std::uint16_t version,
                                   std::size_t bytes, std::uint32_t checksum);

@@ -7,14 +7,15 @@
 namespace takt::report {
 namespace {
 
-std::string filled(text::Language language, std::string_view code, const Texts::Arguments& arguments) {
+std::string filled_message(text::Language language, std::string_view code,
+                           const Texts::Arguments& arguments) {
     std::vector<text::Argument> views;
     views.reserve(arguments.size());
     for (const auto& [name, value] : arguments) views.push_back({name, value});
     return text::message(language, code, views);
 }
 
-Texts::Arguments arguments_of(const model::Finding& finding) {
+Texts::Arguments finding_arguments(const model::Finding& finding) {
     Texts::Arguments arguments{
         {"value", finding.value}, {"allowed", finding.allowed}, {"path", finding.path}};
     const auto dot = finding.path.rfind('.');
@@ -26,20 +27,21 @@ Texts::Arguments arguments_of(const model::Finding& finding) {
 }  // namespace
 
 std::string Texts::operator()(std::string_view code, const Arguments& arguments) const {
-    return filled(language_, code, arguments);
+    return filled_message(language_, code, arguments);
 }
 
 std::string Texts::message(const model::Finding& finding) const {
-    return filled(language_, finding.code, arguments_of(finding));
+    return filled_message(language_, finding.code, finding_arguments(finding));
 }
 
 std::string Texts::advice(const model::Finding& finding) const {
     const std::string with_allowed = finding.code + ".advice_allowed";
     if (!finding.allowed.empty() && text::has(text::Language::english, with_allowed))
-        return filled(language_, with_allowed, arguments_of(finding));
+        return filled_message(language_, with_allowed, finding_arguments(finding));
     const std::string code = finding.code + ".advice";
-    return text::has(text::Language::english, code) ? filled(language_, code, arguments_of(finding))
-                                                    : std::string();
+    return text::has(text::Language::english, code)
+               ? filled_message(language_, code, finding_arguments(finding))
+               : std::string();
 }
 
 std::string Texts::describe(const Error& error) const {

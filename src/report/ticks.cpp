@@ -9,7 +9,6 @@
 namespace takt::report {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kMinute = 60;
 constexpr std::int64_t kHour = 60 * kMinute;
 constexpr std::int64_t kDay = 24 * kHour;
@@ -20,16 +19,17 @@ constexpr std::array kTimeSteps{
     2 * kDay,        7 * kDay,        28 * kDay,       91 * kDay,        364 * kDay};
 
 std::int64_t offset_from_utc(std::int64_t time_ns) {
-    const auto seconds = static_cast<std::time_t>(time_ns / kSecond);
+    const auto seconds = static_cast<std::time_t>(time_ns / kNanosecondsPerSecond);
     std::tm fields{};
     ::localtime_r(&seconds, &fields);
-    return fields.tm_gmtoff * kSecond;
+    return fields.tm_gmtoff * kNanosecondsPerSecond;
 }
 
 std::int64_t step_for(std::int64_t length_ns, std::size_t most) {
     for (const std::int64_t step : kTimeSteps)
-        if (length_ns / (step * kSecond) <= static_cast<std::int64_t>(most)) return step * kSecond;
-    return kTimeSteps.back() * kSecond;
+        if (length_ns / (step * kNanosecondsPerSecond) <= static_cast<std::int64_t>(most))
+            return step * kNanosecondsPerSecond;
+    return kTimeSteps.back() * kNanosecondsPerSecond;
 }
 
 double value_step(double length, std::size_t most) {
@@ -60,7 +60,7 @@ std::vector<TimeTick> time_ticks(const store::HistoryRange& range, std::size_t m
     std::int64_t before = INT64_MIN;
     for (; time <= range.to_ns && ticks.size() <= most; before = time, time += step) {
         auto text = short_time_text(time, before);
-        if (step >= kMinute * kSecond) text.resize(text.size() - 3);  // without seconds
+        if (step >= kMinute * kNanosecondsPerSecond) text.resize(text.size() - 3);  // without seconds
         ticks.push_back({time, std::move(text)});
     }
     return ticks;

@@ -15,11 +15,11 @@ namespace {
 using plan::Bar;
 using plan::Part;
 
-constexpr std::size_t kMostRows = 64;
+constexpr std::size_t kMostStripRows = 64;
 constexpr double kLeastTickDistance = 62;  // pixels
 constexpr double kLeastWidthOfParts = 3;   // pixels of a bar that shows them
 constexpr double kLeastWidthOfEdge = 12;   // pixels of a bar set off from the one before it
-constexpr const char* kStyles[plan::kParts] = {"silence", "request", "turnaround", "response", "pause"};
+constexpr const char* kPartStyles[plan::kParts] = {"silence", "request", "turnaround", "response", "pause"};
 
 /// 1, 2 or 5 times a power of ten, so that ticks keep their distance.
 double tick_step(double milliseconds) {
@@ -53,7 +53,7 @@ Strip::Strip(Svg& svg, const Texts& texts, const model::Project& project, const 
     std::set<std::size_t> drawn;
     for (const Bar& bar : bars) drawn.insert(plan.requests[bar.request].device);
     for (const auto& request : plan.requests) {
-        if (rows_.size() == kMostRows || !drawn.erase(request.device)) continue;
+        if (rows_.size() == kMostStripRows || !drawn.erase(request.device)) continue;
         const std::size_t index = rows_.size();
         rows_[request.device].index = index;
     }
@@ -169,7 +169,7 @@ void Strip::draw_parts(const Bar& bar, double y, Legend& legend) {
         const double inset = part == Part::pause ? 0.5 : 0;
         svg_.rect(
             {left + inset, y + inset, std::max(right - left - 2 * inset, 0.0), shape_.bar_height - 2 * inset},
-            kStyles[i], fmt::format(" data-ns=\"{}\"", length.count()));
+            kPartStyles[i], fmt::format(" data-ns=\"{}\"", length.count()));
         legend.pause = legend.pause || part == Part::pause;
     }
 }
@@ -190,7 +190,7 @@ std::string Strip::tooltip(const Bar& bar) const {
         const auto part = static_cast<Part>(i);
         const Duration length = bar.end_of(part) - bar.begin_of(part);
         if (length == Duration::zero()) continue;
-        parts += (parts.empty() ? "" : ", ") + texts_(std::string("app.svg.") + kStyles[i]) + ' ' +
+        parts += (parts.empty() ? "" : ", ") + texts_(std::string("app.svg.") + kPartStyles[i]) + ' ' +
                  milliseconds_text(length);
     }
     std::string text = fmt::format("{} {}  {}\n{}\n", device.name, device.address.value,

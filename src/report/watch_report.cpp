@@ -18,8 +18,9 @@ namespace {
 
 using Align = TextTable::Align;
 
-constexpr std::size_t kLeastRows = 8;    // of a screen
-constexpr std::size_t kOtherRows = 3;    // of the screen: the heading of the table, the keys, and the cursor
+constexpr std::size_t kLeastWatchRows = 8;  // of a screen
+constexpr std::size_t kWatchFrameRows =
+    3;                                   // of the screen: the heading of the table, the keys, and the cursor
 constexpr std::size_t kFailureRows = 4;  // at most
 
 /// The text in lines of at most `width` characters, broken at blanks.
@@ -34,7 +35,7 @@ void append_wrapped(std::vector<std::string>& lines, const std::string& text, st
     lines.push_back(fitted(line, width));
 }
 
-std::string time_text(const bus::TimeStatistics& time, Duration value) {
+std::string measured_time_text(const bus::TimeStatistics& time, Duration value) {
     return time.count() == 0 ? std::string("–") : milliseconds_text(value);
 }
 
@@ -117,7 +118,7 @@ std::vector<std::string> WatchReport::table(const Screen& screen, Instant now,
                                             std::span<const FailedRequest> failures,
                                             LiveSelection& selection) const {
     const std::size_t width = screen.columns - 1;
-    const std::size_t rows = std::max(screen.rows, kLeastRows) - kOtherRows;
+    const std::size_t rows = std::max(screen.rows, kLeastWatchRows) - kWatchFrameRows;
     std::vector<std::string> lines{heading(statistics, failures), statistics_text(statistics)};
     std::vector<std::string> below;
     const std::size_t most = std::min(kFailureRows, rows - lines.size() - 1);
@@ -164,9 +165,9 @@ std::string WatchReport::statistics_text(const WatchStatistics& statistics) cons
     return texts_("app.watch.statistics", {{"samples", std::to_string(statistics.samples)},
                                            {"answers", std::to_string(time.count())},
                                            {"errors", std::to_string(statistics.errors)},
-                                           {"min", time_text(time, time.min())},
-                                           {"mean", time_text(time, time.mean())},
-                                           {"max", time_text(time, time.max())}});
+                                           {"min", measured_time_text(time, time.min())},
+                                           {"mean", measured_time_text(time, time.mean())},
+                                           {"max", measured_time_text(time, time.max())}});
 }
 
 std::string reason_text(const Texts& texts, const Error& error) {

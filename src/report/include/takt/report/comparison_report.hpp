@@ -33,6 +33,9 @@ struct ComparedRow {
 };
 [[nodiscard]] std::vector<ComparedRow> compared_rows(const Texts& texts, const plan::Comparison& comparison);
 
+/// "12.3", "250": a rate, with a decimal below 100.
+[[nodiscard]] std::string per_second_text(double rate);
+
 /// "-29 %"
 [[nodiscard]] std::string saving_text(double percent);
 

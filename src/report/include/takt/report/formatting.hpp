@@ -18,6 +18,7 @@ namespace takt::report {
 
 /// For JSON.
 [[nodiscard]] double milliseconds(Duration duration);
+[[nodiscard]] double microseconds(Duration duration);
 
 /// "12.3 %". @param share  of 1
 [[nodiscard]] std::string percent_text(double share);
@@ -53,5 +54,11 @@ void set_availability(file::Json& object, const poll::Availability& availability
 
 /// "0x03"
 [[nodiscard]] std::string function_text(wire::Function function);
+
+/// The function code; null if there is no function.
+[[nodiscard]] file::Json function_json(const std::optional<wire::Function>& function);
+
+/// A cell of CSV (RFC 4180): in quotes if it holds a quote, the separator or an end of line.
+[[nodiscard]] std::string csv_cell(std::string_view text, char separator);
 
 }  // namespace takt::report

@@ -8,6 +8,8 @@
 
 namespace takt::report {
 
+inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+
 /// Parses a time. Accepted: "now"; "-2h", "-1.5d": before now, in ms, s, m, h, d or w;
 /// "2026-11-24", "2026-11-24T10:00", with seconds, with a fraction, with "Z" or "+02:00". Without "Z" or an
 /// offset the time is local.

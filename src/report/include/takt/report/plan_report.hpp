@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "takt/base/time.hpp"
 #include "takt/file/json.hpp"
 #include "takt/host/project_file.hpp"
 #include "takt/plan/applied_measures.hpp"
@@ -36,6 +38,18 @@ struct TableStyle {
 /// "rs485-1 (rtu, 38400 bit/s): 7 requests instead of 13, …"
 [[nodiscard]] std::string line_heading(const Texts& texts, const model::Project& project,
                                        const plan::LinePlan& planned);
+
+/// What makes a master send a request. An empty name: no trigger.
+struct RequestCauses {
+    std::optional<Duration> period;
+    Duration phase{};
+    std::string read_trigger;
+    bool on_change = false;
+    std::string write_trigger;
+};
+
+/// "1000 ms +300, on change": the causes, separated by commas; empty if there are none.
+[[nodiscard]] std::string causes_text(const Texts& texts, const RequestCauses& causes);
 
 /// The causes of a request: its period, its triggers, changes of its values.
 [[nodiscard]] std::string when_text(const Texts& texts, const model::Project& project,
