@@ -20,10 +20,9 @@ namespace {
 using host::Command;
 using value::CommandResult;
 
-constexpr Duration kExpires = std::chrono::seconds(5);
+constexpr Duration kCommandExpires = std::chrono::seconds(5);
 constexpr Duration kOutcomeLimit = std::chrono::seconds(12);  // longer than a set waits
-constexpr Duration kSlice = std::chrono::milliseconds(100);
-constexpr std::size_t kMostBody = 64 << 10;
+constexpr Duration kOutcomeSlice = std::chrono::milliseconds(100);
 
 /// The body of a command.
 struct Asked {
@@ -32,25 +31,21 @@ struct Asked {
     std::string value;
 };
 
-std::string text_of(const file::Json* value) {
+std::string scalar_text(const file::Json* value) {
     if (!value || value->is_null()) return {};
     if (const auto* const text = std::get_if<std::string>(&value->value())) return *text;
     return value->dump();
 }
 
 std::optional<Asked> asked_of(const ApiRequest& request) {
-    const auto body = file::Json::parse(request.body, kMostBody);
+    const auto body = file::Json::parse(request.body, kMostCommandBody);
     if (!body) return std::nullopt;
     const auto* const kind = body->find("kind");
     const auto* const variable = body->find("variable");
     if (!variable || !std::holds_alternative<std::string>(variable->value())) return std::nullopt;
-    return Asked{.kind = kind ? text_of(kind) : "write",
-                 .variable = text_of(variable),
-                 .value = text_of(body->find("value"))};
-}
-
-ApiResponse malformed(const ApiRequest& request) {
-    return ApiResponse::error(400, "body", request.texts("web.error.body"));
+    return Asked{.kind = kind ? scalar_text(kind) : "write",
+                 .variable = scalar_text(variable),
+                 .value = scalar_text(body->find("value"))};
 }
 
 ApiResponse unknown_variable(const ApiRequest& request, const std::string& name) {
@@ -127,11 +122,11 @@ public:
     /// Blocks until the outcome is there. @returns timed_out; the errors of submit()
     Result<host::Outcome> send(Command command) {
         static_cast<void>(session_->configuration());
-        command.expires = line::now() + kExpires;
+        command.expires = line::now() + kCommandExpires;
         TAKT_CHECK(session_->submit(command));
         const Instant limit = line::now() + kOutcomeLimit;
         while (line::now() < limit && !stopping_) {
-            session_->wait(kSlice);
+            session_->wait(kOutcomeSlice);
             if (auto outcome = session_->next_outcome()) return *std::move(outcome);
         }
         return fail(Code::timed_out, "command", kOutcomeLimit / std::chrono::milliseconds(1));
@@ -145,16 +140,16 @@ private:
 ApiResponse command_response(const HostAccess& host, EventLog& log, const std::atomic<bool>& stopping,
                              const ApiRequest& request) {
     const auto asked = asked_of(request);
-    if (!asked) return malformed(request);
+    if (!asked) return malformed_body(request);
     const bool trigger = asked->kind == "trigger";
-    if (!trigger && asked->kind != "set" && asked->kind != "write") return malformed(request);
+    if (!trigger && asked->kind != "set" && asked->kind != "write") return malformed_body(request);
     auto session = host.open_session({.events = false});
     if (!session) return host_error(request, session.error());
     Sender sender(*std::move(session), stopping);
     const auto slot = sender.configuration().find(asked->variable);
     if (!slot) return unknown_variable(request, asked->variable);
     const auto info = sender.configuration().info(*slot);
-    if (trigger && (!info.local || info.type != DataType::boolean)) return malformed(request);
+    if (trigger && (!info.local || info.type != DataType::boolean)) return malformed_body(request);
     log.own(sender.id());
     Result<host::Outcome> outcome = fail(Code::unsupported);
     if (trigger) {
@@ -174,7 +169,7 @@ ApiResponse command_response(const HostAccess& host, EventLog& log, const std::a
 
 ApiResponse preview_response(const HostAccess& host, const ApiRequest& request) {
     const auto asked = asked_of(request);
-    if (!asked) return malformed(request);
+    if (!asked) return malformed_body(request);
     const auto snapshot = take_snapshot(host, {.values = true, .statistics = true, .plan = true});
     if (!snapshot) return host_error(request, snapshot.error());
     const auto& configuration = *snapshot->configuration;
@@ -211,12 +206,12 @@ std::optional<value::SlotId> slot_of_device(const host::Configuration& configura
     return std::nullopt;
 }
 
-ApiResponse probe_response(const HostAccess& host, const std::atomic<bool>& stopping,
-                           const ApiRequest& request) {
-    const auto body = file::Json::parse(request.body, kMostBody);
-    const auto line = body ? text_of(body->find("line")) : std::string();
-    const auto device = body ? text_of(body->find("device")) : std::string();
-    if (device.empty()) return malformed(request);
+ApiResponse device_probe_response(const HostAccess& host, const std::atomic<bool>& stopping,
+                                  const ApiRequest& request) {
+    const auto body = file::Json::parse(request.body, kMostCommandBody);
+    const auto line = body ? scalar_text(body->find("line")) : std::string();
+    const auto device = body ? scalar_text(body->find("device")) : std::string();
+    if (device.empty()) return malformed_body(request);
     auto session = host.open_session({.events = false});
     if (!session) return host_error(request, session.error());
     Sender sender(*std::move(session), stopping);
@@ -249,7 +244,7 @@ std::vector<ApiRoute> command_routes(const HostAccess& host, EventLog& log,
         {post, "/commands/preview", false,
          [&](const ApiRequest& request) { return preview_response(host, request); }},
         {post, "/devices/probe", true,
-         [&](const ApiRequest& request) { return probe_response(host, stopping, request); }},
+         [&](const ApiRequest& request) { return device_probe_response(host, stopping, request); }},
     };
 }
 

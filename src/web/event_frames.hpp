@@ -8,9 +8,13 @@
 #include <memory>
 #include <string>
 
+#include "takt/base/time.hpp"
 #include "takt/text/language.hpp"
 
 namespace takt::web {
+
+/// Of a stream without events: then a comment is sent, so that a lost connection is noticed.
+inline constexpr Duration kKeepAliveInterval = std::chrono::seconds(10);
 
 using SharedText = std::shared_ptr<const std::string>;
 

@@ -12,8 +12,8 @@
 namespace takt::web {
 namespace {
 
-constexpr std::size_t kMostOwn = 512;   // sessions of the API; each serves one request
-constexpr int kMostEvents = 1'000'000;  // in a tick
+constexpr std::size_t kMostOwnSessions = 512;  // sessions of the API; each serves one request
+constexpr int kMostLoggedEvents = 1'000'000;   // in a tick
 
 }  // namespace
 
@@ -36,7 +36,7 @@ void EventLog::end() {
 void EventLog::own(host::SessionId session) {
     const std::lock_guard lock(mutex_);
     own_.push_back(session);
-    if (own_.size() > kMostOwn) own_.pop_front();
+    if (own_.size() > kMostOwnSessions) own_.pop_front();
 }
 
 bool EventLog::is_own(host::SessionId session) const {
@@ -64,7 +64,7 @@ void EventLog::work() {
 
 void EventLog::read_events() {
     messages_ = 0;
-    for (int count = 0; count < kMostEvents; ++count) {
+    for (int count = 0; count < kMostLoggedEvents; ++count) {
         const auto event = session_->next_event();
         if (!event) break;
         if (!std::holds_alternative<host::ValueChanged>(event->body)) add(*event);

@@ -20,7 +20,7 @@ using model::Kind;
 using model::Object;
 
 template <class Words>
-std::optional<std::size_t> index_of(const Words& words, std::string_view word) {
+std::optional<std::size_t> word_index(const Words& words, std::string_view word) {
     const auto found = std::ranges::find(words, word);
     if (found == words.end()) return std::nullopt;
     return static_cast<std::size_t>(found - words.begin());
@@ -29,19 +29,19 @@ std::optional<std::size_t> index_of(const Words& words, std::string_view word) {
 /// The context of the query; unknown words count as missing. The framing follows the transport.
 Context context_of(const ApiRequest& request) {
     Context context;
-    if (const auto profile = index_of(model::kProfiles, request.parameter("profile")))
+    if (const auto profile = word_index(model::kProfiles, request.parameter("profile")))
         context.profile = static_cast<model::Profile>(*profile);
-    if (const auto transport = index_of(model::kTransports, request.parameter("transport")))
+    if (const auto transport = word_index(model::kTransports, request.parameter("transport")))
         context.transport = static_cast<model::Transport>(*transport);
     if (context.transport == model::Transport::tcp) context.framing = wire::Framing::tcp;
-    if (const auto framing = index_of(model::kFramings, request.parameter("framing")))
+    if (const auto framing = word_index(model::kFramings, request.parameter("framing")))
         context.framing = static_cast<wire::Framing>(*framing);
     return context;
 }
 
 using Keys = std::map<std::string_view, std::string>;
 
-std::string text_of(bool flag) {
+std::string bool_word(bool flag) {
     return flag ? "true" : "false";
 }
 
@@ -81,7 +81,7 @@ public:
 private:
     void take(const model::Project& project) {
         texts_[Object::project] = {{"profile", "generic"},
-                                   {"derive_timeouts", text_of(project.derive_timeouts)}};
+                                   {"derive_timeouts", bool_word(project.derive_timeouts)}};
     }
 
     void take(const model::Output& output) {
@@ -141,15 +141,15 @@ private:
             {"round_trip", model::to_text(device.round_trip)},
             {"attempts", std::to_string(device.attempts)},
             {"in_flight", std::to_string(device.in_flight)},
-            {"group_requests", text_of(device.group_requests)},
+            {"group_requests", bool_word(device.group_requests)},
             {"registers_per_request", std::to_string(device.registers_per_request)},
             {"strategy", word_of(model::kStrategies, model::device_defaults(context.profile).strategy)},
             {"gaps", word_of(model::kGaps, device.gaps)},
-            {"fc22", text_of(device.fc22)},
-            {"fc23", text_of(device.fc23)},
-            {"read_modify_write", text_of(device.read_modify_write)},
-            {"high_byte_first", text_of(device.order.high_byte_first)},
-            {"high_register_first", text_of(device.order.high_register_first)},
+            {"fc22", bool_word(device.fc22)},
+            {"fc23", bool_word(device.fc23)},
+            {"read_modify_write", bool_word(device.read_modify_write)},
+            {"high_byte_first", bool_word(device.order.high_byte_first)},
+            {"high_register_first", bool_word(device.order.high_register_first)},
         };
     }
 

@@ -18,20 +18,19 @@ namespace {
 
 using store::HistoryReader;
 using store::HistorySeriesInfo;
-using Arguments = report::Texts::Arguments;
 
-ApiResponse refused(const ApiRequest& request, int status, std::string_view code,
-                    const Arguments& arguments = {}) {
+ApiResponse history_refusal(const ApiRequest& request, int status, std::string_view code,
+                            const report::Texts::Arguments& arguments = {}) {
     return ApiResponse::error(status, code, request.texts("web.history." + std::string(code), arguments));
 }
 
-ApiResponse failed(const ApiRequest& request, const Error& error) {
+ApiResponse history_failure(const ApiRequest& request, const Error& error) {
     return ApiResponse::error(error.code == Code::not_found ? 404 : 500, "history",
                               request.texts.describe(error));
 }
 
 template <class Number>
-std::optional<Number> parsed(std::string_view text) {
+std::optional<Number> parsed_number(std::string_view text) {
     Number number{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
@@ -39,92 +38,94 @@ std::optional<Number> parsed(std::string_view text) {
 }
 
 /// A history that is open for one request.
-struct Opened {
+struct OpenedHistory {
     HistoryReader reader;
     std::vector<HistorySeriesInfo> series;
 };
 
 /// The variables and the range of a query.
-struct Query {
+struct HistoryQuery {
     std::vector<HistorySeriesInfo> wanted;
     store::HistoryRange range;
 };
 
-std::expected<Opened, ApiResponse> opened(const HistoryApiOptions& options, const ApiRequest& request) {
+std::expected<OpenedHistory, ApiResponse> open_history(const HistoryApiOptions& options,
+                                                       const ApiRequest& request) {
     const auto configuration = options.configuration();
     if (configuration == nullptr || !has_history(configuration->project()))
-        return std::unexpected(refused(request, 404, "none"));
+        return std::unexpected(history_refusal(request, 404, "none"));
     auto reader = HistoryReader::open(publish::history_database(options.project_file));
-    if (!reader) return std::unexpected(failed(request, reader.error()));
+    if (!reader) return std::unexpected(history_failure(request, reader.error()));
     auto series = reader->series();
-    if (!series) return std::unexpected(failed(request, series.error()));
-    return Opened{*std::move(reader), *std::move(series)};
+    if (!series) return std::unexpected(history_failure(request, series.error()));
+    return OpenedHistory{*std::move(reader), *std::move(series)};
 }
 
-std::optional<std::int64_t> time_in(std::string_view text, std::string_view missing) {
+std::optional<std::int64_t> history_time_in(std::string_view text, std::string_view missing) {
     constexpr std::int64_t kNsPerMs = 1'000'000;
     constexpr std::int64_t kMost = 4'000'000'000'000;  // the year 2096
     if (text.empty()) text = missing;
-    if (const auto ms = parsed<std::int64_t>(text); ms && *ms >= 0 && *ms <= kMost) return *ms * kNsPerMs;
+    if (const auto ms = parsed_number<std::int64_t>(text); ms && *ms >= 0 && *ms <= kMost)
+        return *ms * kNsPerMs;
     const auto now = std::chrono::duration_cast<std::chrono::nanoseconds>(
         std::chrono::system_clock::now().time_since_epoch());
     return report::parse_history_time(text, now.count());
 }
 
-std::expected<Query, ApiResponse> query_of(const ApiRequest& request, const Opened& history) {
-    Query query;
+std::expected<HistoryQuery, ApiResponse> query_of(const ApiRequest& request, const OpenedHistory& history) {
+    HistoryQuery query;
     const auto [begin, end] = request.query.equal_range("variable");
     for (auto it = begin; it != end; ++it) {
         const auto known =
             std::ranges::find(history.series, it->second, [](const auto& info) { return info.series.name; });
         if (known == history.series.end())
-            return std::unexpected(refused(request, 404, "unknown", {{"name", it->second}}));
+            return std::unexpected(history_refusal(request, 404, "unknown", {{"name", it->second}}));
         query.wanted.push_back(*known);
     }
     if (query.wanted.empty() || query.wanted.size() > kMostHistoryVariables)
         return std::unexpected(
-            refused(request, 400, "variables", {{"allowed", std::to_string(kMostHistoryVariables)}}));
-    const auto from = time_in(request.parameter("from"), "-1h");
-    const auto to = time_in(request.parameter("to"), "now");
-    if (!from || !to || *from >= *to) return std::unexpected(refused(request, 400, "range"));
+            history_refusal(request, 400, "variables", {{"allowed", std::to_string(kMostHistoryVariables)}}));
+    const auto from = history_time_in(request.parameter("from"), "-1h");
+    const auto to = history_time_in(request.parameter("to"), "now");
+    if (!from || !to || *from >= *to) return std::unexpected(history_refusal(request, 400, "range"));
     query.range = {*from, *to};
     return query;
 }
 
 ApiResponse series(const HistoryApiOptions& options, const ApiRequest& request) {
-    auto history = opened(options, request);
+    auto history = open_history(options, request);
     if (!history) return std::move(history.error());
     std::vector<report::HistoryListEntry> entries;
     for (const auto& info : history->series) {
         const auto extent = history->reader.extent(info.id);
-        if (!extent) return failed(request, extent.error());
+        if (!extent) return history_failure(request, extent.error());
         entries.push_back({info.series, *extent});
     }
     return ApiResponse::json(report::history_list_json(entries));
 }
 
 ApiResponse picture(const HistoryApiOptions& options, const ApiRequest& request) {
-    auto history = opened(options, request);
+    auto history = open_history(options, request);
     if (!history) return std::move(history.error());
     const auto query = query_of(request, *history);
     if (!query) return query.error();
     const auto given = request.parameter("pixels");
-    const auto pixels = given.empty() ? std::optional<std::size_t>(800) : parsed<std::size_t>(given);
+    const auto pixels = given.empty() ? std::optional<std::size_t>(800) : parsed_number<std::size_t>(given);
     if (!pixels || *pixels < 1 || *pixels > kMostHistoryPixels)
-        return refused(request, 400, "pixels", {{"allowed", std::to_string(kMostHistoryPixels)}});
+        return history_refusal(request, 400, "pixels", {{"allowed", std::to_string(kMostHistoryPixels)}});
     std::vector<report::HistoryView> views;
     for (const auto& info : query->wanted) {
         auto drawn = history->reader.picture(info.id, query->range, *pixels);
-        if (!drawn) return failed(request, drawn.error());
+        if (!drawn) return history_failure(request, drawn.error());
         auto last = history->reader.before(info.id, query->range.to_ns);
-        if (!last) return failed(request, last.error());
+        if (!last) return history_failure(request, last.error());
         views.push_back({info.series, *std::move(drawn), *std::move(last)});
     }
     return ApiResponse::json(report::history_json(views, query->range));
 }
 
 ApiResponse table(const HistoryApiOptions& options, const ApiRequest& request) {
-    auto history = opened(options, request);
+    auto history = open_history(options, request);
     if (!history) return std::move(history.error());
     const auto query = query_of(request, *history);
     if (!query) return query.error();
@@ -139,8 +140,9 @@ ApiResponse table(const HistoryApiOptions& options, const ApiRequest& request) {
                 response.body += report::history_csv_row(info.series, sample);
                 return fits = ++rows <= kMostHistoryRows && response.body.size() <= kMostHistoryBytes;
             });
-        if (!read) return failed(request, read.error());
-        if (!fits) return refused(request, 422, "rows", {{"allowed", std::to_string(kMostHistoryRows)}});
+        if (!read) return history_failure(request, read.error());
+        if (!fits)
+            return history_refusal(request, 422, "rows", {{"allowed", std::to_string(kMostHistoryRows)}});
     }
     return response;
 }

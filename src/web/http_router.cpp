@@ -68,7 +68,7 @@ private:
     const std::string& peer_;
 };
 
-std::optional<std::string> field(const httplib::Request& request, const char* name) {
+std::optional<std::string> header_field(const httplib::Request& request, const char* name) {
     if (!request.has_header(name)) return std::nullopt;
     return request.get_header_value(name);
 }
@@ -85,13 +85,13 @@ text::Language language_of(const httplib::Request& request, text::Language other
 }
 
 /// What passes between reply() and the handler that cpp-httplib calls inside, on one thread.
-struct Exchange {
+struct HttpExchange {
     std::string body;
     bool gzip = false;
     std::unique_ptr<StreamSource> stream;
 };
 
-thread_local Exchange* current = nullptr;
+thread_local HttpExchange* current = nullptr;
 
 bool is_utf8(std::string_view text) {
     while (!text.empty()) {
@@ -191,12 +191,12 @@ std::optional<Refusal> HttpRouter::Impl::check(const httplib::Request& request, 
     GuardedRequest guarded{.api = request.path.starts_with("/api"),
                            .reads = method_of(request.method) == Method::get,
                            .changes = changes,
-                           .host = field(request, "Host"),
-                           .origin = field(request, "Origin"),
-                           .fetch_site = field(request, "Sec-Fetch-Site"),
-                           .mark = field(request, "X-Takt"),
-                           .content_type = field(request, "Content-Type"),
-                           .authorization = field(request, "Authorization"),
+                           .host = header_field(request, "Host"),
+                           .origin = header_field(request, "Origin"),
+                           .fetch_site = header_field(request, "Sec-Fetch-Site"),
+                           .mark = header_field(request, "X-Takt"),
+                           .content_type = header_field(request, "Content-Type"),
+                           .authorization = header_field(request, "Authorization"),
                            .parameters = request.params.size()};
     if (request.has_param("token")) guarded.query_token = request.get_param_value("token");
     for (const auto& [name, value] : request.params)
@@ -280,7 +280,7 @@ HttpRouter::HttpRouter(GuardPolicy policy, text::Language language, std::vector<
 HttpRouter::~HttpRouter() = default;
 
 HttpReply HttpRouter::reply(HttpRequest request) const {
-    Exchange exchange{.body = std::move(request.body)};
+    HttpExchange exchange{.body = std::move(request.body)};
     current = &exchange;
     bool closed = false;
     auto text = impl_->process(request, closed);

@@ -13,7 +13,7 @@ using file::Json;
 
 constexpr std::array<std::string_view, 5> kKinds{"variables", "locals", "served", "list", "devices"};
 
-Json rows_of(const model::Node& rows) {
+Json table_rows(const model::Node& rows) {
     Json::Array all;
     for (const auto& row : rows.items) {
         Json::Object cells;
@@ -37,7 +37,7 @@ ApiResponse import_table(const ApiRequest& request) {
     const auto& table = read.tables.front();
     auto object = Json::object();
     object.set("kind", kKinds[static_cast<std::size_t>(table.kind)]);
-    object.set("rows", rows_of(table.rows));
+    object.set("rows", table_rows(table.rows));
     object.set("findings",
                report::findings_json(request.texts, read.loaded.document.files, read.loaded.findings));
     return ApiResponse::json(object, read.loaded.readable ? 200 : 422);

@@ -12,11 +12,10 @@
 namespace takt::web {
 namespace {
 
-constexpr Duration kKeepAlive = std::chrono::seconds(10);
-constexpr int kMostNotices = 20;        // in a tick
-constexpr int kMostEvents = 1'000'000;  // likewise
+constexpr int kMostNotices = 20;            // in a tick
+constexpr int kMostLiveEvents = 1'000'000;  // likewise
 
-std::size_t index_of(text::Language language) {
+std::size_t language_index(text::Language language) {
     return static_cast<std::size_t>(language);
 }
 
@@ -43,7 +42,7 @@ public:
         : shared_(std::move(shared)), language_(language) {}
     ~Stream() override {
         const std::lock_guard lock(shared_->mutex);
-        --shared_->streams[index_of(language_)];
+        --shared_->streams[language_index(language_)];
     }
 
     bool take(std::string& out) override {
@@ -96,7 +95,7 @@ std::unique_ptr<StreamSource> LiveHub::open(text::Language language) {
     {
         const std::lock_guard lock(shared_->mutex);
         if (shared_->ended || shared_->count() >= kMostStreams) return nullptr;
-        ++shared_->streams[index_of(language)];
+        ++shared_->streams[language_index(language)];
         shared_->list_wanted = true;
     }
     shared_->changed.notify_all();
@@ -172,13 +171,13 @@ void LiveHub::tick() {
     if (!session_) return;
     if (values_->changed()) push(event_text("values", values_->take_rows_text(now)));
     if (values_->read()) push(event_text("reads", values_->take_reads_text(now)));
-    if (now - last_frame_ >= kKeepAlive) push(": keep-alive\n\n");
+    if (now - last_frame_ >= kKeepAliveInterval) push(": keep-alive\n\n");
     make_list();
     poke_();
 }
 
 void LiveHub::read_events() {
-    for (int count = 0; count < kMostEvents; ++count) {
+    for (int count = 0; count < kMostLiveEvents; ++count) {
         const auto event = session_->next_event();
         if (!event) break;
         const bool current = event->generation == values_->configuration()->generation();
@@ -201,14 +200,15 @@ void LiveHub::put_notice(const host::Event& event) {
     const auto wanted = languages();
     FrameTexts texts;
     for (const auto language : text::kLanguages) {
-        if (!wanted[index_of(language)]) continue;
+        if (!wanted[language_index(language)]) continue;
         auto line = report::event_text(report::Texts(language), *values_->configuration(), event);
         if (line.empty()) return;
         auto object = file::Json::object();
         object.set("time", WallTime().ms(event.t));
         object.set("severity", severity_of(event));
         object.set("text", std::move(line));
-        texts[index_of(language)] = std::make_shared<const std::string>(event_text("notice", object.dump()));
+        texts[language_index(language)] =
+            std::make_shared<const std::string>(event_text("notice", object.dump()));
     }
     push(std::move(texts));
 }
@@ -229,9 +229,10 @@ void LiveHub::push_status(const host::Snapshot& snapshot) {
     const auto wanted = languages();
     FrameTexts texts;
     for (const auto language : text::kLanguages) {
-        if (!wanted[index_of(language)]) continue;
+        if (!wanted[language_index(language)]) continue;
         const auto status = status_object(report::Texts(language), snapshot, host_);
-        texts[index_of(language)] = std::make_shared<const std::string>(event_text("status", status.dump()));
+        texts[language_index(language)] =
+            std::make_shared<const std::string>(event_text("status", status.dump()));
     }
     push(std::move(texts));
 }

@@ -18,17 +18,6 @@ const value::VariableIndex* variable_index(const value::ProjectSlots::Owner& own
     return std::get_if<value::VariableIndex>(&owner);
 }
 
-file::Json milliseconds_or_null(const std::optional<Duration>& time) {
-    return time ? file::Json(report::milliseconds(*time)) : file::Json();
-}
-
-std::optional<Duration> proved_age(const host::Configuration& configuration,
-                                   const value::VariableIndex& index) {
-    const auto& ages = configuration.plan().lines.at(index.line).ages;
-    if (index.device >= ages.size() || index.variable >= ages[index.device].size()) return std::nullopt;
-    return ages[index.device][index.variable];
-}
-
 void set_variable(file::Json& object, const host::Configuration& configuration,
                   const value::VariableIndex& index) {
     const auto& line = configuration.project().lines[index.line];
@@ -51,6 +40,17 @@ std::string_view unit_of(const value::SlotInfo& info, const model::Variable* var
 }
 
 }  // namespace
+
+file::Json milliseconds_or_null(const std::optional<Duration>& time) {
+    return time ? file::Json(report::milliseconds(*time)) : file::Json();
+}
+
+std::optional<Duration> proved_age(const host::Configuration& configuration,
+                                   const value::VariableIndex& index) {
+    const auto& ages = configuration.plan().lines.at(index.line).ages;
+    if (index.device >= ages.size() || index.variable >= ages[index.device].size()) return std::nullopt;
+    return ages[index.device][index.variable];
+}
 
 LiveValues::LiveValues(const host::Snapshot& snapshot)
     : configuration_(snapshot.configuration),

@@ -58,6 +58,13 @@ private:
     std::vector<std::uint32_t> read_;     // ascending; may be in changed_ as well
 };
 
+/// For JSON; null without a time.
+[[nodiscard]] file::Json milliseconds_or_null(const std::optional<Duration>& time);
+
+/// The age that the plan proves for a variable; nothing: it proves none.
+[[nodiscard]] std::optional<Duration> proved_age(const host::Configuration& configuration,
+                                                 const value::VariableIndex& index);
+
 /// The registers of a variable that hold a value; null for coils and where there is no value.
 [[nodiscard]] file::Json raw_json(const model::Variable& variable, const value::Value& value);
 

@@ -26,14 +26,14 @@ constexpr std::string_view kFormat = R"({"takt":"marks",)";
 constexpr std::array<std::string_view, 3> kSeverities{"info", "warning", "error"};
 
 template <class Type>
-const Type* part(const file::Json& object, std::string_view key) {
+const Type* member_of(const file::Json& object, std::string_view key) {
     const auto* const found = object.find(key);
     return found == nullptr ? nullptr : std::get_if<Type>(&found->value());
 }
 
 /// A version, or a time in milliseconds since 1970. The parser makes positive numbers unsigned.
 std::optional<std::int64_t> number_in(const file::Json& object, std::string_view key) {
-    const auto* const number = part<std::uint64_t>(object, key);
+    const auto* const number = member_of<std::uint64_t>(object, key);
     if (number == nullptr || *number > kMostNumber) return std::nullopt;
     return static_cast<std::int64_t>(*number);
 }
@@ -46,7 +46,7 @@ std::string heading(std::int64_t since_ms) {
     return object.dump() + '\n';
 }
 
-std::string line_of(const Mark& mark) {
+std::string mark_line(const Mark& mark) {
     auto object = file::Json::object();
     object.set("time", mark.time_ms);
     object.set("kind", mark.kind == Mark::Kind::command ? "command" : "message");
@@ -62,8 +62,8 @@ std::optional<Mark> mark_of(std::string_view line) {
     const auto object = file::Json::parse(line, kMostLine);
     if (!object) return std::nullopt;
     const auto time = number_in(*object, "time");
-    const auto* const kind = part<std::string>(*object, "kind");
-    const auto* const severity = part<std::string>(*object, "severity");
+    const auto* const kind = member_of<std::string>(*object, "kind");
+    const auto* const severity = member_of<std::string>(*object, "severity");
     if (!time || kind == nullptr || severity == nullptr) return std::nullopt;
     if (std::ranges::find(kSeverities, *severity) == kSeverities.end()) return std::nullopt;
     Mark mark{.time_ms = *time, .severity = *severity};
@@ -71,10 +71,10 @@ std::optional<Mark> mark_of(std::string_view line) {
         mark.kind = Mark::Kind::command;
     else if (*kind != "message")
         return std::nullopt;
-    if (const auto* const outcome = part<std::string>(*object, "outcome")) mark.outcome = *outcome;
-    if (const auto* const origin = part<std::string>(*object, "origin")) mark.origin = *origin;
+    if (const auto* const outcome = member_of<std::string>(*object, "outcome")) mark.outcome = *outcome;
+    if (const auto* const origin = member_of<std::string>(*object, "origin")) mark.origin = *origin;
     for (const auto language : text::kLanguages) {
-        const auto* const text = part<std::string>(*object, text::tag(language));
+        const auto* const text = member_of<std::string>(*object, text::tag(language));
         if (text == nullptr) return std::nullopt;
         mark.texts[static_cast<std::size_t>(language)] = *text;
     }
@@ -93,14 +93,14 @@ struct Contents {
 void read_heading(Contents& contents, std::string_view line) {
     const auto object = file::Json::parse(line, kMostLine);
     if (!object) return;
-    const auto* const format = part<std::string>(*object, "takt");
+    const auto* const format = member_of<std::string>(*object, "takt");
     const auto version = number_in(*object, "version");
     if (format == nullptr || *format != "marks" || !version) return;
     contents.newer = *version > kVersion;
     contents.since_ms = number_in(*object, "since");
 }
 
-// A power cut leaves a part of the last line, or zeros after the last line.
+// A power cut leaves a member_of of the last line, or zeros after the last line.
 Contents contents_of(std::string_view bytes) {
     Contents contents;
     bytes = bytes.substr(0, bytes.find_last_not_of('\0') + 1);
@@ -192,7 +192,7 @@ Result<void> MarkFile::cut_to(std::size_t size) {
 Result<void> MarkFile::append(std::span<const Mark> marks) {
     if (!is_unchanged()) return fail(Code::replaced, path_);
     std::string text;
-    for (const auto& mark : marks) text += line_of(mark);
+    for (const auto& mark : marks) text += mark_line(mark);
     if (!os::write_all(file_.get(), text) || ::fdatasync(file_.get()) != 0) {
         const int number = errno;
         TAKT_CHECK(cut_to(size_));
@@ -206,7 +206,7 @@ Result<void> MarkFile::append(std::span<const Mark> marks) {
 Result<void> MarkFile::write_anew(std::int64_t since_ms, std::span<const Mark> marks) {
     std::vector<std::string> lines;
     std::size_t bytes = 0;
-    for (const auto& mark : marks) bytes += lines.emplace_back(line_of(mark)).size();
+    for (const auto& mark : marks) bytes += lines.emplace_back(mark_line(mark)).size();
     auto first = lines.begin();
     for (; bytes > kMostBytes / 2; ++first) {
         bytes -= first->size();

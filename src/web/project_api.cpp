@@ -36,25 +36,26 @@ constexpr std::size_t kMostBodyBytes = 2 * file::kMaxFileBytes;
 /// Ends an evaluation from inside its progress report.
 struct Superseded {};
 
-ApiResponse refused(const ApiRequest& request, int status, std::string_view code,
-                    const report::Texts::Arguments& arguments = {}) {
+ApiResponse project_refusal(const ApiRequest& request, int status, std::string_view code,
+                            const report::Texts::Arguments& arguments = {}) {
     return ApiResponse::error(status, code, request.texts("web.project." + std::string(code), arguments));
 }
 
-ApiResponse failed(const ApiRequest& request, const Error& error) {
+ApiResponse project_failure(const ApiRequest& request, const Error& error) {
     return ApiResponse::error(error.code == Code::not_found ? 404 : 500, "file",
                               request.texts.describe(error));
 }
 
-ApiResponse failed(const ApiRequest& request, const EditError& error) {
+ApiResponse project_failure(const ApiRequest& request, const EditError& error) {
     constexpr std::array<std::string_view, 5> kCodes{"unreadable", "layout", "origin", "too_large",
                                                      "differs"};
-    return refused(request, 422, kCodes[static_cast<std::size_t>(error.kind)], {{"subject", error.subject}});
+    return project_refusal(request, 422, kCodes[static_cast<std::size_t>(error.kind)],
+                           {{"subject", error.subject}});
 }
 
 /// The body of a request.
 
-struct Sent {
+struct SentProject {
     Json object;
     Node document;  ///< with the origins of items
 
@@ -69,19 +70,20 @@ struct Sent {
     }
 };
 
-std::expected<Sent, ApiResponse> sent_in(const ApiRequest& request, const Node* original) {
+std::expected<SentProject, ApiResponse> sent_in(const ApiRequest& request, const Node* original) {
     auto object = Json::parse(request.body, kMostBodyBytes);
-    if (!object) return std::unexpected(refused(request, 400, "malformed", {{"subject", "JSON"}}));
+    if (!object) return std::unexpected(project_refusal(request, 400, "malformed", {{"subject", "JSON"}}));
     const auto* const json = object->find("document");
     if (json == nullptr)
-        return std::unexpected(refused(request, 400, "malformed", {{"subject", "document"}}));
+        return std::unexpected(project_refusal(request, 400, "malformed", {{"subject", "document"}}));
     auto document = file::document_of(*json, original);
     if (!document)
-        return std::unexpected(document.error().code == Code::too_long
-                                   ? refused(request, 422, "too_large")
-                                   : refused(request, 400, "malformed",
-                                             {{"subject", std::string(document.error().subject.view())}}));
-    return Sent{*std::move(object), *std::move(document)};
+        return std::unexpected(
+            document.error().code == Code::too_long
+                ? project_refusal(request, 422, "too_large")
+                : project_refusal(request, 400, "malformed",
+                                  {{"subject", std::string(document.error().subject.view())}}));
+    return SentProject{*std::move(object), *std::move(document)};
 }
 
 const Node* root_of(const SavedPtr& saved) {
@@ -112,9 +114,9 @@ struct ProjectApi::Impl {
     /// A handler of the project's file.
     ApiHandler with_file(Handler handler) {
         return [this, handler](const ApiRequest& request) -> ApiResponse {
-            if (options.file.empty()) return refused(request, 404, "none");
+            if (options.file.empty()) return project_refusal(request, 404, "none");
             const auto saved = disk.read();
-            if (!saved) return failed(request, saved.error());
+            if (!saved) return project_failure(request, saved.error());
             return (this->*handler)(request, *saved);
         };
     }
@@ -141,7 +143,7 @@ struct ProjectApi::Impl {
         const auto begin = std::chrono::steady_clock::now();
         EvaluationQueue::Turn turn(evaluations,
                                    request.peer + ' ' + std::string(request.parameter("client")));
-        if (!turn.begin()) return refused(request, 409, "superseded");
+        if (!turn.begin()) return project_refusal(request, 409, "superseded");
         auto sent = sent_in(request, root_of(saved));
         if (!sent) return std::move(sent.error());
         try {
@@ -150,7 +152,7 @@ struct ProjectApi::Impl {
             object.set("took_ms", took.count());
             return ApiResponse::json(object);
         } catch (const Superseded&) {
-            return refused(request, 409, "superseded");
+            return project_refusal(request, 409, "superseded");
         }
     }
 
@@ -178,7 +180,7 @@ struct ProjectApi::Impl {
 
     /// The body of a request, and the text of the file with its changes.
     struct Edited {
-        Sent sent;
+        SentProject sent;
         std::string text;
     };
 
@@ -186,9 +188,10 @@ struct ProjectApi::Impl {
         auto sent = sent_in(request, root_of(saved));
         if (!sent) return std::unexpected(std::move(sent.error()));
         if (sent->text("revision") != saved->revision)
-            return std::unexpected(refused(request, 409, "changed_on_disk", {{"file", options.file}}));
+            return std::unexpected(
+                project_refusal(request, 409, "changed_on_disk", {{"file", options.file}}));
         auto text = file::patched_project(saved->text, sent->document);
-        if (!text) return std::unexpected(failed(request, text.error()));
+        if (!text) return std::unexpected(project_failure(request, text.error()));
         return Edited{*std::move(sent), *std::move(text)};
     }
 
@@ -210,12 +213,12 @@ struct ProjectApi::Impl {
                                         restricted_reader(options.file, saved->alone.document.root));
         const auto path = sent->text("path");
         if (const auto* const error = first_error(read.findings))
-            return refused(request, 422, "take_over", {{"subject", request.texts.message(*error)}});
+            return project_refusal(request, 422, "take_over", {{"subject", request.texts.message(*error)}});
         const auto written = file::read_project_text(options.file, file::write_project(read.document));
         const auto taken = written.readable ? taken_over(*sent->object.find("document"),
                                                          file::document_json(written.document.root), path)
                                             : std::nullopt;
-        if (!taken) return refused(request, 422, "take_over", {{"subject", path}});
+        if (!taken) return project_refusal(request, 422, "take_over", {{"subject", path}});
         auto object = Json::object();
         object.set("path", taken->path);
         object.set("value", taken->value);
@@ -225,12 +228,12 @@ struct ProjectApi::Impl {
     ApiResponse save(const ApiRequest& request, const SavedPtr&) {
         const std::scoped_lock one_at_a_time(saving);
         const auto saved = disk.read();
-        if (!saved) return failed(request, saved.error());
+        if (!saved) return project_failure(request, saved.error());
         auto wanted = edited(request, *saved);
         if (!wanted) return std::move(wanted.error());
         const auto& old = (*saved)->alone.document.root;
         if (const auto key = new_protected_key(old, wanted->sent.document); !key.empty())
-            return refused(request, 403, "protected_key", {{"key", key}, {"file", options.file}});
+            return project_refusal(request, 403, "protected_key", {{"key", key}, {"file", options.file}});
         auto read = file::load_text(options.file, wanted->text, restricted_reader(options.file, old));
         const TemplateParts shifted(wanted->sent.document, read.document.root);
         auto loaded = host::interpreted(std::move(read));
@@ -241,7 +244,7 @@ struct ProjectApi::Impl {
         auto findings = report::findings_json(request.texts, loaded.files, shown);
         if (loaded.has_errors()) return not_valid(request, std::move(findings));
         if (const auto written = write((*saved)->text, wanted->text); !written)
-            return failed(request, written.error());
+            return project_failure(request, written.error());
         auto object = Json::object();
         object.set("revision", revision_of(wanted->text));
         object.set("backup", wanted->text == (*saved)->text ? Json() : Json(options.file + "~"));

@@ -39,7 +39,7 @@ std::size_t count_of(const Node* list) {
     return list == nullptr ? 0 : list->items.size();
 }
 
-Json rows_of(const Node* list, std::size_t count) {
+Json list_rows(const Node* list, std::size_t count) {
     Json::Array rows;
     for (std::size_t i = 0; i < std::min(count, count_of(list)); ++i) {
         auto row = Json::object();
@@ -60,7 +60,7 @@ Json read_only_parts(const Node& alone, const Node& complete, const std::string&
         auto part = Json::object();
         part.set("path", path);
         part.set("file", (folder / name->text).lexically_normal().string());
-        part.set("rows", rows_of(list, count));
+        part.set("rows", list_rows(list, count));
         parts.push_back(std::move(part));
     };
     const Visit visit = [&](const std::string& path, const Node& own, const Node& whole) {

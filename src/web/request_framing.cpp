@@ -5,6 +5,7 @@
 #include <charconv>
 #include <set>
 
+#include "lower_ascii.hpp"
 #include "takt/base/ascii.hpp"
 
 namespace takt::web {
@@ -28,13 +29,6 @@ bool is_token(std::string_view text) {
 bool is_printable(std::string_view text) {
     return std::ranges::all_of(
         text, [](char c) { return c == '\t' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7F); });
-}
-
-std::string lower(std::string_view text) {
-    std::string result(text);
-    for (auto& c : result)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
-    return result;
 }
 
 std::string_view take_line(std::string_view& rest) {
@@ -67,7 +61,7 @@ public:
         if (++count_ > limits_.fields) return 431;
         const auto colon = text.find(':');
         if (colon == std::string_view::npos || !is_token(text.substr(0, colon))) return 400;
-        return field(lower(text.substr(0, colon)), trimmed(text.substr(colon + 1), " \t"));
+        return field(lower_ascii(text.substr(0, colon)), trimmed(text.substr(colon + 1), " \t"));
     }
 
     RequestHead head;
@@ -76,12 +70,12 @@ private:
     int field(const std::string& name, std::string_view value) {
         const bool known = std::ranges::find(kKnown, name) != kKnown.end();
         if (name == "transfer-encoding") return 501;
-        if (name == "content-encoding" && lower(value) != "identity") return 415;
+        if (name == "content-encoding" && lower_ascii(value) != "identity") return 415;
         if (!known && name != "content-length" && name != "expect") return 0;
         if (!seen_.insert(name).second) return 400;
         if (name == "content-length") return content_length(value);
         if (name == "expect") {
-            head.expects_continue = lower(value) == "100-continue";
+            head.expects_continue = lower_ascii(value) == "100-continue";
             return head.expects_continue ? 0 : 417;
         }
         head.text.append(name).append(": ").append(value).append("\r\n");

@@ -4,18 +4,12 @@
 
 #include <algorithm>
 
+#include "lower_ascii.hpp"
 #include "takt/base/ascii.hpp"
 #include "takt/base/assert.hpp"
 
 namespace takt::web {
 namespace {
-
-std::string lower(std::string_view text) {
-    std::string result(text);
-    for (auto& c : result)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
-    return result;
-}
 
 bool is_ipv4(const std::string& text) {
     in_addr address{};
@@ -28,7 +22,7 @@ std::optional<in6_addr> ipv6(const std::string& text) {
     return address;
 }
 
-bool is_name(std::string_view text) {
+bool is_host_name(std::string_view text) {
     return !text.empty() && text.size() <= 253 && std::ranges::all_of(text, [](char c) {
         return is_digit(c) || (c >= 'a' && c <= 'z') || c == '-' || c == '.' || c == '_';
     });
@@ -54,14 +48,14 @@ std::optional<std::string> host_name(std::string_view host) {
         const auto end = host.find(']');
         if (end == std::string_view::npos) return std::nullopt;
         const auto rest = host.substr(end + 1);
-        auto address = lower(host.substr(1, end - 1));
+        auto address = lower_ascii(host.substr(1, end - 1));
         if (!ipv6(address) || !(rest.empty() || (rest[0] == ':' && is_port(rest.substr(1)))))
             return std::nullopt;
         return address;
     }
     const auto colon = host.find(':');
-    auto name = lower(host.substr(0, colon));
-    if (!is_name(name) || (colon != std::string_view::npos && !is_port(host.substr(colon + 1))))
+    auto name = lower_ascii(host.substr(0, colon));
+    if (!is_host_name(name) || (colon != std::string_view::npos && !is_port(host.substr(colon + 1))))
         return std::nullopt;
     return name;
 }
@@ -82,14 +76,15 @@ bool RequestGuard::is_own_host(std::string_view host) const {
     if (std::ranges::find(policy_.names, *name) != policy_.names.end()) return true;
     if (policy_.address.empty() || policy_.address == "0.0.0.0" || policy_.address == "::")
         return is_ipv4(*name) || ipv6(*name).has_value();
-    return *name == lower(policy_.address);
+    return *name == lower_ascii(policy_.address);
 }
 
 bool RequestGuard::has_token(const GuardedRequest& request) const {
     constexpr std::string_view kScheme = "bearer ";
     if (request.authorization) {
         const auto& text = *request.authorization;
-        if (text.size() <= kScheme.size() || lower(text.substr(0, kScheme.size())) != kScheme) return false;
+        if (text.size() <= kScheme.size() || lower_ascii(text.substr(0, kScheme.size())) != kScheme)
+            return false;
         return equal_in_constant_time(policy_.token, std::string_view(text).substr(kScheme.size()));
     }
     return request.reads && request.query_token &&
@@ -98,7 +93,7 @@ bool RequestGuard::has_token(const GuardedRequest& request) const {
 
 std::optional<Refusal> RequestGuard::check(const GuardedRequest& request) const {
     if (!request.host || !is_own_host(*request.host)) return Refusal{421, "host"};
-    if (request.origin && lower(*request.origin) != "http://" + lower(*request.host))
+    if (request.origin && lower_ascii(*request.origin) != "http://" + lower_ascii(*request.host))
         return Refusal{403, "origin"};
     if (!request.api) return std::nullopt;
     if (request.fetch_site && *request.fetch_site != "same-origin" && *request.fetch_site != "none")
@@ -110,7 +105,7 @@ std::optional<Refusal> RequestGuard::check(const GuardedRequest& request) const 
     if (request.changes && !policy_.allow_write) return Refusal{403, "read_only"};
     if (request.mark != "1") return Refusal{403, "mark"};
     const auto type = request.content_type.value_or("");
-    if (lower(trimmed(std::string_view(type).substr(0, type.find(';')))) != "application/json")
+    if (lower_ascii(trimmed(std::string_view(type).substr(0, type.find(';')))) != "application/json")
         return Refusal{415, "content"};
     return std::nullopt;
 }

@@ -17,7 +17,6 @@
 namespace takt::web {
 namespace {
 
-constexpr std::size_t kMostBody = 64 << 10;
 constexpr Duration kLeastTimeout = std::chrono::milliseconds(10);
 constexpr Duration kLongestTimeout = std::chrono::seconds(10);
 constexpr std::int64_t kMostProbeRequests = 4096;                 // for each area
@@ -25,10 +24,6 @@ constexpr Duration kSerialWait = std::chrono::milliseconds(200);  // for a unit 
 constexpr Duration kTcpWait = std::chrono::milliseconds(500);
 constexpr Duration kLongestScanWait = std::chrono::seconds(10);  // for a polled line to have time
 constexpr Duration kLongestProbeWait = std::chrono::seconds(2);
-
-ApiResponse malformed(const ApiRequest& request) {
-    return ApiResponse::error(400, "body", request.texts("web.error.body"));
-}
 
 ApiResponse unusable(const ApiRequest& request, const Error& error) {
     return ApiResponse::error(422, name(error.code), request.texts.describe(error));
@@ -81,8 +76,8 @@ std::vector<std::string> texts_at(const file::Json& body, std::string_view key) 
 }
 
 /// The answer to targets that may not be opened; nothing: all may.
-std::optional<ApiResponse> refused(const ApiRequest& request, const model::Project& project,
-                                   const model::Line& line) {
+std::optional<ApiResponse> line_refusal(const ApiRequest& request, const model::Project& project,
+                                        const model::Line& line) {
     if (line.transport == model::Transport::serial && !is_port_name(line.port))
         return ApiResponse::error(422, "port", request.texts("web.search.port", {{"port", line.port}}));
     if (const auto* const user = line_with_endpoint(project, line))
@@ -202,8 +197,8 @@ ApiResponse line_scan_response(DeviceSearch& search, const HostAccess& host, con
 }
 
 ApiResponse scan_response(DeviceSearch& search, const HostAccess& host, const ApiRequest& request) {
-    const auto body = file::Json::parse(request.body, kMostBody);
-    if (!body || texts_at(*body, "targets").empty()) return malformed(request);
+    const auto body = file::Json::parse(request.body, kMostCommandBody);
+    if (!body || texts_at(*body, "targets").empty()) return malformed_body(request);
     if (const auto name = line_name(texts_at(*body, "targets").front()))
         return line_scan_response(search, host, request, *body, *name);
     auto order = scan_order(*body);
@@ -215,7 +210,7 @@ ApiResponse scan_response(DeviceSearch& search, const HostAccess& host, const Ap
                           {{"count", std::to_string(visits)}, {"limit", std::to_string(kMostVisits)}}));
     const auto configuration = host.configuration();
     for (const auto& [target, config] : order->targets)
-        if (auto answer = refused(request, configuration->project(), target.settings.front()))
+        if (auto answer = line_refusal(request, configuration->project(), target.settings.front()))
             return *std::move(answer);
     return started(search.start(*std::move(order)), search, host, request);
 }
@@ -241,10 +236,10 @@ Result<discover::DeviceProbeConfig> probe_config(const file::Json& body) {
     return config;
 }
 
-ApiResponse probe_response(DeviceSearch& search, const HostAccess& host, const ApiRequest& request) {
-    const auto body = file::Json::parse(request.body, kMostBody);
+ApiResponse search_probe_response(DeviceSearch& search, const HostAccess& host, const ApiRequest& request) {
+    const auto body = file::Json::parse(request.body, kMostCommandBody);
     const auto unit = body ? number_at(*body, "unit") : std::nullopt;
-    if (!unit) return malformed(request);
+    if (!unit) return malformed_body(request);
     if (*unit < 0 || *unit > 255)
         return unusable(request, fail(Code::out_of_range, "unit", *unit, 0, 255).error());
     const auto timeout = timeout_of(*body);
@@ -268,7 +263,7 @@ ApiResponse probe_response(DeviceSearch& search, const HostAccess& host, const A
     ProbeOrder order{.line = target->as_line(), .unit = UnitId{static_cast<std::uint8_t>(*unit)}};
     order.config = *config;
     order.timeout = timeout->value_or(order.timeout);
-    if (auto answer = refused(request, host.configuration()->project(), order.line))
+    if (auto answer = line_refusal(request, host.configuration()->project(), order.line))
         return *std::move(answer);
     return started(search.start(std::move(order)), search, host, request);
 }
@@ -283,7 +278,7 @@ std::vector<ApiRoute> search_routes(DeviceSearch& search, const HostAccess& host
         {post, "/search/scan", true,
          [&](const ApiRequest& request) { return scan_response(search, host, request); }},
         {post, "/search/probe", true,
-         [&](const ApiRequest& request) { return probe_response(search, host, request); }},
+         [&](const ApiRequest& request) { return search_probe_response(search, host, request); }},
         {post, "/search/cancel", true,
          [&](const ApiRequest& request) {
              search.cancel();

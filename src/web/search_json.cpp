@@ -16,13 +16,13 @@
 namespace takt::web {
 namespace {
 
-using State = DeviceSearch::State;
+using SearchState = DeviceSearch::State;
 
 std::string target_of(const std::string& project_line) {
     return std::string(kLineTarget) + project_line;
 }
 
-std::string_view word(DeviceSearch::Kind kind) {
+std::string_view search_kind_word(DeviceSearch::Kind kind) {
     switch (kind) {
         case DeviceSearch::Kind::none: return "none";
         case DeviceSearch::Kind::scan: return "scan";
@@ -56,7 +56,7 @@ file::Json document_of_text(const std::string& text) {
     return without(without, json);
 }
 
-const file::Json::Array& list_of(const file::Json& object, std::string_view key) {
+const file::Json::Array& array_member(const file::Json& object, std::string_view key) {
     static const file::Json::Array kNone;
     const auto* const found = object.find(key);
     const auto* const list = found ? std::get_if<file::Json::Array>(&found->value()) : nullptr;
@@ -77,7 +77,7 @@ struct Nodes {
     file::Json device;
 };
 
-discover::DeviceProbes probes_of(const State& state) {
+discover::DeviceProbes probes_of(const SearchState& state) {
     discover::DeviceProbes probes;
     for (const auto& device : state.findings.devices)
         for (const auto& probed : state.probed)
@@ -86,15 +86,15 @@ discover::DeviceProbes probes_of(const State& state) {
     return probes;
 }
 
-std::map<const discover::FoundDevice*, Nodes> nodes_of(const report::Texts& texts, const State& state) {
+std::map<const discover::FoundDevice*, Nodes> nodes_of(const report::Texts& texts, const SearchState& state) {
     std::map<const discover::FoundDevice*, Nodes> nodes;
     if (state.findings.devices.empty()) return nodes;
     const auto probes = probes_of(state);
     const auto document = document_of_text(report::scan_project(texts, state.findings, probes));
     const auto project = discover::found_project(state.findings, probes);
-    const auto& lines = list_of(document, "lines");
+    const auto& lines = array_member(document, "lines");
     for (std::size_t l = 0; l < project.lines.size() && l < lines.size(); ++l) {
-        const auto& devices = list_of(lines[l], "devices");
+        const auto& devices = array_member(lines[l], "devices");
         for (std::size_t d = 0; d < project.lines[l].found.size() && d < devices.size(); ++d)
             nodes.emplace(project.lines[l].found[d], Nodes{without_devices(lines[l]), devices[d]});
     }
@@ -102,7 +102,8 @@ std::map<const discover::FoundDevice*, Nodes> nodes_of(const report::Texts& text
 }
 
 /// The line of the project that something was found on: by its name, if the search went through it.
-const model::Line* line_of(const model::Project& project, const std::string& name, const model::Line& found) {
+const model::Line* line_of_device(const model::Project& project, const std::string& name,
+                                  const model::Line& found) {
     if (name.empty()) return line_with_endpoint(project, found);
     const auto line = std::ranges::find(project.lines, name, &model::Line::name);
     return line == project.lines.end() ? nullptr : &*line;
@@ -115,16 +116,16 @@ file::Json known_device(const model::Line* line, UnitId unit) {
     return device == line->devices.end() ? file::Json() : file::Json(device->name);
 }
 
-file::Json devices_json(const report::Texts& texts, const State& state, const model::Project& project,
+file::Json devices_json(const report::Texts& texts, const SearchState& state, const model::Project& project,
                         const file::Json& scanned) {
     const auto nodes = nodes_of(texts, state);
-    const auto& entries = list_of(scanned, "devices");
+    const auto& entries = array_member(scanned, "devices");
     auto list = file::Json::array();
     for (std::size_t i = 0; i < state.findings.devices.size(); ++i) {
         const auto& device = state.findings.devices[i];
         auto object = entries[i];
         object.set("identity", report::identity_text(device.unit.identity));
-        const auto* const line = line_of(project, state.project_line, device.line);
+        const auto* const line = line_of_device(project, state.project_line, device.line);
         if (!state.project_line.empty()) object.set("target", target_of(state.project_line));
         object.set("line", line ? file::Json(line->name) : file::Json());
         object.set("known_as", known_device(line, device.unit.unit));
@@ -147,7 +148,7 @@ file::Json probed_json(const report::Texts& texts, const DeviceSearch::Probed& p
     auto object = report::probe_json(probed.findings, run);
     object.set("text", report::probe_text(probed.findings));
     object.set("summary", report::probe_summary(texts, probed.findings, run));
-    const auto* const line = line_of(project, probed.project_line, probed.line);
+    const auto* const line = line_of_device(project, probed.project_line, probed.line);
     if (!probed.project_line.empty()) object.set("target", target_of(probed.project_line));
     object.set("line", line ? file::Json(line->name) : file::Json());
     object.set("known_as", known_device(line, probed.unit));
@@ -169,13 +170,13 @@ const model::Line* line_with_endpoint(const model::Project& project, const model
     return found == project.lines.end() ? nullptr : &*found;
 }
 
-file::Json search_json(const report::Texts& texts, const State& state,
+file::Json search_json(const report::Texts& texts, const SearchState& state,
                        const host::Configuration& configuration) {
     const auto& project = configuration.project();
     const auto scanned = report::scan_json(texts, state.findings);
     auto object = file::Json::object();
     object.set("id", state.id);
-    object.set("kind", word(state.kind));
+    object.set("kind", search_kind_word(state.kind));
     object.set("running", state.running);
     object.set("cancelled", state.cancelled);
     object.set("elapsed_ms", report::milliseconds(state.elapsed));

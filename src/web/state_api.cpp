@@ -106,6 +106,10 @@ Result<host::Snapshot> take_snapshot(const HostAccess& host, const host::Snapsho
     return session->snapshot(parts, std::chrono::seconds(3));
 }
 
+ApiResponse malformed_body(const ApiRequest& request) {
+    return ApiResponse::error(400, "body", request.texts("web.error.body"));
+}
+
 ApiResponse host_error(const ApiRequest& request, const Error& error) {
     return ApiResponse::error(503, name(error.code), request.texts.describe(error));
 }

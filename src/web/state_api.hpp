@@ -21,6 +21,12 @@ struct ProgramInfo {
 /// @param host, info  outlive the routes
 [[nodiscard]] std::vector<ApiRoute> state_routes(const HostAccess& host, const ProgramInfo& info);
 
+/// Bytes of the body of a command or of a search.
+inline constexpr std::size_t kMostCommandBody = 64 << 10;
+
+/// The answer to a body that is not the JSON that the route takes: 400.
+[[nodiscard]] ApiResponse malformed_body(const ApiRequest& request);
+
 /// The answer to an error of the host: 503.
 [[nodiscard]] ApiResponse host_error(const ApiRequest& request, const Error& error);
 

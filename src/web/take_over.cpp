@@ -17,7 +17,7 @@ constexpr std::string_view kParameters = "parameters";
 constexpr std::string_view kVariables = "variables";
 
 /// The value at "lines[0].devices[2].variables"; nullptr: there is none.
-const Json* at(const Json& root, std::string_view path) {
+const Json* node_at(const Json& root, std::string_view path) {
     const Json* its = &root;
     while (its != nullptr && !path.empty()) {
         if (path.starts_with('[')) {
@@ -53,7 +53,7 @@ Json as_new(const Json& json) {
     return Json(std::move(copy));
 }
 
-bool is_name(const Json* json) {
+bool is_name_text(const Json* json) {
     return json != nullptr && std::holds_alternative<std::string>(json->value());
 }
 
@@ -89,18 +89,18 @@ Json device_without_template(const Json& own, const Json& complete) {
 }  // namespace
 
 std::optional<TakenOver> taken_over(const Json& own, const Json& complete, std::string_view path) {
-    if (!is_name(at(own, path))) return std::nullopt;
+    if (!is_name_text(node_at(own, path))) return std::nullopt;
     const auto dot = path.rfind('.');
     const auto key = path.substr(dot == std::string_view::npos ? 0 : dot + 1);
     if (key == kVariables || path == "locals") {
-        const auto* const list = at(complete, path);
+        const auto* const list = node_at(complete, path);
         if (list == nullptr || !std::holds_alternative<Json::Array>(list->value())) return std::nullopt;
         return TakenOver{std::string(path), as_new(*list)};
     }
     if (key != kTemplate || dot == std::string_view::npos) return std::nullopt;
     const auto owner = path.substr(0, dot);
-    const auto* const mine = at(own, owner);
-    const auto* const whole = at(complete, owner);
+    const auto* const mine = node_at(own, owner);
+    const auto* const whole = node_at(complete, owner);
     if (mine == nullptr || whole == nullptr || !std::holds_alternative<Json::Object>(whole->value()))
         return std::nullopt;
     return TakenOver{std::string(owner), device_without_template(*mine, *whole)};

@@ -9,9 +9,8 @@
 namespace takt::web {
 namespace {
 
-constexpr auto kTick = std::chrono::milliseconds(100);
-constexpr Duration kKeepAlive = std::chrono::seconds(10);
-constexpr int kMostRecords = 1'000'000;  // in a tick
+constexpr auto kTrafficTick = std::chrono::milliseconds(100);
+constexpr int kMostTrafficRecords = 1'000'000;  // in a tick
 
 std::string missed_event(std::uint64_t count) {
     auto object = file::Json::object();
@@ -88,7 +87,7 @@ void TrafficHub::work() {
         if (!reader_) connect();
         if (reader_) tick();
         std::unique_lock lock(shared_->mutex);
-        if (shared_->changed.wait_for(lock, kTick, [this] { return shared_->ended; })) return;
+        if (shared_->changed.wait_for(lock, kTrafficTick, [this] { return shared_->ended; })) return;
     }
 }
 
@@ -121,7 +120,7 @@ void TrafficHub::tick() {
         const std::lock_guard lock(shared_->mutex);
         streamed = shared_->streams > 0;
     }
-    for (int count = 0; count < kMostRecords; ++count) {
+    for (int count = 0; count < kMostTrafficRecords; ++count) {
         const auto frame = reader_->next();
         if (!frame) break;
         {
@@ -138,7 +137,7 @@ void TrafficHub::tick() {
     const auto items = frames.size();
     if (items > 0) push(event_text("frames", file::Json(std::move(frames)).dump()), items);
     if (left_out > 0) push(missed_event(left_out), 0);
-    if (line::now() - last_frame_ >= kKeepAlive) push(": keep-alive\n\n", 0);
+    if (line::now() - last_frame_ >= kKeepAliveInterval) push(": keep-alive\n\n", 0);
     poke_();
 }
 
@@ -151,7 +150,7 @@ void TrafficHub::push(std::string text, std::size_t items) {
 Result<std::string> TrafficHub::capture() const {
     TAKT_TRY(auto session, host_.open_session({.events = false, .traffic = true, .from_beginning = true}));
     std::deque<host::TrafficRecord> last;
-    for (int count = 0; count < kMostRecords; ++count) {
+    for (int count = 0; count < kMostTrafficRecords; ++count) {
         auto record = session->next_traffic();
         if (!record) break;
         last.push_back(*std::move(record));

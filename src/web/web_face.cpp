@@ -30,15 +30,16 @@ ApiResponse capture_response(const TrafficHub& traffic, const ApiRequest& reques
 }
 
 /// Milliseconds since 1970; not a number: `missing`.
-std::int64_t time_in(std::string_view text, std::int64_t missing) {
+std::int64_t milliseconds_in(std::string_view text, std::int64_t missing) {
     std::int64_t ms = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ms);
     return error == std::errc() && end == text.data() + text.size() ? ms : missing;
 }
 
 ApiResponse events_response(const Marks& marks, const ApiRequest& request) {
-    return ApiResponse::json(marks.json(request.texts.language(), time_in(request.parameter("from"), 0),
-                                        time_in(request.parameter("to"), INT64_MAX)));
+    return ApiResponse::json(marks.json(request.texts.language(),
+                                        milliseconds_in(request.parameter("from"), 0),
+                                        milliseconds_in(request.parameter("to"), INT64_MAX)));
 }
 
 /// The registers of a variable as its last response had them.

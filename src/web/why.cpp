@@ -4,34 +4,35 @@
 #include <utility>
 #include <variant>
 
+#include "live_values.hpp"
 #include "takt/report/formatting.hpp"
 
 namespace takt::web {
 namespace {
 
-using Kind = WhyHop::Kind;
-using State = WhyHop::State;
+using HopKind = WhyHop::Kind;
+using HopState = WhyHop::State;
 
 constexpr double kBusy = 0.95;  // of the line: requests wait for each other
 
-std::string_view word(Kind kind) {
+std::string_view hop_kind_word(HopKind kind) {
     switch (kind) {
-        case Kind::enable: return "enable";
-        case Kind::period: return "period";
-        case Kind::trigger: return "trigger";
-        case Kind::queue: return "queue";
-        case Kind::line: return "line";
-        case Kind::device: return "device";
-        case Kind::back_off: return "back_off";
+        case HopKind::enable: return "enable";
+        case HopKind::period: return "period";
+        case HopKind::trigger: return "trigger";
+        case HopKind::queue: return "queue";
+        case HopKind::line: return "line";
+        case HopKind::device: return "device";
+        case HopKind::back_off: return "back_off";
     }
     return "";
 }
 
-std::string_view word(State state) {
+std::string_view hop_state_word(HopState state) {
     switch (state) {
-        case State::ok: return "ok";
-        case State::wait: return "wait";
-        case State::trouble: return "trouble";
+        case HopState::ok: return "ok";
+        case HopState::wait: return "wait";
+        case HopState::trouble: return "trouble";
     }
     return "";
 }
@@ -50,8 +51,8 @@ public:
           state_(snapshot.lines.at(index.line)) {}
 
     std::vector<WhyHop> hops() {
-        if (!variable_.read) return {{Kind::period, State::wait, "web.why.not_read"}};
-        if (!variable_.used) return {{Kind::period, State::wait, "web.why.not_used"}};
+        if (!variable_.read) return {{HopKind::period, HopState::wait, "web.why.not_read"}};
+        if (!variable_.used) return {{HopKind::period, HopState::wait, "web.why.not_used"}};
         enable();
         period();
         queue();
@@ -66,8 +67,8 @@ private:
         if (!device_.poll_enable) return;
         const auto slot = snapshot_.configuration->slots().local(*device_.poll_enable);
         const bool on = value::same(snapshot_.values.at(slot.value).value, true);
-        hops_.push_back({Kind::enable,
-                         on ? State::ok : State::wait,
+        hops_.push_back({HopKind::enable,
+                         on ? HopState::ok : HopState::wait,
                          on ? "web.why.enabled" : "web.why.switched_off",
                          {{"device", device_.name}, {"local", project_.locals[*device_.poll_enable].name}}});
     }
@@ -89,8 +90,8 @@ private:
 
     void period() {
         if (variable_.read_trigger)
-            hops_.push_back({Kind::trigger,
-                             is_polled() ? State::ok : State::wait,
+            hops_.push_back({HopKind::trigger,
+                             is_polled() ? HopState::ok : HopState::wait,
                              is_polled() ? "web.why.also_trigger" : "web.why.trigger",
                              {{"local", project_.locals[*variable_.read_trigger].name}}});
         if (!is_polled()) return;
@@ -99,16 +100,16 @@ private:
         const auto set = variable_.period;
         const auto real = measured ? measured->recent_period : Duration{};
         if (set == Duration{}) {
-            hops_.push_back({Kind::period,
-                             State::ok,
+            hops_.push_back({HopKind::period,
+                             HopState::ok,
                              "web.why.period_free",
                              {{"real", report::milliseconds_text(real)}},
                              real});
             return;
         }
         hops_.push_back(
-            {Kind::period,
-             overrun ? State::trouble : State::ok,
+            {HopKind::period,
+             overrun ? HopState::trouble : HopState::ok,
              overrun ? "web.why.overrun" : "web.why.period",
              {{"period", report::milliseconds_text(set)}, {"real", report::milliseconds_text(real)}},
              overrun ? real : set});
@@ -118,8 +119,8 @@ private:
         const auto& line = state_.statistics;
         const bool busy = line.recent_utilization >= kBusy;
         const auto cycle = line.measured_cycle > Duration{} ? line.measured_cycle : line.planned_cycle;
-        hops_.push_back({Kind::queue,
-                         busy ? State::trouble : State::ok,
+        hops_.push_back({HopKind::queue,
+                         busy ? HopState::trouble : HopState::ok,
                          busy ? "web.why.busy" : "web.why.queue",
                          {{"line", line_.name},
                           {"load", report::percent_text(line.recent_utilization)},
@@ -129,11 +130,11 @@ private:
 
     void link() {
         if (state_.up) {
-            hops_.push_back({Kind::line, State::ok, "web.why.connected", {{"line", line_.name}}});
+            hops_.push_back({HopKind::line, HopState::ok, "web.why.connected", {{"line", line_.name}}});
             return;
         }
-        hops_.push_back({.kind = Kind::line,
-                         .state = State::trouble,
+        hops_.push_back({.kind = HopKind::line,
+                         .state = HopState::trouble,
                          .text = state_.was_up ? "web.why.lost" : "web.why.never_connected",
                          .arguments = {{"line", line_.name}},
                          .error = state_.why});
@@ -143,27 +144,27 @@ private:
         if (!state_.up || index_.device >= state_.devices.size()) return;
         const auto& its = state_.devices[index_.device];
         const auto time = its.recent_time;
-        WhyHop hop{.kind = Kind::device,
+        WhyHop hop{.kind = HopKind::device,
                    .text = "web.why.answers",
                    .arguments = {{"device", device_.name}, {"time", report::milliseconds_text(time)}},
                    .time = time};
         if (its.state == poll::DeviceState::not_answering) {
-            hop = {.kind = Kind::device,
-                   .state = State::trouble,
+            hop = {.kind = HopKind::device,
+                   .state = HopState::trouble,
                    .text = "web.why.silent",
                    .arguments = {{"device", device_.name}},
                    .reason = its.failure};
         } else if (its.state == poll::DeviceState::unknown) {
-            hop = {.kind = Kind::device,
-                   .state = State::wait,
+            hop = {.kind = HopKind::device,
+                   .state = HopState::wait,
                    .text = "web.why.not_asked",
                    .arguments = {{"device", device_.name}}};
         } else if (value::is_exception(slot_.reason)) {
-            hop.state = State::trouble;
+            hop.state = HopState::trouble;
             hop.text = "web.why.refuses";
             hop.reason = slot_.reason;
         } else if (slot_.reason != value::Reason::ok && its.state == poll::DeviceState::answering) {
-            hop.state = State::trouble;
+            hop.state = HopState::trouble;
             hop.text = "web.why.fails";
             hop.reason = slot_.reason;
         } else if (its.state == poll::DeviceState::switched_off) {
@@ -177,8 +178,8 @@ private:
             state_.devices[index_.device].state != poll::DeviceState::not_answering)
             return;
         const auto pause = device_.backoff.value_or(project_.backoff);
-        hops_.push_back({Kind::back_off,
-                         State::wait,
+        hops_.push_back({HopKind::back_off,
+                         HopState::wait,
                          "web.why.back_off",
                          {{"device", device_.name},
                           {"first", report::seconds_text(pause.first)},
@@ -203,22 +204,11 @@ file::Json hop_json(const report::Texts& texts, WhyHop hop) {
         if (!hop.error) hop.arguments.emplace_back("error", "–");
     if (hop.reason) hop.arguments.emplace_back("reason", texts.quality(value::Quality::bad, *hop.reason));
     auto object = file::Json::object();
-    object.set("hop", word(hop.kind));
-    object.set("state", word(hop.state));
+    object.set("hop", hop_kind_word(hop.kind));
+    object.set("state", hop_state_word(hop.state));
     object.set("text", texts(hop.text, hop.arguments));
     if (hop.time && *hop.time > Duration{}) object.set("ms", report::milliseconds(*hop.time));
     return object;
-}
-
-std::optional<Duration> proved_age(const host::Configuration& configuration,
-                                   const value::VariableIndex& index) {
-    const auto& ages = configuration.plan().lines.at(index.line).ages;
-    if (index.device >= ages.size()) return std::nullopt;
-    return ages[index.device].at(index.variable);
-}
-
-file::Json milliseconds_or_null(const std::optional<Duration>& time) {
-    return time ? file::Json(report::milliseconds(*time)) : file::Json();
 }
 
 }  // namespace
@@ -227,7 +217,7 @@ std::vector<WhyHop> why(const host::Snapshot& snapshot, value::SlotId slot) {
     const auto owner = snapshot.configuration->slots().owner(slot);
     if (const auto* const index = std::get_if<value::VariableIndex>(&owner))
         return Way(snapshot, slot, *index).hops();
-    return {{Kind::period, State::ok, "web.why.local"}};
+    return {{HopKind::period, HopState::ok, "web.why.local"}};
 }
 
 file::Json why_json(const report::Texts& texts, const host::Snapshot& snapshot, value::SlotId slot) {
