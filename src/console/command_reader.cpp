@@ -6,16 +6,15 @@
 namespace takt::console {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";
 constexpr std::string_view kJson = "--json";
 
 /// Takes `--json` off the beginning of a line. @returns false: it does not begin so
 bool take_json(std::string& line) {
-    const std::string_view text = trimmed(line, kBlanks);
+    const std::string_view text = trimmed(line, kCommandBlanks);
     if (!text.starts_with(kJson)) return false;
     const std::string_view rest = text.substr(kJson.size());
-    if (rest.empty() || kBlanks.find(rest.front()) == std::string_view::npos) return false;
-    line = trimmed(rest, kBlanks);
+    if (rest.empty() || kCommandBlanks.find(rest.front()) == std::string_view::npos) return false;
+    line = trimmed(rest, kCommandBlanks);
     return true;
 }
 
@@ -49,7 +48,7 @@ std::size_t CommandReader::end(const Reply& reply) {
 }
 
 bool CommandReader::execute(Result<std::string> line, const Reply& asked) {
-    if (line && line->find_first_not_of(kBlanks) == std::string::npos) return false;
+    if (line && line->find_first_not_of(kCommandBlanks) == std::string::npos) return false;
     const Reply reply = line && take_json(*line) ? as_json(asked) : asked;
     const auto done = line ? execute_(*line, reply) : Result<void>(std::unexpected(line.error()));
     if (!done) reply(error_answer(texts_, done.error()));

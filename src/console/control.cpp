@@ -10,28 +10,26 @@
 namespace takt::console {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";
-
-constexpr std::string_view kUsage =
+constexpr std::string_view kControlUsage =
     "status, list, values [PATTERN], get NAME, set NAME VALUE, write NAME VALUE, quit";
 
-std::unexpected<Error> wrong(std::string_view part, std::string_view right) {
+std::unexpected<Error> wrong_syntax(std::string_view part, std::string_view right) {
     return fail(Code::syntax, value::beside_allowed(part, right));
 }
 
 /// Takes the first word, or the first text in double quotes, off `rest`.
-Result<std::string> take_word(std::string_view& rest) {
-    rest = trimmed(rest, kBlanks);
+Result<std::string> take_control_word(std::string_view& rest) {
+    rest = trimmed(rest, kCommandBlanks);
     if (rest.starts_with('"')) {
         const auto end = rest.find('"', 1);
-        if (end == std::string_view::npos) return wrong(rest, "\"…\"");
+        if (end == std::string_view::npos) return wrong_syntax(rest, "\"…\"");
         std::string word(rest.substr(1, end - 1));
-        rest = trimmed(rest.substr(end + 1), kBlanks);
+        rest = trimmed(rest.substr(end + 1), kCommandBlanks);
         return word;
     }
-    const auto end = std::min(rest.find_first_of(kBlanks), rest.size());
+    const auto end = std::min(rest.find_first_of(kCommandBlanks), rest.size());
     std::string word(rest.substr(0, end));
-    rest = trimmed(rest.substr(end), kBlanks);
+    rest = trimmed(rest.substr(end), kCommandBlanks);
     return word;
 }
 
@@ -58,16 +56,16 @@ constexpr std::array kVerbs{
 
 Result<ControlCommand> parse_control(std::string_view line) {
     std::string_view rest = line;
-    TAKT_TRY(const std::string word, take_word(rest));
+    TAKT_TRY(const std::string word, take_control_word(rest));
     const auto* known = std::ranges::find(kVerbs, word, &KnownVerb::word);
-    if (known == kVerbs.end()) return wrong(word, kUsage);
+    if (known == kVerbs.end()) return wrong_syntax(word, kControlUsage);
     ControlCommand command{known->verb, {}, {}};
     if (known->words != Words::none) {
-        TAKT_TRY(command.name, take_word(rest));
-        if (command.name.empty() && known->words != Words::pattern) return wrong(line, kUsage);
+        TAKT_TRY(command.name, take_control_word(rest));
+        if (command.name.empty() && known->words != Words::pattern) return wrong_syntax(line, kControlUsage);
     }
     const bool takes_value = known->words == Words::name_and_value;
-    if (takes_value == rest.empty()) return wrong(line, kUsage);
+    if (takes_value == rest.empty()) return wrong_syntax(line, kControlUsage);
     command.value = rest;
     return command;
 }

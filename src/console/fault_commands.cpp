@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "takt/base/ascii.hpp"
 #include "takt/report/value_json.hpp"
 #include "takt/text/escape.hpp"
 #include "takt/value/text.hpp"
@@ -11,26 +12,19 @@
 namespace takt::console {
 namespace {
 
-constexpr std::string_view kUsage =
+constexpr std::string_view kFaultUsage =
     "fault add [NAME:]FAULT, fault clear [NAME], fault list, set NAME VALUE, get NAME, quit";
-constexpr std::string_view kUsageWithoutNames = "fault add FAULT, fault clear, fault list, quit";
+constexpr std::string_view kFaultUsageWithoutNames = "fault add FAULT, fault clear, fault list, quit";
 constexpr std::string_view kFaults =
     "silence, delay=50ms..2s, exception=1..255, bad_crc, wrong_unit, cut; :10% or @10s behind it";
 constexpr std::string_view kVariableFaults =
     "silence, delay=50ms..2s, exception=1..255; the others with a device";
 
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view kBlanks = " \t\r";
-    const auto first = text.find_first_not_of(kBlanks);
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
 /// Takes the first word off `text`.
-std::string_view take_word(std::string_view& text) {
-    text = trimmed(text);
+std::string_view take_fault_word(std::string_view& text) {
+    text = trimmed(text, kCommandBlanks);
     const auto word = text.substr(0, text.find_first_of(" \t"));
-    text = trimmed(text.substr(word.size()));
+    text = trimmed(text.substr(word.size()), kCommandBlanks);
     return word;
 }
 
@@ -62,7 +56,7 @@ public:
 
     Result<void> execute(const std::string& line, const Reply& reply) const {
         std::string_view rest = line;
-        const auto command = take_word(rest);
+        const auto command = take_fault_word(rest);
         if (command == "fault") return fault(line, rest, reply);
         if (!devices_->empty() && (command == "set" || command == "get"))
             return value(command == "set", line, reply);
@@ -75,11 +69,11 @@ public:
 private:
     [[nodiscard]] Result<void> wrong(const std::string& line) const {
         return fail(Code::syntax,
-                    value::beside_allowed(line, devices_->empty() ? kUsageWithoutNames : kUsage));
+                    value::beside_allowed(line, devices_->empty() ? kFaultUsageWithoutNames : kFaultUsage));
     }
 
     Result<void> fault(const std::string& line, std::string_view rest, const Reply& reply) const {
-        const auto verb = take_word(rest);
+        const auto verb = take_fault_word(rest);
         if (verb == "add" && !rest.empty())
             TAKT_CHECK(add(rest));
         else if (verb == "clear" && (rest.empty() || !devices_->empty()))
@@ -104,9 +98,9 @@ private:
         Error error = fail(Code::syntax, value::beside_allowed(text, kFaults)).error();
         for (auto colon = text.find(':'); !rule && colon != std::string_view::npos;
              colon = text.find(':', colon + 1)) {
-            auto named = sim::parse_fault(trimmed(text.substr(colon + 1)));
+            auto named = sim::parse_fault(trimmed(text.substr(colon + 1), kCommandBlanks));
             if (!named) continue;
-            auto scope = devices_->scope_of(unquoted(trimmed(text.substr(0, colon))));
+            auto scope = devices_->scope_of(unquoted(trimmed(text.substr(0, colon), kCommandBlanks)));
             if (!scope) {
                 error = scope.error();
                 continue;

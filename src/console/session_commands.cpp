@@ -11,7 +11,7 @@
 namespace takt::console {
 namespace {
 
-constexpr std::string_view word(ControlCommand::Verb verb) {
+constexpr std::string_view verb_word(ControlCommand::Verb verb) {
     switch (verb) {
         case ControlCommand::Verb::set: return "set";
         case ControlCommand::Verb::write: return "write";
@@ -47,7 +47,7 @@ Result<host::Command> service_command(const host::Configuration& configuration,
 
 Answer refused(const Texts& texts, const host::Configuration& configuration, const ControlCommand& command,
                const Error& error) {
-    const auto verb = word(command.verb);
+    const auto verb = verb_word(command.verb);
     const bool of_service = command.name == "system" || model::resembles_service_name(command.name);
     if (error.code != Code::not_found || !of_service)
         return {report::error_line(texts, error), report::error_json(texts, error, verb, command.name)};

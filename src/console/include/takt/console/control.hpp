@@ -11,6 +11,9 @@
 
 namespace takt::console {
 
+/// Separate the words of a command line.
+inline constexpr std::string_view kCommandBlanks = " \t\r";
+
 /// `set NAME VALUE`, `write NAME VALUE`, `get NAME`, `status`, `list`, `values [PATTERN]`, `quit`. A name
 /// with blanks is in double quotes; the value is the rest of the line.
 struct ControlCommand {
