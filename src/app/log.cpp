@@ -70,8 +70,8 @@ constexpr spdlog::level::level_enum level_of(LogLevel level) {
     return spdlog::level::info;
 }
 
-void write(void*, LogLevel level, std::string_view category, std::string_view event, std::string_view subject,
-           std::int64_t number) {
+void write_record(void*, LogLevel level, std::string_view category, std::string_view event,
+                  std::string_view subject, std::int64_t number) {
     if (g_logger)
         g_logger->log(level_of(level), "{}: {} {} {}", category, event, text::escape_line(subject), number);
 }
@@ -111,7 +111,7 @@ Result<void> begin_log(const std::string& path, const std::string& level, text::
 }
 
 Log log(std::string_view category) {
-    return {category, {write, nullptr, write_message}};
+    return {category, {write_record, nullptr, write_message}};
 }
 
 void end_log() {

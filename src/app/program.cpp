@@ -52,7 +52,7 @@ bool is_of_ctl(std::string_view command) {
 
 /// Reports output that could not be written. A closed pipe is no failure: its reader has read enough.
 /// @returns the exit code of the program
-int end(Language language, ExitCode code) {
+int end_program(Language language, ExitCode code) {
     for (const auto& [path, number] : {LostOutput{"stdout", stdout_error()}, lost_output()}) {
         if (number == 0 || number == EPIPE) continue;
         const Texts texts(language);
@@ -104,7 +104,7 @@ int run_program(int argc, char** argv) {
     const auto parsed = line.parse(with_intervals(argc, argv), [&] { return Texts(early_language()); });
     if (parsed.asked == CommandLine::Asked::text) {
         print_wrapped(parsed.text);
-        return end(early_language(), ExitCode::ok);
+        return end_program(early_language(), ExitCode::ok);
     }
     if (parsed.asked == CommandLine::Asked::nothing_valid) {
         const Texts texts(early_language());
@@ -121,7 +121,7 @@ int run_program(int argc, char** argv) {
     }
     const ExitCode code = parsed.execute();
     end_log();
-    return end(common.language, code);
+    return end_program(common.language, code);
 }
 
 }  // namespace takt::app

@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kRedrawEvery = 200ms;
+constexpr Duration kProgressRedrawEvery = 200ms;
 
 std::size_t columns() {
     return screen_of(STDERR_FILENO).columns;
@@ -35,7 +35,7 @@ Progress::~Progress() {
 
 void Progress::show(Instant t, const report::Done& done, const std::string& what) {
     if (!wanted_ || t < next_) return;
-    next_ = after(t, terminal_ ? kRedrawEvery : pace_.line_every);
+    next_ = after(t, terminal_ ? kProgressRedrawEvery : pace_.line_every);
     if (!terminal_) return print_status(report::progress_line(texts_, done, t - start_, what) + '\n');
     const auto text = report::progress_with_bar(texts_, done, t - start_, what, columns());
     print_status_raw(back() + text + "\x1b[J");

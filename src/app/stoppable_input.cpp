@@ -14,10 +14,10 @@
 namespace takt::app {
 namespace {
 
-std::atomic<bool> g_stopped = false;
+std::atomic<bool> g_stop_requested = false;
 
 void stop(int) {
-    g_stopped = true;
+    g_stop_requested = true;
 }
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
@@ -75,14 +75,14 @@ StoppableInput::~StoppableInput() {
 }
 
 bool StoppableInput::stopped() {
-    return g_stopped;
+    return g_stop_requested;
 }
 
 // ppoll() lets no pending signal in while the input is readable.
 bool StoppableInput::is_stopped() const {
     constexpr timespec kAtOnce{};
-    if (::sigtimedwait(&taken_, nullptr, &kAtOnce) > 0) g_stopped = true;
-    return g_stopped;
+    if (::sigtimedwait(&taken_, nullptr, &kAtOnce) > 0) g_stop_requested = true;
+    return g_stop_requested;
 }
 
 Result<bool> StoppableInput::wait(Duration limit) {
@@ -92,7 +92,7 @@ Result<bool> StoppableInput::wait(Duration limit) {
     pollfd waited{.fd = number_, .events = POLLIN, .revents = 0};
     const int count = ::ppoll(&waited, 1, &time, &before_);
     if (count < 0 && errno != EINTR) return fail(Code::io_failed, path_, errno);
-    return count > 0 && !g_stopped;
+    return count > 0 && !g_stop_requested;
 }
 
 Result<std::size_t> StoppableInput::read(std::span<std::uint8_t> storage) {

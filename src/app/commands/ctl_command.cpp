@@ -29,7 +29,7 @@ namespace {
 constexpr int kAnswerLimitMs =
     30'000;  // a write is answered when its outcome is known, at the latest when it expires
 
-volatile std::sig_atomic_t g_stopped = 0;  // signal handlers see nothing else
+volatile std::sig_atomic_t g_ctl_stopped = 0;  // signal handlers see nothing else
 
 /// SIGINT, SIGTERM and SIGHUP come only while wait_readable() waits, and end that.
 class StopSignals {
@@ -42,7 +42,7 @@ public:
             if (number == SIGHUP && ::sigaction(number, nullptr, &old) == 0 && old.sa_handler == SIG_IGN)
                 continue;
             struct sigaction action{};
-            action.sa_handler = [](int) { g_stopped = 1; };
+            action.sa_handler = [](int) { g_ctl_stopped = 1; };
             ::sigaction(number, &action, nullptr);
             sigaddset(&stops, number);
         }
@@ -102,7 +102,7 @@ Result<std::optional<std::string>> ask(int fd, const std::string& path, const st
     std::string answer;
     while (!answer.ends_with('\n')) {
         const int ready = signals.wait_readable(fd, kAnswerLimitMs);
-        if (ready < 0 && g_stopped != 0) return std::optional<std::string>();
+        if (ready < 0 && g_ctl_stopped != 0) return std::optional<std::string>();
         if (ready == 0) return fail(Code::timed_out, path, kAnswerLimitMs);
         std::array<char, 4096> buffer;
         const auto count = ::read(fd, buffer.data(), buffer.size());
@@ -167,7 +167,7 @@ void print_value(const Texts& texts, const file::Json& value) {
                                            {"age", age_words(texts, value)}}));
 }
 
-void print_text(const Texts& texts, const CtlOptions& options, const file::Json& answer) {
+void print_answer(const Texts& texts, const CtlOptions& options, const file::Json& answer) {
     const auto command = string_of(answer, "command");
     const auto columns = columns_of(STDOUT_FILENO);
     if (selects_nothing(answer))
@@ -210,7 +210,7 @@ ExitCode finish_with(const Texts& texts, const CtlOptions& options, const std::s
     if (!json || options.json)
         print(answer);
     else
-        print_text(texts, options, *json);
+        print_answer(texts, options, *json);
     return json ? exit_code_of(*json) : ExitCode::no;
 }
 

@@ -63,8 +63,8 @@ std::optional<std::vector<HistorySeriesInfo>> find_series(const Texts& texts, co
     return found;
 }
 
-ExitCode list(const Texts& texts, const HistoryOptions& options, HistoryReader& reader,
-              const std::vector<HistorySeriesInfo>& all) {
+ExitCode list_variables(const Texts& texts, const HistoryOptions& options, HistoryReader& reader,
+                        const std::vector<HistorySeriesInfo>& all) {
     std::vector<report::HistoryListEntry> entries;
     for (const auto& info : all) {
         const auto extent = reader.extent(info.id);
@@ -133,7 +133,7 @@ ExitCode history(const CommonOptions& common, const HistoryOptions& options) {
     if (!reader) return ended_by(texts, reader.error());
     const auto all = reader->series();
     if (!all) return ended_by(texts, all.error());
-    if (options.variables.empty()) return list(texts, options, *reader, *all);
+    if (options.variables.empty()) return list_variables(texts, options, *reader, *all);
     const auto wanted = find_series(texts, options, *all);
     if (!wanted) return ExitCode::usage;
     if (options.csv) return print_csv(texts, *reader, *wanted, *range);

@@ -26,7 +26,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kRedrawEvery = 500ms;
+constexpr Duration kListenRedrawEvery = 500ms;
 constexpr std::size_t kChunk = 512;
 
 listen::ListenConfig config_of(const ListenOptions& options, const listen::LineSetting& setting,
@@ -149,7 +149,7 @@ private:
         if (listener_) listener_->on_tick(t);
         if (stdout_error() != 0) return work_loop_.loop().stop();
         show_progress(t);
-        redraw_ = after(t, kRedrawEvery);
+        redraw_ = after(t, kListenRedrawEvery);
         set_timer();
     }
 

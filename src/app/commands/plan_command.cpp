@@ -22,7 +22,7 @@ namespace {
 
 using Applied = std::optional<plan::AppliedMeasures>;
 
-void print_text(const Texts& texts, const host::LoadedProject& loaded, const plan::Proof& proof,
+void print_plan(const Texts& texts, const host::LoadedProject& loaded, const plan::Proof& proof,
                 const PlanOptions& options, const Applied& applied) {
     if (options.compare)
         return print(report::comparison_text(texts, loaded.project, proof.plan, columns_of(STDOUT_FILENO)));
@@ -50,7 +50,7 @@ ExitCode draw(const Texts& texts, const PlanOptions& options, const model::Proje
 }
 
 /// A project with errors has no plan: only its findings are printed.
-ExitCode refuse(const Texts& texts, const host::LoadedProject& loaded, const PlanOptions& options) {
+ExitCode refuse_plan(const Texts& texts, const host::LoadedProject& loaded, const PlanOptions& options) {
     if (options.json)
         print(report::no_plan_json(texts, loaded).dump() + '\n');
     else
@@ -65,7 +65,7 @@ ExitCode plan(const CommonOptions& common, const PlanOptions& options) {
     const Texts texts(common.language);
     auto loaded = host::load_project(options.file);
     static_cast<void>(host::recall_learnt(loaded, options.file));
-    if (loaded.has_errors()) return refuse(texts, loaded, options);
+    if (loaded.has_errors()) return refuse_plan(texts, loaded, options);
     const auto proof = prove(texts, loaded, options.prove, true, start);
     Applied applied;
     if (options.fix) applied = plan::apply_measures(loaded.project, proof, options.prove);
@@ -77,7 +77,7 @@ ExitCode plan(const CommonOptions& common, const PlanOptions& options) {
     } else {
         print_status(report::findings_text(
             texts, loaded, options.no_notes ? model::Severity::warning : model::Severity::note));
-        if (options.svg != "-") print_text(texts, loaded, proof, options, applied);
+        if (options.svg != "-") print_plan(texts, loaded, proof, options, applied);
     }
     auto drawn = ExitCode::ok;
     if (!options.svg.empty())

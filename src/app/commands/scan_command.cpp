@@ -29,7 +29,7 @@ namespace {
 using namespace std::chrono_literals;
 using discover::ScanOutcome;
 
-constexpr Duration kRedrawEvery = 100ms;
+constexpr Duration kScanRedrawEvery = 100ms;
 
 /// Adds the name of the option to the error of its list, and a correct form where it cannot be read.
 template <class T>
@@ -111,7 +111,7 @@ private:
         if (const auto* const scan = scans_->current())
             progress_.show(t, {totals.done, totals.total, totals.requests},
                            report::scan_progress(texts_, *scan, findings_));
-        redraw_->set(after(t, kRedrawEvery));
+        redraw_->set(after(t, kScanRedrawEvery));
     }
 
     // discover::ScanObserver

@@ -18,8 +18,8 @@
 namespace takt::app {
 namespace {
 
-ExitCode written(const Texts& texts, const std::string& path, const table::Image& image, std::size_t entries,
-                 std::size_t items) {
+ExitCode write_table_image(const Texts& texts, const std::string& path, const table::Image& image,
+                           std::size_t entries, std::size_t items) {
     const std::string_view bytes(reinterpret_cast<const char*>(image.data()), image.size());
     if (const auto done = os::replace_file(path, bytes, {}); !done) return ended_by(texts, done.error());
     print_status(texts("app.table.built", {{"file", path},
@@ -34,8 +34,8 @@ ExitCode build_for_owen(const Texts& texts, host::LoadedProject& loaded, const p
                         const std::string& path) {
     auto built = table::build_owen(loaded.project, plan);
     if (built.findings.empty())
-        return written(texts, path, table::write_owen(built.table), built.table.entries.size(),
-                       built.table.places);
+        return write_table_image(texts, path, table::write_owen(built.table), built.table.entries.size(),
+                                 built.table.places);
     loaded.findings = std::move(built.findings);
     print_status(report::findings_text(texts, loaded));
     print_error(
@@ -58,7 +58,7 @@ ExitCode build_own(const Texts& texts, const host::LoadedProject& loaded, const 
         return ExitCode::no;
     }
     const auto view = table::View::open(*image);
-    return written(texts, options.output, *image, view->entry_count(), view->item_count());
+    return write_table_image(texts, options.output, *image, view->entry_count(), view->item_count());
 }
 
 template <class Table>

@@ -23,7 +23,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kRedrawEvery = 500ms;
+constexpr Duration kWatchRedrawEvery = 500ms;
 
 class Watch {
 public:
@@ -127,7 +127,8 @@ private:
 
     void wait_until(Instant t) {
         while (go_on() && line::now() < t) {
-            device().pause(terminal_ ? std::min<Duration>(t - line::now(), kRedrawEvery) : t - line::now());
+            device().pause(terminal_ ? std::min<Duration>(t - line::now(), kWatchRedrawEvery)
+                                     : t - line::now());
             if (keyboard_) keyboard_->renew();
             if (terminal_ && go_on()) redraw();
         }

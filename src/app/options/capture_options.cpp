@@ -8,11 +8,13 @@ namespace takt::app {
 
 namespace {
 
-constexpr const char* kForms = "rtu:///dev/ttyUSB0?baud=9600; ascii:///dev/ttyUSB0; --interface IF";
+constexpr const char* kCaptureTargetForms =
+    "rtu:///dev/ttyUSB0?baud=9600; ascii:///dev/ttyUSB0; --interface IF";
 
-void check_line(const std::string& url) {
+void check_serial_target(const std::string& url) {
     check_target("TARGET", url);
-    if (line::parse_target(url)->transport != model::Transport::serial) reject_word("TARGET", url, kForms);
+    if (line::parse_target(url)->transport != model::Transport::serial)
+        reject_word("TARGET", url, kCaptureTargetForms);
 }
 
 }  // namespace
@@ -22,7 +24,7 @@ void add_capture_command(CommandLine& line, const CommonOptions& common) {
     auto capture =
         line.root().command("capture", "help.capture", [&] { return app::capture(common, options); });
     auto target = capture.value("TARGET", options.target, "help.capture.target");
-    target.check(check_line);
+    target.check(check_serial_target);
     capture.value("--interface", options.interface, "help.latency.interface")
         .value_name("IF")
         .excludes(target);

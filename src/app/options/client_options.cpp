@@ -12,7 +12,7 @@
 namespace takt::app {
 namespace {
 
-std::vector<std::string> split(const std::string& text, char separator) {
+std::vector<std::string> split_all(const std::string& text, char separator) {
     std::vector<std::string> parts;
     for (std::size_t begin = 0; begin <= text.size();) {
         const auto end = std::min(text.find(separator, begin), text.size());
@@ -22,7 +22,8 @@ std::vector<std::string> split(const std::string& text, char separator) {
     return parts;
 }
 
-std::optional<std::uint32_t> number(const std::string& digits, std::uint32_t least, std::uint32_t greatest) {
+std::optional<std::uint32_t> decimal_within(const std::string& digits, std::uint32_t least,
+                                            std::uint32_t greatest) {
     const bool good =
         !digits.empty() && digits.size() <= 5 && digits.find_first_not_of("0123456789") == std::string::npos;
     const auto value = good ? std::stoul(digits) : 0;
@@ -33,15 +34,15 @@ std::optional<std::uint32_t> number(const std::string& digits, std::uint32_t lea
 /// AREA:START[:COUNT][:TYPE[:ORDER]]
 client::WatchedRange watched_range(const std::string& text) {
     const auto wrong = [&] { reject({"app.option.form.watched", {{"option", "--also"}, {"value", text}}}); };
-    const auto parts = split(text, ':');
+    const auto parts = split_all(text, ':');
     const auto area = kAreas.find(parts[0]);
-    const auto start = parts.size() > 1 ? number(parts[1], 0, 65535) : std::nullopt;
+    const auto start = parts.size() > 1 ? decimal_within(parts[1], 0, 65535) : std::nullopt;
     if (area == kAreas.end() || !start) wrong();
     client::WatchedRange range;
     range.area = area->second;
     range.start = static_cast<std::uint16_t>(*start);
     std::size_t next = 2;
-    const auto count = next < parts.size() ? number(parts[next], 1, 65536) : std::nullopt;
+    const auto count = next < parts.size() ? decimal_within(parts[next], 1, 65536) : std::nullopt;
     if (count) {
         range.count = *count;
         ++next;

@@ -7,15 +7,16 @@
 namespace takt::app {
 namespace {
 
-constexpr const char* kForms =
+constexpr const char* kListenPortForms =
     "/dev/ttyUSB0; rtu:///dev/ttyUSB0?baud=9600; ascii:///dev/ttyUSB0; FILE.pcapng";
 
 // A port alone is no URL.
-void check_port(const std::string& port) {
-    if (port.empty()) reject_word("PORT", port, kForms);
+void check_serial_port(const std::string& port) {
+    if (port.empty()) reject_word("PORT", port, kListenPortForms);
     if (port.find("://") == std::string::npos) return;
     check_target("PORT", port);
-    if (line::parse_target(port)->transport != model::Transport::serial) reject_word("PORT", port, kForms);
+    if (line::parse_target(port)->transport != model::Transport::serial)
+        reject_word("PORT", port, kListenPortForms);
 }
 
 }  // namespace
@@ -23,7 +24,7 @@ void check_port(const std::string& port) {
 void add_listen(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<ListenOptions>();
     auto listen = line.root().command("listen", "help.listen", [&] { return app::listen(common, options); });
-    listen.value("PORT", options.port, "help.listen.port").required().check(check_port);
+    listen.value("PORT", options.port, "help.listen.port").required().check(check_serial_port);
     listen.value("--project", options.project, "help.listen.project").value_name("FILE");
     listen.value("--write", options.write, "help.listen.write").value_name("FILE.yaml");
     listen.flag("--force", options.force, "help.scan.force");

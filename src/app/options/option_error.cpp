@@ -7,7 +7,7 @@ namespace takt::app {
 namespace {
 
 /// Matches `text` against a pattern whose `*` stand for its variable parts.
-std::optional<std::vector<std::string>> parts(std::string_view text, std::string_view pattern) {
+std::optional<std::vector<std::string>> matched_parts(std::string_view text, std::string_view pattern) {
     std::vector<std::string> found;
     while (!pattern.empty()) {
         const auto star = pattern.find('*');
@@ -50,7 +50,7 @@ const std::vector<Form>& forms() {
 
 OptionError option_error(std::string_view words) {
     for (const auto& form : forms()) {
-        const auto found = parts(words, form.pattern);
+        const auto found = matched_parts(words, form.pattern);
         if (!found) continue;
         OptionError error{std::string(form.code), {}};
         for (std::size_t i = 0; i < found->size() && i < form.names.size(); ++i)

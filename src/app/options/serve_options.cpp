@@ -30,7 +30,7 @@ Option add_parsed(Command& command, const std::string& name, std::vector<T>& tar
         .value_name(form);
 }
 
-void add_listen(Command& serve, std::string& listen) {
+void add_listen_addresses(Command& serve, std::string& listen) {
     serve
         .text(
             "--listen",
@@ -111,7 +111,7 @@ void add_serve(CommandLine& line, const CommonOptions& common) {
     auto serve = line.root().command("serve", "help.serve", [&] { return app::serve(common, options); });
     auto file = serve.value("FILE", options.file, "help.serve.file");
     serve.value("--line", options.line, "help.serve.line").value_name("NAME").needs(file);
-    add_listen(serve, options.listen);
+    add_listen_addresses(serve, options.listen);
     serve.value("--port", options.port, "help.serve.port").value_name("PORT");
     serve.value("--unit", options.blank.unit.value, "help.serve.unit").range(0, 255).default_text("1");
     add_word(serve, "--fill", options.blank.fill, kFills, "help.serve.fill").value_name("FILL");
