@@ -21,6 +21,7 @@
 #include "dialect.hpp"
 #include "encoding.hpp"
 #include "headings.hpp"
+#include "nodes.hpp"
 #include "takt/file/load.hpp"
 #include "takt/model/fields.hpp"
 #include "words.hpp"
@@ -32,7 +33,7 @@ using model::Node;
 
 constexpr std::string_view kSeparators = ";,\t";
 
-struct Layout {
+struct CsvLayout {
     char separator = ',';
     std::size_t begin = 0;  // offset of the heading line
 };
@@ -42,13 +43,11 @@ bool is_device_setting(std::string_view key) {
 }
 
 bool is_column(std::string_view key, const TableOptions& options) {
-    if (key == kLineColumn || key == kTargetColumn || key == kDeviceColumn || key == kUnitAddressColumn ||
-        is_device_setting(key))
-        return options.devices;
+    if (names_place(key)) return options.devices;
     return key == kRegistersColumn || model::find_field(model::Object::variable, key) != nullptr;
 }
 
-std::optional<Layout> declared_layout(std::string_view text) {
+std::optional<CsvLayout> declared_layout(std::string_view text) {
     constexpr std::string_view kDeclaration = "sep=";
     if (!text.starts_with(kDeclaration) || text.size() <= kDeclaration.size()) return std::nullopt;
     const char separator = text[kDeclaration.size()];
@@ -56,7 +55,7 @@ std::optional<Layout> declared_layout(std::string_view text) {
     const auto rest = text.substr(kDeclaration.size() + 1, end - kDeclaration.size() - 1);
     if (!kSeparators.contains(separator) || (!rest.empty() && rest != "\r" && rest != "\n" && rest != "\r\n"))
         return std::nullopt;
-    return Layout{separator, end == std::string_view::npos ? text.size() : end + 1};
+    return CsvLayout{separator, end == std::string_view::npos ? text.size() : end + 1};
 }
 
 std::size_t known_headings(const Source& source, char separator) {
@@ -78,10 +77,10 @@ char first_separator(std::string_view text) {
     return ',';
 }
 
-Layout layout_of(const Source& source, const TableOptions& options) {
+CsvLayout csv_layout_of(const Source& source, const TableOptions& options) {
     if (options.separator != 0) return {options.separator, 0};
     if (const auto declared = declared_layout(source.text())) return *declared;
-    Layout layout{first_separator(source.text()), 0};
+    CsvLayout layout{first_separator(source.text()), 0};
     auto most = known_headings(source, layout.separator);
     for (const char separator : kSeparators) {
         const auto known = known_headings(source, separator);
@@ -92,10 +91,10 @@ Layout layout_of(const Source& source, const TableOptions& options) {
     return layout;
 }
 
-class Table {
+class TableReader {
 public:
-    Table(const Source& source, const TableOptions& options, bool decimal_comma, std::size_t& nodes_left,
-          Reporter& reporter)
+    TableReader(const Source& source, const TableOptions& options, bool decimal_comma,
+                std::size_t& nodes_left, Reporter& reporter)
         : source_(source),
           options_(options),
           decimal_comma_(decimal_comma),
@@ -380,19 +379,19 @@ std::optional<Row> read_header(RowReader& rows, const Source& source, Reporter& 
 }
 
 // The fields of one device or variable as a window shows them: a name and a value in each line.
-struct Window {
+struct PropertyWindow {
     Row names;
     Row values;
 };
 
 // Returns nothing if the text is a table with a line of headings.
-std::optional<Window> read_window(const Source& source, const Layout& layout) {
+std::optional<PropertyWindow> read_property_window(const Source& source, const CsvLayout& layout) {
     constexpr std::size_t kLeast = 3;
     constexpr std::array<std::string_view, 3> kValueWords{"значение", "value", "значення"};
     const auto is_known = [](const Cell& cell) { return !read_heading(cell.text).key.empty(); };
     Reporter unheard;
     RowReader rows(source, layout.begin, layout.separator, unheard);
-    Window window;
+    PropertyWindow window;
     std::size_t known = 0;
     while (auto row = rows.next()) {
         if (row->empty() && !row->damaged) continue;
@@ -421,12 +420,12 @@ Contents read_csv(const Source& source, const TableOptions& options, std::size_t
     auto& list = contents.rows;
     list.kind = Node::Kind::list;
     list.location = source.location(0);
-    const auto layout = layout_of(source, options);
+    const auto layout = csv_layout_of(source, options);
     RowReader rows(source, layout.begin, layout.separator, reporter);
     const auto header = read_header(rows, source, reporter);
     if (!header) return contents;
-    Table table(source, options, layout.separator != ',', nodes_left, reporter);
-    const auto window = read_window(source, layout);
+    TableReader table(source, options, layout.separator != ',', nodes_left, reporter);
+    const auto window = read_property_window(source, layout);
     table.take_header(window ? window->names : *header);
     if (table.lacks_a_required_column()) return contents;
     contents.kind = table.kind();

@@ -23,7 +23,6 @@ constexpr std::array kPlaceColumns{kLineColumn, kTargetColumn, kDeviceColumn, kU
 constexpr std::array<std::string_view, 7> kIdeColumns{"name",     "type", "read",   "write",
                                                       "register", "bit",  "comment"};
 constexpr std::string_view kLineEnd = "\r\n";
-constexpr std::string_view kLimitInWords = "8 MiB";
 
 std::string_view name_of(Encoding encoding) {
     return encoding == Encoding::utf8 ? "UTF-8" : "CP1251";
@@ -129,7 +128,7 @@ std::vector<std::string_view> columns_of(const std::vector<Node>& rows, const Ta
     return columns;
 }
 
-std::string quoted(std::string_view text) {
+std::string quoted_cell(std::string_view text) {
     std::string result = "\"";
     for (const char c : text) {
         if (c == '"') result += '"';
@@ -138,9 +137,9 @@ std::string quoted(std::string_view text) {
     return result + '"';
 }
 
-class Writer {
+class CsvWriter {
 public:
-    explicit Writer(const TableFormat& format) : format_(format) {}
+    explicit CsvWriter(const TableFormat& format) : format_(format) {}
 
     Written write(const std::vector<Node>& rows) {
         const auto columns = columns_of(rows, format_);
@@ -246,7 +245,7 @@ private:
         const std::array special{format_.separator, '"', '\r', '\n', '\t'};
         const bool plain = text.find_first_of(special.data(), 0, special.size()) == std::string::npos &&
                            !text.starts_with(' ') && !text.ends_with(' ');
-        text_ += plain ? text : quoted(text);
+        text_ += plain ? text : quoted_cell(text);
     }
 
     std::optional<std::string> encoded() {
@@ -261,7 +260,7 @@ private:
             bytes = *std::move(coded);
         }
         if (bytes.size() > kMaxFileBytes)
-            reporter_.error("file.convert.too_large", {}, {.allowed = std::string(kLimitInWords)});
+            reporter_.error("file.convert.too_large", {}, {.allowed = std::string(kMaxFileText)});
         return bytes;
     }
 
@@ -274,7 +273,7 @@ private:
 }  // namespace
 
 Written write_table(const std::vector<Node>& rows, const TableFormat& format) {
-    return Writer(format).write(rows);
+    return CsvWriter(format).write(rows);
 }
 
 }  // namespace takt::file

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "nodes.hpp"
+#include "takt/base/ascii.hpp"
 #include "takt/file/load.hpp"
 #include "takt/model/nearest.hpp"
 #include "takt/model/scalar.hpp"
@@ -33,12 +34,6 @@ bool is_name(std::string_view text) {
 
 bool is_built_in(std::string_view name) {
     return std::ranges::find(kBuiltIn, name) != kBuiltIn.end();
-}
-
-std::string_view trimmed(std::string_view text) {
-    while (text.starts_with(' ')) text.remove_prefix(1);
-    while (text.ends_with(' ')) text.remove_suffix(1);
-    return text;
 }
 
 /// An expression in a text: `$(name)`, `$(name + 10)`.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "headings.hpp"
+#include "nodes.hpp"
 #include "takt/base/ascii.hpp"
 #include "takt/base/utf8.hpp"
 #include "takt/model/fields.hpp"
@@ -20,28 +21,18 @@ namespace {
 using model::Kind;
 using model::Node;
 
-Node* value(Node& row, std::string_view key) {
-    for (auto& [name, cell] : row.entries)
-        if (name.text == key) return &cell;
-    return nullptr;
-}
-
-std::string_view text_of(const Node& row, std::string_view key) {
-    const auto* const cell = row.find(key);
-    return cell == nullptr ? std::string_view() : std::string_view(cell->text);
-}
-
-void erase(Node& row, std::string_view key) {
+void erase_cell(Node& row, std::string_view key) {
     std::erase_if(row.entries, [&](const Node::Entry& entry) { return entry.key.text == key; });
 }
 
-void add(Node& row, std::string_view key, std::string_view text, const model::SourceLocation& location) {
+void append_cell(Node& row, std::string_view key, std::string_view text,
+                 const model::SourceLocation& location) {
     Node name{.kind = Node::Kind::scalar, .location = location, .text = std::string(key)};
     Node cell{.kind = Node::Kind::scalar, .location = location, .text = std::string(text)};
     row.entries.emplace_back(std::move(name), std::move(cell));
 }
 
-void replace(Node& cell, std::optional<std::string> word) {
+void replace_text(Node& cell, std::optional<std::string> word) {
     if (word) cell.text = *std::move(word);
 }
 
@@ -71,7 +62,7 @@ std::string in_one_line(std::string_view text) {
 }
 
 void settle_registers(Node& row, Reporter& reporter) {
-    auto* const type = value(row, "type");
+    auto* const type = find_value(row, "type");
     const auto* const count = row.find(kRegistersColumn);
     if (count == nullptr) return;
     const auto number = model::parse_integer(count->text);
@@ -90,26 +81,26 @@ void settle_registers(Node& row, Reporter& reporter) {
             reporter.error("file.csv.register_count", count->location,
                            {.value = count->text, .arguments = {{"type", type->text}}});
     }
-    erase(row, kRegistersColumn);
+    erase_cell(row, kRegistersColumn);
 }
 
 // Tables of an IDE show bit 0 also for variables that are no bits.
 void settle_bit(Node& row) {
     const auto type = text_of(row, "type");
     const bool other = type != "bool" && std::ranges::find(model::kTypes, type) != model::kTypes.end();
-    if (other && text_of(row, "bit") == "0") erase(row, "bit");
+    if (other && text_of(row, "bit") == "0") erase_cell(row, "bit");
 }
 
 void settle_default(Node& row, bool decimal_comma) {
-    auto* const cell = value(row, "default");
+    auto* const cell = find_value(row, "default");
     if (cell == nullptr) return;
     const auto type = text_of(row, "type");
     if (type == "string") return;
-    if (means_nothing(cell->text) && type != "bool") return erase(row, "default");
+    if (means_nothing(cell->text) && type != "bool") return erase_cell(row, "default");
     if (type == "bool")
-        replace(*cell, cell->text == "0" || cell->text == "1" ? std::nullopt : boolean_word(cell->text));
+        replace_text(*cell, cell->text == "0" || cell->text == "1" ? std::nullopt : boolean_word(cell->text));
     else if (decimal_comma)
-        replace(*cell, number_word(cell->text));
+        replace_text(*cell, number_word(cell->text));
 }
 
 // The first digit of the references in a row's area; 0 if the row does not name its area.
@@ -202,7 +193,7 @@ bool take_reference(Node& row, Notation notation, Reporter& reporter) {
     const auto typed = *typed_cell;
     const auto digit = area_digit(row);
     if (register_cell != nullptr) make_reference(row);
-    auto* const reference = value(row, "reference");
+    auto* const reference = find_value(row, "reference");
     // The interpretation checks a column of references in the standard notation.
     const bool checked_later = register_cell == nullptr && notation == Notation::standard;
     if (!checked_later && !is_reference(reference->text, notation)) {
@@ -216,9 +207,9 @@ bool take_reference(Node& row, Notation notation, Reporter& reporter) {
     if (!checked_later) reference->text = standard_reference(reference->text, notation);
     const bool bits = reference->text.starts_with('0') || reference->text.starts_with('1');
     if (notation != Notation::standard && bits && text_of(row, "bit") == "0")
-        erase(row, "bit");  // the number already is that of a bit
+        erase_cell(row, "bit");  // the number already is that of a bit
     if (digit != 0 && reference->text.starts_with(digit))
-        erase(row, "area");  // the reference already gives the area
+        erase_cell(row, "area");  // the reference already gives the area
     return true;
 }
 
@@ -254,8 +245,8 @@ const Node* assume_areas(Node& list, TableShape shape, bool also_references) {
         if (!shape.unaddressed && !has_no_traffic(row, shape.functions)) continue;
         if (!also_references && names_its_area(number->text)) continue;
         const auto location = number->location;
-        add(row, "area", text_of(row, "type") == "bool" ? "coil" : "holding_register", location);
-        if (!shape.unaddressed && row.find("read") == nullptr) add(row, "read", "none", location);
+        append_cell(row, "area", text_of(row, "type") == "bool" ? "coil" : "holding_register", location);
+        if (!shape.unaddressed && row.find("read") == nullptr) append_cell(row, "read", "none", location);
         if (first == nullptr) first = &row;
     }
     return first;
@@ -304,18 +295,18 @@ bool settle_cell(const Column& column, Node& cell, bool decimal_comma) {
     if (field == nullptr) return true;
     if (may_be_dashed(field->kind) && field->key != "type" && means_nothing(cell.text)) return false;
     switch (field->kind) {
-        case Kind::integer: replace(cell, address_word(cell.text, column.hexadecimal)); break;
-        case Kind::duration: replace(cell, duration_word(cell.text, column.unit, decimal_comma)); break;
-        case Kind::boolean: replace(cell, boolean_word(cell.text)); break;
-        case Kind::function: replace(cell, function_word(cell.text)); break;
-        case Kind::reference: replace(cell, reference_word(cell.text)); break;
+        case Kind::integer: replace_text(cell, address_word(cell.text, column.hexadecimal)); break;
+        case Kind::duration: replace_text(cell, duration_word(cell.text, column.unit, decimal_comma)); break;
+        case Kind::boolean: replace_text(cell, boolean_word(cell.text)); break;
+        case Kind::function: replace_text(cell, function_word(cell.text)); break;
+        case Kind::reference: replace_text(cell, reference_word(cell.text)); break;
         case Kind::number:
-            if (decimal_comma) replace(cell, number_word(cell.text));
+            if (decimal_comma) replace_text(cell, number_word(cell.text));
             break;
         case Kind::word:
-            replace(cell, field->key == "type"         ? type_word(cell.text)
-                          : field->key == "byte_order" ? byte_order_word(cell.text)
-                                                       : area_word(cell.text));
+            replace_text(cell, field->key == "type"         ? type_word(cell.text)
+                               : field->key == "byte_order" ? byte_order_word(cell.text)
+                                                            : area_word(cell.text));
             break;
         case Kind::text:
             if (field->key == "comment") cell.text = in_one_line(cell.text);

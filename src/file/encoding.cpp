@@ -30,7 +30,7 @@ constexpr std::array<char16_t, 128> kCp1251{
     0x0445, 0x0446, 0x0447, 0x0448, 0x0449, 0x044A, 0x044B, 0x044C, 0x044D, 0x044E, 0x044F,
 };
 
-std::uint8_t byte(char c) {
+std::uint8_t byte_of(char c) {
     return static_cast<std::uint8_t>(c);
 }
 
@@ -64,9 +64,9 @@ Decoded to_utf8(std::string_view bytes, Encoding encoding) {
     }
     decoded.text.reserve(bytes.size() + bytes.size() / 2);
     for (const char c : bytes) {
-        const char32_t character = byte(c) < kFirstOther ? byte(c) : kCp1251[byte(c) - kFirstOther];
+        const char32_t character = byte_of(c) < kFirstOther ? byte_of(c) : kCp1251[byte_of(c) - kFirstOther];
         if (character == 0 && c != 0) {
-            decoded.stopped_at = Foreign{decoded.text.size(), false, byte(c)};
+            decoded.stopped_at = Foreign{decoded.text.size(), false, byte_of(c)};
             return decoded;
         }
         decoded.text += encoded(character).view();

@@ -50,9 +50,9 @@ void append_number(std::string& out, double number) {
 
 /// Writes a value as text. The library writes only the texts that need care: a tree of its own values would
 /// be a copy of the whole tree.
-class Writer {
+class JsonWriter {
 public:
-    explicit Writer(int indent) : indent_(indent) {}
+    explicit JsonWriter(int indent) : indent_(indent) {}
 
     void write(const Json& value) { std::visit(*this, value.value()); }
     [[nodiscard]] std::string take() { return std::move(text_); }
@@ -227,7 +227,7 @@ const Json* Json::find(std::string_view key) const {
 }
 
 std::string Json::dump(int indent) const {
-    Writer writer(indent);
+    JsonWriter writer(indent);
     writer.write(*this);
     return writer.take();
 }

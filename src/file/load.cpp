@@ -15,6 +15,7 @@
 
 #include "csv.hpp"
 #include "device_template.hpp"
+#include "nodes.hpp"
 #include "reporter.hpp"
 #include "source.hpp"
 #include "takt/file/edit.hpp"
@@ -31,11 +32,10 @@ namespace {
 using model::Node;
 using model::SourceLocation;
 
-constexpr std::string_view kLimitInWords = "8 MiB";
-constexpr std::string_view kTableLimitInWords = "64 MiB";
+constexpr std::string_view kMaxTableText = "64 MiB";
 static_assert(kMaxFileBytes == 8 << 20 && kMaxTableBytes == 64 << 20);
 
-std::string_view code_of(const Error& error) {
+std::string_view open_error_code(const Error& error) {
     if (error.code == Code::unsupported) return "file.not_regular";
     if (error.code == Code::too_long) return "file.too_large";
     if (error.code != Code::cannot_open) return "file.cannot_read";
@@ -47,12 +47,6 @@ std::string_view code_of(const Error& error) {
         case EISDIR: return "file.is_directory";
         default: return "file.cannot_read";
     }
-}
-
-Node* child(Node& mapping, std::string_view key) {
-    for (auto& [name, value] : mapping.entries)
-        if (name.text == key) return &value;
-    return nullptr;
 }
 
 // Whether the file is a device template, which users may take for a project.
@@ -192,9 +186,9 @@ private:
 
     void report(const Error& error, const SourceLocation& location, const std::string& name,
                 const std::string& path) {
-        const auto code = code_of(error);
+        const auto code = open_error_code(error);
         Details details{.value = name, .path = path};
-        if (code == "file.too_large") details.allowed = kLimitInWords;
+        if (code == "file.too_large") details.allowed = kMaxFileText;
         if (code == "file.cannot_read")
             details.arguments.emplace_back(
                 "detail", std::generic_category().message(static_cast<int>(error.numbers[0])));
@@ -211,7 +205,7 @@ private:
     }
 
     void take_tables(const std::filesystem::path& folder) {
-        auto* const locals = child(loaded_.document.root, "locals");
+        auto* const locals = find_value(loaded_.document.root, "locals");
         if (locals != nullptr && locals->kind == Node::Kind::scalar)
             take_table(*locals, folder, {}, "locals");
         take_tables_of("lines", "devices", folder);
@@ -221,11 +215,11 @@ private:
 
     void take_tables_of(const std::string& outer, const std::string& inner,
                         const std::filesystem::path& folder) {
-        auto* owners = child(loaded_.document.root, outer);
+        auto* owners = find_value(loaded_.document.root, outer);
         for (std::size_t i = 0; owners && i < owners->items.size(); ++i) {
-            auto* parts = child(owners->items[i], inner);
+            auto* parts = find_value(owners->items[i], inner);
             for (std::size_t j = 0; parts && j < parts->items.size(); ++j) {
-                auto* variables = child(parts->items[j], "variables");
+                auto* variables = find_value(parts->items[j], "variables");
                 if (variables && variables->kind == Node::Kind::scalar)
                     take_table(*variables, folder, table_options(parts->items[j]),
                                outer + "[" + std::to_string(i) + "]." + inner + "[" + std::to_string(j) +
@@ -235,9 +229,9 @@ private:
     }
 
     void take_templates(const std::filesystem::path& folder) {
-        auto* const lines = child(loaded_.document.root, "lines");
+        auto* const lines = find_value(loaded_.document.root, "lines");
         for (std::size_t i = 0; lines && i < lines->items.size(); ++i) {
-            auto* const devices = child(lines->items[i], "devices");
+            auto* const devices = find_value(lines->items[i], "devices");
             for (std::size_t j = 0; devices && j < devices->items.size(); ++j)
                 take_template(devices->items[j], folder,
                               "lines[" + std::to_string(i) + "].devices[" + std::to_string(j) + "]");
@@ -268,7 +262,7 @@ private:
         auto root = source ? read_yaml(*source, budget_.nodes, reporter_) : std::nullopt;
         if (!root) return std::nullopt;
         drop_placeholders(*root);
-        auto* const variables = child(*root, "variables");
+        auto* const variables = find_value(*root, "variables");
         if (variables != nullptr && variables->kind == Node::Kind::scalar)
             take_table(*variables, std::filesystem::path(name).parent_path(), table_options(*root),
                        "variables");
@@ -280,7 +274,7 @@ private:
                     const std::string& path) {
         if (bytes > budget_.bytes) {
             reporter_.error("file.tables_too_large", location,
-                            {.value = name, .allowed = std::string(kTableLimitInWords), .path = path});
+                            {.value = name, .allowed = std::string(kMaxTableText), .path = path});
             return false;
         }
         budget_.bytes -= bytes;
@@ -290,7 +284,7 @@ private:
     // A table of locals given as `variables`: its rows become locals.
     void add_locals() {
         if (locals_.empty()) return;
-        auto* list = child(loaded_.document.root, "locals");
+        auto* list = find_value(loaded_.document.root, "locals");
         if (list == nullptr) {
             Node key;
             key.kind = Node::Kind::scalar;

@@ -24,13 +24,17 @@ Node collection(Node::Kind kind, const SourceLocation& location) {
     return node;
 }
 
+Node* find_value(Node& mapping, std::string_view key) {
+    for (auto& [name, value] : mapping.entries)
+        if (name.text == key) return &value;
+    return nullptr;
+}
+
 void set(Node& mapping, std::string_view key, Node value) {
-    for (auto& [name, old] : mapping.entries)
-        if (name.text == key) {
-            old = std::move(value);
-            return;
-        }
-    mapping.entries.emplace_back(scalar(key), std::move(value));
+    if (auto* const old = find_value(mapping, key))
+        *old = std::move(value);
+    else
+        mapping.entries.emplace_back(scalar(key), std::move(value));
 }
 
 Node list_of(Node item) {
@@ -46,15 +50,10 @@ Node mapping_of(const std::vector<std::pair<std::string, std::string>>& settings
     return node;
 }
 
-namespace {
-
-// Columns of the line and the device.
 bool names_place(std::string_view key) {
     return key == kLineColumn || key == kTargetColumn || key == kDeviceColumn || key == kUnitAddressColumn ||
            std::ranges::find(kDeviceSettings, key) != kDeviceSettings.end();
 }
-
-}  // namespace
 
 std::string text_of(const Node& row, std::string_view key) {
     const auto* const cell = row.find(key);

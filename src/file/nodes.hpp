@@ -15,6 +15,9 @@ model::Node scalar(std::string_view text, const model::SourceLocation& location 
 /// An empty list or mapping.
 model::Node collection(model::Node::Kind kind, const model::SourceLocation& location = {});
 
+/// The value of a key in a mapping; nullptr if there is none. It is valid until the mapping changes.
+model::Node* find_value(model::Node& mapping, std::string_view key);
+
 /// Sets the value of a key in a mapping.
 void set(model::Node& mapping, std::string_view key, model::Node value);
 
@@ -27,6 +30,9 @@ model::Node mapping_of(const std::vector<std::pair<std::string, std::string>>& s
 
 /// The text of a key in a mapping; empty if there is none.
 std::string text_of(const model::Node& row, std::string_view key);
+
+/// Whether the key is that of a column of the line or the device.
+bool names_place(std::string_view key);
 
 /// A row without the columns of the line and the device.
 model::Node without_place(const model::Node& row);

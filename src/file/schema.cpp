@@ -83,24 +83,24 @@ model::Range widest(const Field& field) {
     return all;
 }
 
-Json object_of(std::initializer_list<std::pair<std::string, Json>> entries) {
+Json json_object(std::initializer_list<std::pair<std::string, Json>> entries) {
     return Json(Json::Object(entries));
 }
 
-Json list_of(std::initializer_list<Json> items) {
+Json json_array(std::initializer_list<Json> items) {
     return Json(Json::Array(items));
 }
 
 Json type_of(std::string_view name) {
-    return object_of({{"type", name}});
+    return json_object({{"type", name}});
 }
 
 Json reference_to(Object object) {
-    return object_of({{"$ref", "#/$defs/" + std::string(object_name(object))}});
+    return json_object({{"$ref", "#/$defs/" + std::string(object_name(object))}});
 }
 
 /// The words that fit in some context. A word of digits is a number for readers of YAML.
-Json::Array words_of(const Field& field) {
+Json::Array schema_words(const Field& field) {
     Json::Array words;
     for (std::size_t i = 0; i < field.words.size(); ++i) {
         const bool fits = field.fits == nullptr || std::ranges::any_of(kContexts, [&](const auto& context) {
@@ -124,7 +124,7 @@ Json integer_schema(const Field& field) {
 }
 
 Json text_schema(const Field& field) {
-    auto schema = object_of({{"type", list_of({"string", "number", "boolean"})}});
+    auto schema = json_object({{"type", json_array({"string", "number", "boolean"})}});
     if (field.range == nullptr) return schema;
     const auto range = widest(field);
     schema.set("minLength", range.least);
@@ -134,10 +134,10 @@ Json text_schema(const Field& field) {
 
 Json duration_schema(const Field& field) {
     Json::Array forms{
-        object_of({{"type", "string"}, {"pattern", "^[0-9]+(\\.[0-9]+)? ?(ns|us|ms|s|min|h|d)$"}}),
-        object_of({{"const", 0}})};
-    if (!field.words.empty()) forms.push_back(object_of({{"enum", Json(words_of(field))}}));
-    auto schema = object_of({{"anyOf", Json(std::move(forms))}});
+        json_object({{"type", "string"}, {"pattern", "^[0-9]+(\\.[0-9]+)? ?(ns|us|ms|s|min|h|d)$"}}),
+        json_object({{"const", 0}})};
+    if (!field.words.empty()) forms.push_back(json_object({{"enum", Json(schema_words(field))}}));
+    auto schema = json_object({{"anyOf", Json(std::move(forms))}});
     if (field.range != nullptr) {
         const auto range = widest(field);
         schema.set("description",
@@ -148,11 +148,11 @@ Json duration_schema(const Field& field) {
 
 Json list_schema(Object object, const Field& field) {
     const auto items = object_behind(object, field.key);
-    auto list = object_of({{"type", list_of({"array", "null"})}});
-    if (!items) return object_of({{"type", list_of({"array", "string", "null"})}});
+    auto list = json_object({{"type", json_array({"array", "null"})}});
+    if (!items) return json_object({{"type", json_array({"array", "string", "null"})}});
     list.set("items", reference_to(*items));
     if (field.key != "variables" && field.key != "locals") return list;
-    return object_of({{"anyOf", list_of({std::move(list), type_of("string")})}});  // the name of a table
+    return json_object({{"anyOf", json_array({std::move(list), type_of("string")})}});  // the name of a table
 }
 
 /// One mirror, or a list of several.
@@ -162,7 +162,7 @@ Json mapping_schema(const Field& field) {
     if (field.object != Object::mirror) return schema;
     auto list = type_of("array");
     list.set("items", schema);
-    return object_of({{"anyOf", list_of({std::move(schema), std::move(list)})}});
+    return json_object({{"anyOf", json_array({std::move(schema), std::move(list)})}});
 }
 
 Json value_schema(Object object, const Field& field) {
@@ -175,13 +175,13 @@ Json value_schema(Object object, const Field& field) {
         case Kind::local_bool:
         case Kind::local_integer: return text_schema(field);
         case Kind::word:
-        case Kind::function: return object_of({{"enum", Json(words_of(field))}});
-        case Kind::constant: return object_of({{"type", list_of({"string", "number", "boolean"})}});
-        case Kind::reference: return object_of({{"type", "string"}, {"pattern", "^[0-9]+$"}});
+        case Kind::function: return json_object({{"enum", Json(schema_words(field))}});
+        case Kind::constant: return json_object({{"type", json_array({"string", "number", "boolean"})}});
+        case Kind::reference: return json_object({{"type", "string"}, {"pattern", "^[0-9]+$"}});
         case Kind::list: return list_schema(object, field);
         case Kind::mapping: return mapping_schema(field);
         case Kind::words: return type_of("object");
-        case Kind::ranges: return object_of({{"type", list_of({"array", "string", "integer"})}});
+        case Kind::ranges: return json_object({{"type", json_array({"array", "string", "integer"})}});
     }
     return {};
 }
@@ -189,7 +189,7 @@ Json value_schema(Object object, const Field& field) {
 Json field_schema(Object object, const Field& field) {
     auto schema = value_schema(object, field);
     if (!field.object || field.kind == Kind::mapping) return schema;
-    return object_of({{"anyOf", list_of({std::move(schema), reference_to(*field.object)})}});
+    return json_object({{"anyOf", json_array({std::move(schema), reference_to(*field.object)})}});
 }
 
 Json object_schema(Object object) {
@@ -229,8 +229,8 @@ std::optional<Object> object_behind(std::optional<Object> object, std::string_vi
 }
 
 Json project_schema() {
-    auto schema = object_of({{"$schema", "https://json-schema.org/draft/2020-12/schema"},
-                             {"title", "Takt project file, version 1"}});
+    auto schema = json_object({{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+                               {"title", "Takt project file, version 1"}});
     schema.set("$ref", "#/$defs/project");
     Json::Object objects;
     for (const auto object : model::kObjects)

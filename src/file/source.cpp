@@ -11,13 +11,13 @@ namespace {
 
 constexpr std::size_t kBlock = 256;
 
-std::uint8_t byte(std::string_view text, std::size_t at) {
+std::uint8_t byte_at(std::string_view text, std::size_t at) {
     return at < text.size() ? static_cast<std::uint8_t>(text[at]) : 0;
 }
 
 bool refused(std::string_view text, std::size_t at, char32_t value) {
     if (value == '\t' || value == '\n') return false;
-    if (value == '\r') return byte(text, at + 1) != '\n';
+    if (value == '\r') return byte_at(text, at + 1) != '\n';
     return value < 0x20 || (value >= 0x7F && value < 0xA0) || value == 0xFEFF || value == 0xFFFE ||
            value == 0xFFFF;
 }
@@ -31,7 +31,7 @@ std::optional<Foreign> find_foreign(std::string_view text) {
             continue;
         }
         const auto character = first_character(text.substr(at));
-        if (character.bytes == 0) return Foreign{at, false, byte(text, at)};
+        if (character.bytes == 0) return Foreign{at, false, byte_at(text, at)};
         if (refused(text, at, character.code)) return Foreign{at, true, character.code};
         at += character.bytes;
     }

@@ -168,16 +168,16 @@ std::optional<int> function_number(std::string_view word) {
     return std::nullopt;
 }
 
-bool in_a_word(char c) {
+bool is_word_character(char c) {
     return is_digit(c) || (c >= 'a' && c <= 'z') || static_cast<unsigned char>(c) >= 0x80;
 }
 
-std::vector<std::string> words_of(std::string_view whole) {
+std::vector<std::string> split_words(std::string_view whole) {
     std::vector<std::string> words;
     const auto text = lower(whole);
     for (std::size_t at = 0; at < text.size();) {
         auto end = at;
-        while (end < text.size() && in_a_word(text[end])) ++end;
+        while (end < text.size() && is_word_character(text[end])) ++end;
         if (end > at) words.push_back(folded(std::string_view(text).substr(at, end - at)));
         at = std::max(end, at + 1);
     }
@@ -197,7 +197,7 @@ struct TypeText {
 
 TypeText split_type(std::string_view text) {
     TypeText type;
-    const auto words = words_of(text);
+    const auto words = split_words(text);
     for (std::size_t i = 0; i < words.size(); ++i) {
         const auto word = std::string_view(words[i]);
         const bool counted = std::ranges::any_of(kCountStems, [&](const auto& stem) {
@@ -223,7 +223,7 @@ struct FunctionText {
 
 FunctionText take_apart(std::string_view text) {
     FunctionText result;
-    for (const auto& word : words_of(text)) {
+    for (const auto& word : split_words(text)) {
         if (const auto number = function_number(word))
             result.numbers.push_back(*number);
         else

@@ -43,7 +43,7 @@ const Meaning kMeanings[] = {
     {messages::DOC_IN_SCALAR, "file.unclosed_quote"},
 };
 
-std::string_view code_of(const std::string& message) {
+std::string_view syntax_error_code(const std::string& message) {
     const auto found = std::ranges::find_if(
         kMeanings, [&](const Meaning& meaning) { return message.starts_with(meaning.beginning); });
     return found == std::end(kMeanings) ? "file.syntax" : found->code;
@@ -108,7 +108,7 @@ void report(const YAML::Exception& trouble, const Source& source, const YamlBuil
     const auto tab = indenting_tab(source.text(), offset);
     if (tab != std::string_view::npos && builder.open_bracket().line == 0)
         return reporter.error("file.tab", source.location(tab), {.path = builder.path()});
-    auto code = code_of(trouble.msg);
+    auto code = syntax_error_code(trouble.msg);
     Details details{.path = builder.path()};
     const auto quote = builder.quote_before(offset);
     if (quote.line > 0 && (code == "file.indentation" || code == "file.unclosed_bracket")) {

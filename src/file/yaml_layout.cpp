@@ -1,7 +1,6 @@
 #include "yaml_layout.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -16,8 +15,6 @@ using Style = Layout::Style;
 
 /// The text does not have the expected token.
 struct Mismatch {};
-
-constexpr std::array<std::string_view, 4> kNulls{"~", "null", "Null", "NULL"};
 
 bool is_blank(char c) {
     return c == ' ' || c == '\t';
@@ -118,7 +115,7 @@ private:
     // The length of a null that is written at `offset`, or 0.
     [[nodiscard]] std::size_t null_at(std::size_t offset, bool flow) const {
         const auto rest = text_.substr(offset);
-        for (const auto word : kNulls) {
+        for (const auto word : kNullWords) {
             if (!rest.starts_with(word)) continue;
             const auto end = offset + word.size();
             const bool in_flow = flow && end < text_.size() && std::string_view(",]}").contains(text_[end]);

@@ -5,6 +5,7 @@
 // project file uses (tags, anchors) are not laid out.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -14,6 +15,9 @@
 #include "takt/model/document.hpp"
 
 namespace takt::file {
+
+/// Plain scalars that mean null (YAML 1.2, section 10.3.2).
+inline constexpr std::array<std::string_view, 4> kNullWords{"~", "null", "Null", "NULL"};
 
 struct LayoutPart;
 

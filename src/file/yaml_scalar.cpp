@@ -5,17 +5,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 namespace takt::file {
 namespace {
 
 using model::Kind;
 using Style = Layout::Style;
-
-constexpr std::array<std::string_view, 4> kNulls{"~", "null", "Null", "NULL"};
-// Words with another meaning than text in YAML 1.1 or 1.2.
-constexpr std::array<std::string_view, 8> kReserved{"true", "false", "yes", "no", "on", "off", "y", "n"};
 
 bool is_control(char c) {
     return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
@@ -26,7 +21,7 @@ bool fits_plain(std::string_view text, bool flow) {
     if (std::string_view("?:,[]{}#&*!|>'\"%@`").contains(text[0])) return false;
     if (text[0] == '-' && (text.size() == 1 || text[1] == ' ')) return false;
     if (text.starts_with("---") || text.starts_with("...") || text == "<<" || text == "=") return false;
-    if (std::ranges::find(kNulls, text) != kNulls.end()) return false;
+    if (std::ranges::find(kNullWords, text) != kNullWords.end()) return false;
     if (std::ranges::any_of(text, is_control)) return false;
     if (text.contains(": ") || text.contains(" #")) return false;
     return !flow || text.find_first_of(",?[]{}") == std::string_view::npos;
@@ -37,7 +32,7 @@ bool looks_typed(std::string_view text) {
     std::string small(text);
     for (char& c : small)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 0x20);
-    if (std::ranges::find(kReserved, small) != kReserved.end()) return true;
+    if (std::ranges::find(kBooleanWords, small) != kBooleanWords.end()) return true;
     const bool begins = !text.empty() && std::string_view("0123456789+-.").contains(text[0]);
     return begins && small.find_first_not_of("0123456789abcdefxot_.:+- ") == std::string::npos;
 }

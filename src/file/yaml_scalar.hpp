@@ -1,6 +1,7 @@
 // Scalars as text of a YAML file.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -11,6 +12,10 @@
 #include "yaml_layout.hpp"
 
 namespace takt::file {
+
+/// Words that a reader of YAML 1.1 or 1.2 takes for a boolean, in lower case.
+inline constexpr std::array<std::string_view, 8> kBooleanWords{"true", "false", "yes", "no",
+                                                               "on",   "off",   "y",   "n"};
 
 /// The use of a scalar. It decides about quotes.
 enum class ScalarUse : std::uint8_t {

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "takt/file/convert.hpp"
 #include "takt/model/fields.hpp"
+#include "yaml_scalar.hpp"
 
 namespace takt::file {
 namespace {
@@ -17,31 +17,29 @@ using model::Object;
 
 constexpr std::size_t kIndent = 2;
 
-bool starts_a_word(char c) {
+bool starts_word(char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' || c == '/' ||
            static_cast<unsigned char>(c) >= 0x80;
 }
 
-bool in_a_word(char c) {
-    return starts_a_word(c) || (c >= '0' && c <= '9') || c == '-' || c == '.' || c == '/';
+bool continues_word(char c) {
+    return starts_word(c) || (c >= '0' && c <= '9') || c == '-' || c == '.' || c == '/';
 }
 
 // Words with another meaning than text in YAML 1.1 or 1.2.
 bool is_reserved(std::string_view text) {
-    constexpr std::array<std::string_view, 9> kReserved{"null", "true", "false", "yes", "no",
-                                                        "on",   "off",  "y",     "n"};
     std::string small(text);
     for (char& c : small)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 0x20);
-    return std::ranges::find(kReserved, small) != kReserved.end();
+    return small == "null" || std::ranges::find(kBooleanWords, small) != kBooleanWords.end();
 }
 
 bool is_plain_text(std::string_view text) {
-    if (text.empty() || !starts_a_word(text[0]) || text.ends_with(' ') || is_reserved(text)) return false;
-    return std::ranges::all_of(text, [](char c) { return in_a_word(c) || c == ' '; });
+    if (text.empty() || !starts_word(text[0]) || text.ends_with(' ') || is_reserved(text)) return false;
+    return std::ranges::all_of(text, [](char c) { return continues_word(c) || c == ' '; });
 }
 
-std::string quoted(std::string_view text) {
+std::string quoted_scalar(std::string_view text) {
     std::string result = "\"";
     for (const char c : text) {
         if (c == '"' || c == '\\') result += '\\';
@@ -75,21 +73,22 @@ std::string words_text(std::string_view text) {
         text.remove_prefix(std::min(text.find_first_not_of(kBetween), text.size()));
         if (text.empty()) return "[" + list + "]";
         const auto word = text.substr(0, text.find_first_of(kBetween));
-        list.append(list.empty() ? "" : ", ").append(is_plain_text(word) ? std::string(word) : quoted(word));
+        list.append(list.empty() ? "" : ", ")
+            .append(is_plain_text(word) ? std::string(word) : quoted_scalar(word));
         text.remove_prefix(word.size());
     }
 }
 
-std::string scalar_text(Object object, const Node& mapping, std::string_view key, const Node& value) {
+std::string field_text(Object object, const Node& mapping, std::string_view key, const Node& value) {
     const auto* const field = model::find_field(object, key);
     if (field != nullptr && field->kind == Kind::list && value.cell) return words_text(value.text);
     if (field != nullptr && (field->kind == Kind::reference || key == "byte_order"))
-        return quoted(value.text);  // other readers would take it for a number
+        return quoted_scalar(value.text);  // other readers would take it for a number
     if (!is_text(object, mapping, key)) return value.text;
-    return is_plain_text(value.text) ? value.text : quoted(value.text);
+    return is_plain_text(value.text) ? value.text : quoted_scalar(value.text);
 }
 
-class Writer {
+class ProjectWriter {
 public:
     // The kind of the items of a list.
     static Object object_of(std::string_view key) {
@@ -140,7 +139,7 @@ private:
     static std::string value_text(Object object, const Node& mapping, std::string_view key,
                                   const Node& value) {
         if (value.kind == Node::Kind::list) return list_text(object_of(key), value);
-        if (value.kind != Node::Kind::mapping) return scalar_text(object, mapping, key, value);
+        if (value.kind != Node::Kind::mapping) return field_text(object, mapping, key, value);
         const auto* const field = model::find_field(object, key);
         return mapping_text(field != nullptr ? field->object.value_or(object) : object, value);
     }
@@ -161,7 +160,7 @@ private:
             text.append(text.empty() ? "" : ", ")
                 .append(item.kind == Node::Kind::list      ? list_text(object, item)
                         : item.kind == Node::Kind::mapping ? mapping_text(object, item)
-                        : item.quoted                      ? quoted(item.text)
+                        : item.quoted                      ? quoted_scalar(item.text)
                                                            : item.text);
         return "[" + text + "]";
     }
@@ -185,7 +184,7 @@ private:
 }  // namespace
 
 std::string write_project(const model::Document& document) {
-    Writer writer;
+    ProjectWriter writer;
     writer.mapping(Object::project, document.root, 0, false);
     return writer.take();
 }

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "takt/base/result.hpp"
@@ -18,8 +19,9 @@
 namespace takt::file {
 
 /// Limits of a project; exceeding one is a finding.
-inline constexpr std::size_t kMaxFileBytes = 8 << 20;    ///< each file
-inline constexpr std::size_t kMaxTableBytes = 64 << 20;  ///< all tables and templates of a project together
+inline constexpr std::size_t kMaxFileBytes = 8 << 20;      ///< each file
+inline constexpr std::string_view kMaxFileText = "8 MiB";  ///< kMaxFileBytes in messages
+inline constexpr std::size_t kMaxTableBytes = 64 << 20;    ///< all tables and templates of a project together
 inline constexpr std::size_t kMaxNodes =
     1'000'000;                                    ///< keys, values, lists and mappings in all files together
 inline constexpr std::size_t kMaxDepth = 32;      ///< lists and mappings inside one another
