@@ -9,10 +9,10 @@ namespace {
 
 constexpr std::uint32_t kPolynomial = 0x82F6'3B78;  // 0x1EDC6F41 reflected
 constexpr std::size_t kSlices = 8;
-using Tables = std::array<std::array<std::uint32_t, 256>, kSlices>;
+using CrcTables = std::array<std::array<std::uint32_t, 256>, kSlices>;
 
-constexpr Tables make_tables() {
-    Tables tables{};
+constexpr CrcTables make_crc_tables() {
+    CrcTables tables{};
     for (std::uint32_t i = 0; i < 256; ++i) {
         std::uint32_t crc = i;
         for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ ((crc & 1) != 0 ? kPolynomial : 0);
@@ -26,7 +26,7 @@ constexpr Tables make_tables() {
     return tables;
 }
 
-constexpr Tables kTables = make_tables();
+constexpr CrcTables kCrcTables = make_crc_tables();
 
 }  // namespace
 
@@ -37,11 +37,11 @@ std::uint32_t crc32c(Bytes bytes, std::uint32_t before) {
     for (; left >= kSlices; left -= kSlices, at += kSlices) {
         const std::uint32_t low = crc ^ (std::uint32_t{at[0]} | std::uint32_t{at[1]} << 8 |
                                          std::uint32_t{at[2]} << 16 | std::uint32_t{at[3]} << 24);
-        crc = kTables[7][low & 0xFF] ^ kTables[6][low >> 8 & 0xFF] ^ kTables[5][low >> 16 & 0xFF] ^
-              kTables[4][low >> 24] ^ kTables[3][at[4]] ^ kTables[2][at[5]] ^ kTables[1][at[6]] ^
-              kTables[0][at[7]];
+        crc = kCrcTables[7][low & 0xFF] ^ kCrcTables[6][low >> 8 & 0xFF] ^ kCrcTables[5][low >> 16 & 0xFF] ^
+              kCrcTables[4][low >> 24] ^ kCrcTables[3][at[4]] ^ kCrcTables[2][at[5]] ^ kCrcTables[1][at[6]] ^
+              kCrcTables[0][at[7]];
     }
-    for (; left > 0; --left, ++at) crc = crc >> 8 ^ kTables[0][(crc ^ *at) & 0xFF];
+    for (; left > 0; --left, ++at) crc = crc >> 8 ^ kCrcTables[0][(crc ^ *at) & 0xFF];
     return ~crc;
 }
 

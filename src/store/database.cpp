@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <filesystem>
+#include <system_error>
 #include <vector>
 
 #include "takt/store/crc32c.hpp"
@@ -11,13 +13,31 @@
 namespace takt::store {
 namespace {
 
-constexpr int kLockWait = 500;  // ms: another program that starts or ends at the same moment
+constexpr int kMostSetAside = 999;
 
 }  // namespace
 
+bool file_exists(const std::string& path) {
+    std::error_code error;
+    return std::filesystem::exists(path, error);
+}
+
+Result<std::string> set_database_aside(const std::string& path, const std::string& companion) {
+    for (int i = 1; i <= kMostSetAside; ++i) {
+        const std::string aside = path + ".damaged-" + std::to_string(i);
+        if (file_exists(aside)) continue;
+        std::error_code error;
+        std::filesystem::rename(path, aside, error);
+        if (error) return fail(Code::io_failed, path, error.value());
+        std::filesystem::rename(path + companion, aside + companion, error);
+        return aside;
+    }
+    return fail(Code::queue_full, path, kMostSetAside);
+}
+
 SQLite::Database open_database(const std::string& path, bool read_only) {
     const int mode = read_only ? SQLite::OPEN_READONLY : SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE;
-    return SQLite::Database(path, mode | SQLite::OPEN_NOMUTEX, read_only ? 0 : kLockWait);
+    return SQLite::Database(path, mode | SQLite::OPEN_NOMUTEX, read_only ? 0 : kLockWaitMs);
 }
 
 // SQLiteCpp does not pass the system's error number on. It is asked of the connection where there is one.

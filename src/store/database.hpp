@@ -6,11 +6,24 @@
 #include <cstdint>
 #include <expected>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 #include "takt/base/result.hpp"
 
 namespace takt::store {
+
+/// A database file begins with it.
+inline constexpr std::string_view kDatabaseMark("SQLite format 3\0", 16);
+
+/// How long a statement waits for the lock of another program, in ms.
+inline constexpr int kLockWaitMs = 500;
+
+[[nodiscard]] bool file_exists(const std::string& path);
+
+/// Renames a damaged file to PATH.damaged-N, together with the file PATH + `companion`, which may hold a part
+/// of it. @returns the new path; io_failed, queue_full
+[[nodiscard]] Result<std::string> set_database_aside(const std::string& path, const std::string& companion);
 
 /// Opens a database; it is created unless `read_only`.
 /// @throws SQLite::Exception

@@ -25,10 +25,9 @@
 namespace takt::store {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kChunkVersion = 1;
 constexpr std::uint8_t kCompressed = 1;
-constexpr std::size_t kHeader = 2;
-constexpr std::size_t kChecksum = 4;
+constexpr std::size_t kChunkHeaderBytes = 2;
 constexpr int kLevel = 3;                             // of zstd; see docs/decisions/0042-history.md
 constexpr std::uint64_t kLargestBody = 256ULL << 20;  // of a damaged length
 constexpr std::uint64_t kMostSamples = 16ULL << 20;
@@ -282,7 +281,7 @@ std::vector<std::uint8_t> encode_history(std::span<const HistorySample> samples,
     TAKT_ASSERT(options.unit_ns > 0 && samples.size() <= kMostSamples);
     ByteVector body = body_of(samples, options.unit_ns);
     ByteVector packed = options.compress ? compressed(body) : ByteVector();
-    ByteVector out{kVersion, packed.empty() ? std::uint8_t{0} : kCompressed};
+    ByteVector out{kChunkVersion, packed.empty() ? std::uint8_t{0} : kCompressed};
     const ByteVector& chosen = packed.empty() ? body : packed;
     out.insert(out.end(), chosen.begin(), chosen.end());
     put_little(out, crc32c(out));
@@ -290,12 +289,12 @@ std::vector<std::uint8_t> encode_history(std::span<const HistorySample> samples,
 }
 
 Result<std::vector<HistorySample>> decode_history(Bytes bytes) {
-    if (bytes.size() < kHeader + kChecksum) return fail(Code::malformed);
-    const Bytes checked = bytes.first(bytes.size() - kChecksum);
-    const auto checksum = LittleEndianReader(bytes.last(kChecksum)).take<std::uint32_t>();
-    if (checksum != crc32c(checked) || bytes[0] != kVersion || bytes[1] > kCompressed)
+    if (bytes.size() < kChunkHeaderBytes + kCrc32cBytes) return fail(Code::malformed);
+    const Bytes checked = bytes.first(bytes.size() - kCrc32cBytes);
+    const auto checksum = LittleEndianReader(bytes.last(kCrc32cBytes)).take<std::uint32_t>();
+    if (checksum != crc32c(checked) || bytes[0] != kChunkVersion || bytes[1] > kCompressed)
         return fail(Code::malformed);
-    const Bytes stored = checked.subspan(kHeader);
+    const Bytes stored = checked.subspan(kChunkHeaderBytes);
     if (bytes[1] != kCompressed) return samples_of(stored);
     TAKT_TRY(const ByteVector body, decompressed(stored));
     return samples_of(body);

@@ -16,20 +16,13 @@
 namespace takt::store {
 namespace {
 
-constexpr int kMostSetAside = 999;
-constexpr std::string_view kMark("SQLite format 3\0", 16);
 constexpr std::size_t kPageBytes = 4096;  // of SQLite by default
 
 // FULL: each commit synchronises the write-ahead log. With NORMAL a power cut could undo commits whose
 // samples that the journal has already dropped. Freed pages are used again; the file does not shrink.
-constexpr const char* kSettings =
+constexpr const char* kHistorySettings =
     "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA cell_size_check = ON;"
     "PRAGMA journal_size_limit = 67108864";
-
-bool is_there(const std::string& path) {
-    std::error_code error;
-    return std::filesystem::exists(path, error);
-}
 
 /// Whether the bytes are a leaf page of a table with cells: https://www.sqlite.org/fileformat.html, 1.6.
 bool is_table_page(std::span<const std::uint8_t> page) {
@@ -59,13 +52,13 @@ bool has_table_page(const os::Descriptor& file) {
 
 /// A file of another program must not be touched. A database whose first page is damaged is no such file.
 /// @returns malformed (cut off or empty), unsupported
-Result<void> check_mark(const os::Descriptor& file, const std::string& path) {
-    std::array<char, kMark.size()> head{};
+Result<void> check_database_mark(const os::Descriptor& file, const std::string& path) {
+    std::array<char, kDatabaseMark.size()> head{};
     const auto count = ::pread(file.get(), head.data(), head.size(), 0);
     const std::string_view there(head.data(), count > 0 ? static_cast<std::size_t>(count) : 0);
     const bool zeros = there.find_first_not_of('\0') == std::string_view::npos;
-    if (there == kMark) return {};
-    const bool ours = zeros || kMark.starts_with(there) || has_table_page(file);
+    if (there == kDatabaseMark) return {};
+    const bool ours = zeros || kDatabaseMark.starts_with(there) || has_table_page(file);
     return fail(ours ? Code::malformed : Code::unsupported, path);
 }
 
@@ -79,15 +72,15 @@ Result<os::Descriptor> locked(Result<os::Descriptor> file, const std::string& pa
 
 Result<void> check_history_mark(const std::string& path) {
     TAKT_TRY(const auto file, os::open_for_reading(path));
-    return check_mark(file, path);
+    return check_database_mark(file, path);
 }
 
 Result<HistoryFile> open_history_file(const std::string& path) {
     HistoryFile opened;
-    const bool is_new = !is_there(path);
+    const bool is_new = !file_exists(path);
     TAKT_TRY(opened.lock, locked(is_new ? os::create_file(path) : os::open_for_update(path), path));
     // Closing a descriptor of the file would release SQLite's locks, so this one stays open.
-    if (!is_new) TAKT_CHECK(check_mark(opened.lock, path));
+    if (!is_new) TAKT_CHECK(check_database_mark(opened.lock, path));
     TAKT_CHECK(with_results(path, nullptr, [&]() -> Result<void> {
         opened.database = std::make_unique<SQLite::Database>(open_database(path, false));
         return {};
@@ -97,7 +90,7 @@ Result<HistoryFile> open_history_file(const std::string& path) {
         const bool empty = is_new || is_empty_history(*opened.database);
         if (!empty)
             if (auto ours = check_history(*opened.database, path); !ours) return ours;
-        opened.database->exec(kSettings);
+        opened.database->exec(kHistorySettings);
         if (empty) make_history_tables(*opened.database);
         return {};
     }));
@@ -105,17 +98,10 @@ Result<HistoryFile> open_history_file(const std::string& path) {
 }
 
 Result<std::string> set_history_aside(const std::string& path) {
-    for (int i = 1; i <= kMostSetAside; ++i) {
-        const std::string aside = path + ".damaged-" + std::to_string(i);
-        if (is_there(aside)) continue;
-        std::error_code error;
-        std::filesystem::rename(path, aside, error);
-        if (error) return fail(Code::io_failed, path, error.value());
-        std::filesystem::rename(path + "-wal", aside + "-wal", error);
-        std::filesystem::remove(path + "-shm", error);
-        return aside;
-    }
-    return fail(Code::queue_full, path, kMostSetAside);
+    TAKT_TRY(auto aside, set_database_aside(path, "-wal"));
+    std::error_code error;
+    std::filesystem::remove(path + "-shm", error);
+    return aside;
 }
 
 }  // namespace takt::store

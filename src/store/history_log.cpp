@@ -20,7 +20,6 @@ constexpr unsigned kKindShift = 2;
 constexpr std::uint8_t kKind = 7;
 constexpr std::uint8_t kHasReason = 1 << 5;
 constexpr std::uint8_t kHasPrevious = 1 << 6;
-constexpr std::size_t kChecksum = 4;
 constexpr std::size_t kDouble = 8;
 
 struct PutValue {
@@ -72,9 +71,9 @@ std::vector<std::uint8_t> encode_log(std::span<const LoggedSample> samples) {
 }
 
 Result<std::vector<LoggedSample>> decode_log(Bytes bytes) {
-    if (bytes.size() < kChecksum) return fail(Code::malformed);
-    const Bytes checked = bytes.first(bytes.size() - kChecksum);
-    if (LittleEndianReader(bytes.last(kChecksum)).take<std::uint32_t>() != crc32c(checked))
+    if (bytes.size() < kCrc32cBytes) return fail(Code::malformed);
+    const Bytes checked = bytes.first(bytes.size() - kCrc32cBytes);
+    if (LittleEndianReader(bytes.last(kCrc32cBytes)).take<std::uint32_t>() != crc32c(checked))
         return fail(Code::malformed);
     std::vector<LoggedSample> samples;
     VarintReader in(checked);

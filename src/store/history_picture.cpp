@@ -5,8 +5,6 @@
 namespace takt::store {
 namespace {
 
-constexpr double kSecond = 1e9;
-
 double width_of(const HistoryRange& range) {
     return static_cast<double>(range.to_ns) - static_cast<double>(range.from_ns);
 }
@@ -53,7 +51,7 @@ void PictureBuilder::hold(std::int64_t until_ns) {
     put_bad(std::max(last_->begin_ns, range_.from_ns), end);
     const std::int64_t begin = std::max(last_->end_ns, range_.from_ns);
     if (begin >= end) return;
-    const double held = static_cast<double>(end - begin) / kSecond;
+    const double held = static_cast<double>(end - begin) / kNanosecondsPerSecond;
     if (last_->ends_with_number) {
         area_ += last_->last.value * held;
         drawn_s_ += held;
@@ -117,7 +115,7 @@ HistoryPicture PictureBuilder::finish(std::int64_t known_until_ns) {
     picture_.known_until_ns = known_until_ns;
     if (last_) hold(std::max(end, last_->end_ns));
     if (drawn_s_ > 0) picture_.mean = area_ / drawn_s_;
-    picture_.good_share = good_s_ * kSecond / width_of(range_);
+    picture_.good_share = good_s_ * kNanosecondsPerSecond / width_of(range_);
     return std::move(picture_);
 }
 

@@ -20,7 +20,6 @@ namespace {
 using Samples = std::vector<HistorySample>;
 
 constexpr std::size_t kMostPixels = 100'000;
-constexpr int kLockWait = 500;  // ms
 
 /// Chunks that overlap in time, as a part of the list.
 using Cluster = std::span<const ChunkRow>;
@@ -175,8 +174,8 @@ Result<HistoryReader> HistoryReader::open(const std::string& path) {
     auto state = std::make_unique<State>();
     state->path = path;
     TAKT_CHECK(with_results(path, nullptr, [&]() -> Result<void> {
-        state->database =
-            std::make_unique<SQLite::Database>(path, SQLite::OPEN_READONLY | SQLite::OPEN_NOMUTEX, kLockWait);
+        state->database = std::make_unique<SQLite::Database>(
+            path, SQLite::OPEN_READONLY | SQLite::OPEN_NOMUTEX, kLockWaitMs);
         return {};
     }));
     const auto ours = with_results(path, state->database.get(),

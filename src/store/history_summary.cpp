@@ -7,10 +7,8 @@
 namespace takt::store {
 namespace {
 
-constexpr double kSecond = 1e9;
-
 double seconds(std::int64_t from_ns, std::int64_t to_ns) {
-    return static_cast<double>(to_ns - from_ns) / kSecond;
+    return static_cast<double>(to_ns - from_ns) / kNanosecondsPerSecond;
 }
 
 }  // namespace

@@ -11,6 +11,8 @@
 
 namespace takt::store {
 
+inline constexpr double kNanosecondsPerSecond = 1e9;
+
 /// The number of a sample that is drawn: of quality good or uncertain, finite, no text.
 std::optional<double> drawn_number(const HistorySample& sample);
 

@@ -10,10 +10,10 @@
 namespace takt::store {
 namespace {
 
-constexpr int kApplication = 0x546B'4869;  // "TkHi"
-constexpr int kVersion = 1;
+constexpr int kHistoryApplication = 0x546B'4869;  // "TkHi"
+constexpr int kHistoryVersion = 1;
 
-constexpr const char* kTables = R"(
+constexpr const char* kHistoryTables = R"(
 CREATE TABLE series (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, device TEXT NOT NULL, type TEXT NOT NULL,
                      scaled INTEGER NOT NULL, unit TEXT NOT NULL);
 CREATE TABLE chunk (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
@@ -96,7 +96,7 @@ std::vector<std::uint8_t> read_blob(SQLite::Database& database, const char* quer
     return select.executeStep() ? bytes_of(select.getColumn(0)) : std::vector<std::uint8_t>();
 }
 
-void run(SQLite::Statement& statement) {
+void execute(SQLite::Statement& statement) {
     statement.exec();
     statement.reset();
 }
@@ -105,9 +105,10 @@ void run(SQLite::Statement& statement) {
 
 void make_history_tables(SQLite::Database& database) {
     SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
-    database.exec(kTables);
+    database.exec(kHistoryTables);
     database.exec("INSERT INTO state VALUES (1, NULL, NULL, NULL);PRAGMA application_id = " +
-                  std::to_string(kApplication) + ";PRAGMA user_version = " + std::to_string(kVersion));
+                  std::to_string(kHistoryApplication) +
+                  ";PRAGMA user_version = " + std::to_string(kHistoryVersion));
     transaction.commit();
 }
 
@@ -119,7 +120,7 @@ bool is_empty_history(SQLite::Database& database) {
 Result<void> check_history(SQLite::Database& database, const std::string& path) {
     const int application = database.execAndGet("PRAGMA application_id").getInt();
     const int version = database.execAndGet("PRAGMA user_version").getInt();
-    if (application != kApplication || version > kVersion) return fail(Code::unsupported, path);
+    if (application != kHistoryApplication || version > kHistoryVersion) return fail(Code::unsupported, path);
     if (version < 1) return fail(Code::malformed, path);
     return {};
 }
@@ -230,11 +231,11 @@ void ChunkWriter::write(const ChunkRow& row, const std::vector<std::uint8_t>& da
     row_.bind(19, summary.area);
     row_.bind(20, summary.drawn_s);
     row_.bind(21, summary.good_s);
-    run(row_);
+    execute(row_);
     data_.reset();
     data_.bind(1, row.id);
     bind_bytes(data_, 2, data);
-    run(data_);
+    execute(data_);
 }
 
 void ChunkWriter::erase(SeriesId series, std::int64_t begin_ns, std::int64_t id) {
@@ -242,10 +243,10 @@ void ChunkWriter::erase(SeriesId series, std::int64_t begin_ns, std::int64_t id)
     erase_row_.bind(1, series.value);
     erase_row_.bind(2, milliseconds(begin_ns));
     erase_row_.bind(3, id);
-    run(erase_row_);
+    execute(erase_row_);
     erase_data_.reset();
     erase_data_.bind(1, id);
-    run(erase_data_);
+    execute(erase_data_);
 }
 
 std::vector<ChunkRow> read_chunks(SQLite::Database& database, SeriesId series, std::int64_t from_ns,

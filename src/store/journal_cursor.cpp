@@ -16,7 +16,7 @@
 namespace takt::store {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x3243'4B54;  // "TKC2"
+constexpr std::uint32_t kCursorMagic = 0x3243'4B54;  // "TKC2"
 constexpr std::size_t kSlotBytes = 108;
 constexpr std::uint32_t kAll = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kCheckedBytes = kSlotBytes - 4;
@@ -26,7 +26,7 @@ struct Slot {
     CursorState state;
 };
 
-void put(std::vector<std::uint8_t>& out, const StreamPosition& position) {
+void put_position(std::vector<std::uint8_t>& out, const StreamPosition& position) {
     put_little(out, position.sequence);
     put_little(out, position.samples);
     put_little(out, static_cast<std::uint64_t>(position.wall_ns));
@@ -46,14 +46,14 @@ std::vector<std::uint8_t> encode(const Slot& slot) {
     std::vector<std::uint8_t> out;
     const std::uint64_t sequence = slot.state.position.sequence;
     const std::uint64_t ahead = std::max(slot.state.handed_out, sequence) - sequence;
-    put_little(out, kMagic);
+    put_little(out, kCursorMagic);
     put_little(out, static_cast<std::uint32_t>(std::min<std::uint64_t>(ahead, kAll)));
     put_little(out, slot.counter);
-    put(out, slot.state.position);
+    put_position(out, slot.state.position);
     put_little(out, slot.state.delivered);
     put_little(out, slot.state.dropped);
     put_little(out, slot.state.gaps);
-    put(out, slot.state.quota_end);
+    put_position(out, slot.state.quota_end);
     put_little(out, crc32c(out));
     TAKT_ASSERT(out.size() == kSlotBytes);
     return out;
@@ -64,7 +64,7 @@ std::optional<Slot> decode(Bytes bytes) {
     const auto crc = LittleEndianReader(bytes.subspan(kCheckedBytes)).take<std::uint32_t>();
     if (crc != crc32c(bytes.first(kCheckedBytes))) return std::nullopt;
     LittleEndianReader in(bytes);
-    if (in.take<std::uint32_t>() != kMagic) return std::nullopt;
+    if (in.take<std::uint32_t>() != kCursorMagic) return std::nullopt;
     const auto ahead = in.take<std::uint32_t>();
     Slot slot;
     slot.counter = in.take<std::uint64_t>();

@@ -11,7 +11,7 @@
 namespace takt::store {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x314A'4B54;  // "TKJ1"
+constexpr std::uint32_t kRecordMagic = 0x314A'4B54;  // "TKJ1"
 constexpr std::size_t kLengthOffset = 4;
 constexpr std::size_t kTypeOffset = 8;
 constexpr std::size_t kChecksumBytes = kRecordOverheadBytes - kRecordHeaderBytes;
@@ -43,7 +43,7 @@ std::string_view name(GapCause cause) {
 void encode_record(const RecordHeader& header, Bytes payload, std::vector<std::uint8_t>& out) {
     TAKT_ASSERT(payload.size() <= kMaxPayloadBytes);
     const std::size_t start = out.size();
-    put_little(out, kMagic);
+    put_little(out, kRecordMagic);
     put_little(out, static_cast<std::uint32_t>(kRecordOverheadBytes + payload.size()));
     put_little(out, static_cast<std::uint16_t>(header.type));
     put_little(out, std::uint16_t{0});
@@ -58,7 +58,8 @@ void encode_record(const RecordHeader& header, Bytes payload, std::vector<std::u
 }
 
 bool begins_record(Bytes bytes) {
-    return bytes.size() < sizeof kMagic || LittleEndianReader(bytes).take<std::uint32_t>() == kMagic;
+    return bytes.size() < sizeof kRecordMagic ||
+           LittleEndianReader(bytes).take<std::uint32_t>() == kRecordMagic;
 }
 
 std::size_t encoded_size(Bytes record) {

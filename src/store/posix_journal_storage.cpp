@@ -23,7 +23,7 @@ constexpr std::string_view kCursorPrefix = "cursor-";
 constexpr std::size_t kDigits = 20;
 constexpr std::uint64_t kSlotOffset = 4096;  // of slot 1: a sector of its own, also on disks with large ones
 
-std::unexpected<Error> failed(const std::string& path) {
+std::unexpected<Error> io_failure(const std::string& path) {
     return fail(Code::io_failed, path, errno);
 }
 
@@ -44,7 +44,7 @@ Result<std::size_t> read_at(int file, const std::string& path, std::uint64_t off
         const auto got =
             ::pread(file, into.data() + done, into.size() - done, static_cast<off_t>(offset + done));
         if (got < 0 && errno == EINTR) continue;
-        if (got < 0) return failed(path);
+        if (got < 0) return io_failure(path);
         if (got == 0) break;
         done += static_cast<std::size_t>(got);
     }
@@ -55,7 +55,7 @@ Result<void> write_at(int file, const std::string& path, std::uint64_t offset, B
     while (!bytes.empty()) {
         const auto put = ::pwrite(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
         if (put < 0 && errno == EINTR) continue;
-        if (put <= 0) return failed(path);
+        if (put <= 0) return io_failure(path);
         offset += static_cast<std::uint64_t>(put);
         bytes = bytes.subspan(static_cast<std::size_t>(put));
     }
@@ -76,7 +76,7 @@ Result<os::Descriptor> lock(const std::string& directory) {
 }
 
 /// Frees the reserved space behind the end. A failure costs space only.
-void trim(int file) {
+void cut_at_size(int file) {
     struct stat status{};
     if (::fstat(file, &status) == 0 && ::ftruncate(file, status.st_size) != 0) return;
 }
@@ -118,7 +118,7 @@ Result<void> PosixJournalStorage::replace_removed_folder() {
 
 Result<void> PosixJournalStorage::sync_folder() {
     if (!folder_changed_) return {};
-    if (::fsync(folder_.get()) != 0 && errno != EINVAL) return failed(directory_);
+    if (::fsync(folder_.get()) != 0 && errno != EINVAL) return io_failure(directory_);
     folder_changed_ = false;
     return {};
 }
@@ -130,12 +130,12 @@ Result<std::vector<SegmentFile>> PosixJournalStorage::list_segments() {
     for (;;) {
         errno = 0;
         const dirent* entry = ::readdir(entries.get());
-        if (entry == nullptr && errno != 0) return failed(directory_);
+        if (entry == nullptr && errno != 0) return io_failure(directory_);
         if (entry == nullptr) return files;
         const auto number = number_of(entry->d_name);
         if (!number) continue;
         struct stat status{};
-        if (::stat(path_of(*number).c_str(), &status) != 0) return failed(path_of(*number));
+        if (::stat(path_of(*number).c_str(), &status) != 0) return io_failure(path_of(*number));
         files.push_back({*number, static_cast<std::uint64_t>(status.st_size)});
     }
 }
@@ -154,7 +154,7 @@ Result<std::size_t> PosixJournalStorage::read(std::uint64_t segment, std::uint64
 }
 
 Result<void> PosixJournalStorage::create(std::uint64_t segment) {
-    if (written_) trim(written_->file.get());
+    if (written_) cut_at_size(written_->file.get());
     written_.reset();
     TAKT_CHECK(replace_removed_folder());
     folder_changed_ = true;
@@ -163,7 +163,7 @@ Result<void> PosixJournalStorage::create(std::uint64_t segment) {
     TAKT_TRY(auto file, os::open_for_append(path_of(segment)));
     const auto size = static_cast<off_t>(segment_bytes_);
     if (::fallocate(file.get(), FALLOC_FL_KEEP_SIZE, 0, size) != 0 && errno != EOPNOTSUPP)
-        return failed(path_of(segment));
+        return io_failure(path_of(segment));
     TAKT_CHECK(sync_folder());  // the removal of earlier segments too
     written_ = OpenSegment{segment, std::move(file)};
     return {};
@@ -173,7 +173,7 @@ Result<int> PosixJournalStorage::writable(std::uint64_t segment) {
     if (!written_ || written_->number != segment) {
         written_.reset();
         TAKT_TRY(auto file, os::open_for_update(path_of(segment)));
-        trim(file.get());
+        cut_at_size(file.get());
         written_ = OpenSegment{segment, std::move(file)};
     }
     return written_->file.get();
@@ -184,7 +184,7 @@ Result<void> PosixJournalStorage::append(std::uint64_t segment, Bytes bytes) {
     while (!bytes.empty()) {
         const auto put = ::write(written_->file.get(), bytes.data(), bytes.size());
         if (put < 0 && errno == EINTR) continue;
-        if (put <= 0) return failed(path_of(segment));
+        if (put <= 0) return io_failure(path_of(segment));
         bytes = bytes.subspan(static_cast<std::size_t>(put));
     }
     return {};
@@ -193,7 +193,7 @@ Result<void> PosixJournalStorage::append(std::uint64_t segment, Bytes bytes) {
 Result<void> PosixJournalStorage::sync(std::uint64_t segment) {
     TAKT_CHECK(sync_folder());
     TAKT_TRY(const int file, writable(segment));
-    if (::fdatasync(file) != 0) return failed(path_of(segment));
+    if (::fdatasync(file) != 0) return io_failure(path_of(segment));
     if (is_removed(file)) return fail(Code::io_failed, path_of(segment), ENOENT);
     return {};
 }
@@ -201,7 +201,7 @@ Result<void> PosixJournalStorage::sync(std::uint64_t segment) {
 Result<void> PosixJournalStorage::remove(std::uint64_t segment) {
     if (written_ && written_->number == segment) written_.reset();
     if (read_ && read_->number == segment) read_.reset();
-    if (::unlink(path_of(segment).c_str()) != 0 && errno != ENOENT) return failed(path_of(segment));
+    if (::unlink(path_of(segment).c_str()) != 0 && errno != ENOENT) return io_failure(path_of(segment));
     return {};
 }
 
@@ -231,7 +231,7 @@ Result<void> PosixJournalStorage::write_cursor(std::string_view destination, uns
 
 Result<void> PosixJournalStorage::sync_cursor(std::string_view destination) {
     TAKT_TRY(const int file, cursor(destination, false));
-    if (::fdatasync(file) != 0) return failed(path_of(destination));
+    if (::fdatasync(file) != 0) return io_failure(path_of(destination));
     if (is_removed(file)) {
         cursors_.erase(cursors_.find(destination));
         return fail(Code::io_failed, path_of(destination), ENOENT);

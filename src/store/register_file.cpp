@@ -20,30 +20,30 @@
 namespace takt::store {
 namespace {
 
-constexpr std::string_view kMagic = RegisterFile::kMark;
-constexpr std::string_view kCopyMagic = "TaktCopy";
-constexpr std::uint16_t kVersion = 1;
+constexpr std::string_view kRegistersMark = RegisterFile::kMark;
+constexpr std::string_view kCopyMark = "TaktCopy";
+constexpr std::uint16_t kRegistersVersion = 1;
 constexpr std::size_t kRangesAt = 20;
 constexpr std::size_t kRangeBytes = 6;
 constexpr std::size_t kChecksumAt = 24;  // in a copy's header
-constexpr std::size_t kHeader = 28;
-constexpr std::size_t kSector = 512;  // a medium loses at least that much
+constexpr std::size_t kCopyHeaderBytes = 28;
+constexpr std::size_t kSectorBytes = 512;  // a medium loses at least that much
 static_assert(kRangesAt + RegisterLayout::kMostRanges * kRangeBytes + 4 <= RegisterFile::kPage);
 
 template <class T>
-void put(std::vector<std::uint8_t>& bytes, std::size_t at, T number) {
+void put_number_at(std::vector<std::uint8_t>& bytes, std::size_t at, T number) {
     for (std::size_t i = 0; i < sizeof(T); ++i)
         bytes[at + i] = static_cast<std::uint8_t>(std::uint64_t{number} >> (8 * i));
 }
 
 template <class T>
-T take(Bytes bytes, std::size_t at) {
+T take_number_at(Bytes bytes, std::size_t at) {
     std::uint64_t number = 0;
     for (std::size_t i = 0; i < sizeof(T); ++i) number |= std::uint64_t{bytes[at + i]} << (8 * i);
     return static_cast<T>(number);
 }
 
-void put_text(std::vector<std::uint8_t>& bytes, std::string_view text) {
+void copy_text(std::vector<std::uint8_t>& bytes, std::string_view text) {
     std::ranges::copy(text, bytes.begin());
 }
 
@@ -63,17 +63,17 @@ std::size_t whole_pages(std::size_t bytes) {
 std::vector<std::uint8_t> description(const RegisterLayout& layout) {
     TAKT_ASSERT(layout.ranges.size() <= RegisterLayout::kMostRanges);
     std::vector<std::uint8_t> bytes(kRangesAt + layout.ranges.size() * kRangeBytes);
-    put_text(bytes, kMagic);
-    put(bytes, 8, kVersion);
-    put(bytes, 10, layout.unit);
-    put(bytes, 12, static_cast<std::uint16_t>(layout.ranges.size()));
-    put(bytes, 16, static_cast<std::uint32_t>(layout.bytes()));
+    copy_text(bytes, kRegistersMark);
+    put_number_at(bytes, 8, kRegistersVersion);
+    put_number_at(bytes, 10, layout.unit);
+    put_number_at(bytes, 12, static_cast<std::uint16_t>(layout.ranges.size()));
+    put_number_at(bytes, 16, static_cast<std::uint32_t>(layout.bytes()));
     std::size_t at = kRangesAt;
     for (const auto& range : layout.ranges) {
-        put(bytes, at, range.area);
-        put(bytes, at + 1, static_cast<std::uint8_t>(range.bits ? 1 : 0));
-        put(bytes, at + 2, range.first);
-        put(bytes, at + 4, range.last);
+        put_number_at(bytes, at, range.area);
+        put_number_at(bytes, at + 1, static_cast<std::uint8_t>(range.bits ? 1 : 0));
+        put_number_at(bytes, at + 2, range.first);
+        put_number_at(bytes, at + 4, range.last);
         at += kRangeBytes;
     }
     return bytes;
@@ -81,17 +81,17 @@ std::vector<std::uint8_t> description(const RegisterLayout& layout) {
 
 /// Returns nothing if the page does not hold a valid description.
 std::optional<RegisterLayout> described(Bytes page) {
-    const std::size_t ranges = take<std::uint16_t>(page, 12);
-    if (!begins_with(page, kMagic) || ranges > RegisterLayout::kMostRanges) return std::nullopt;
+    const std::size_t ranges = take_number_at<std::uint16_t>(page, 12);
+    if (!begins_with(page, kRegistersMark) || ranges > RegisterLayout::kMostRanges) return std::nullopt;
     const std::size_t end = kRangesAt + ranges * kRangeBytes;
-    if (crc32c(page.first(end)) != take<std::uint32_t>(page, end)) return std::nullopt;
-    RegisterLayout layout{take<std::uint8_t>(page, 10), {}};
+    if (crc32c(page.first(end)) != take_number_at<std::uint32_t>(page, end)) return std::nullopt;
+    RegisterLayout layout{take_number_at<std::uint8_t>(page, 10), {}};
     for (std::size_t at = kRangesAt; at < end; at += kRangeBytes)
-        layout.ranges.push_back({page[at], page[at + 1] != 0, take<std::uint16_t>(page, at + 2),
-                                 take<std::uint16_t>(page, at + 4)});
+        layout.ranges.push_back({page[at], page[at + 1] != 0, take_number_at<std::uint16_t>(page, at + 2),
+                                 take_number_at<std::uint16_t>(page, at + 4)});
     const bool sane =
         std::ranges::all_of(layout.ranges, [](const KeptRange& r) { return r.first <= r.last; });
-    if (!sane || layout.bytes() != take<std::uint32_t>(page, 16)) return std::nullopt;
+    if (!sane || layout.bytes() != take_number_at<std::uint32_t>(page, 16)) return std::nullopt;
     return layout;
 }
 
@@ -105,7 +105,7 @@ std::size_t RegisterLayout::bytes() const {
 
 RegisterFile::RegisterFile(BlockFile& file, RegisterLayout layout)
     : file_(&file), layout_(std::move(layout)), fingerprint_(crc32c(description(layout_))) {
-    const std::size_t bytes = whole_pages(kHeader + layout_.bytes());
+    const std::size_t bytes = whole_pages(kCopyHeaderBytes + layout_.bytes());
     for (auto& copy : copies_) {
         copy.bytes.resize(bytes);
         copy.unknown.resize(bytes / kPage);
@@ -114,7 +114,7 @@ RegisterFile::RegisterFile(BlockFile& file, RegisterLayout layout)
 }
 
 std::uint64_t RegisterFile::file_size(const RegisterLayout& layout) {
-    return kPage + 2 * whole_pages(kHeader + layout.bytes());
+    return kPage + 2 * whole_pages(kCopyHeaderBytes + layout.bytes());
 }
 
 std::uint64_t RegisterFile::offset_of(std::size_t copy) const {
@@ -122,31 +122,32 @@ std::uint64_t RegisterFile::offset_of(std::size_t copy) const {
 }
 
 Bytes RegisterFile::image() const {
-    return Bytes(copies_[newest_].bytes).subspan(kHeader, layout_.bytes());
+    return Bytes(copies_[newest_].bytes).subspan(kCopyHeaderBytes, layout_.bytes());
 }
 
 void RegisterFile::put_header(std::vector<std::uint8_t>& bytes, std::uint64_t sequence) const {
-    put_text(bytes, kCopyMagic);
-    put(bytes, 8, sequence);
-    put(bytes, 16, fingerprint_);
-    put(bytes, 20, static_cast<std::uint32_t>(layout_.bytes()));
+    copy_text(bytes, kCopyMark);
+    put_number_at(bytes, 8, sequence);
+    put_number_at(bytes, 16, fingerprint_);
+    put_number_at(bytes, 20, static_cast<std::uint32_t>(layout_.bytes()));
     const Bytes all(bytes);
-    put(bytes, kChecksumAt, crc32c(all.subspan(kHeader, layout_.bytes()), crc32c(all.first(kChecksumAt))));
+    put_number_at(bytes, kChecksumAt,
+                  crc32c(all.subspan(kCopyHeaderBytes, layout_.bytes()), crc32c(all.first(kChecksumAt))));
 }
 
 bool RegisterFile::whole(const Copy& copy) const {
     const Bytes bytes(copy.bytes);
-    return begins_with(bytes, kCopyMagic) && take<std::uint32_t>(bytes, 16) == fingerprint_ &&
-           take<std::uint32_t>(bytes, 20) == layout_.bytes() &&
-           take<std::uint32_t>(bytes, kChecksumAt) ==
-               crc32c(bytes.subspan(kHeader, layout_.bytes()), crc32c(bytes.first(kChecksumAt)));
+    return begins_with(bytes, kCopyMark) && take_number_at<std::uint32_t>(bytes, 16) == fingerprint_ &&
+           take_number_at<std::uint32_t>(bytes, 20) == layout_.bytes() &&
+           take_number_at<std::uint32_t>(bytes, kChecksumAt) ==
+               crc32c(bytes.subspan(kCopyHeaderBytes, layout_.bytes()), crc32c(bytes.first(kChecksumAt)));
 }
 
 Result<void> RegisterFile::write_description() {
     std::vector<std::uint8_t> page(kPage);
     const auto bytes = description(layout_);
     std::ranges::copy(bytes, page.begin());
-    put(page, bytes.size(), fingerprint_);
+    put_number_at(page, bytes.size(), fingerprint_);
     return file_->write_at(0, page);
 }
 
@@ -154,7 +155,7 @@ Result<RegisterFile> RegisterFile::make(BlockFile& file, const RegisterLayout& l
     TAKT_ASSERT(image.size() == layout.bytes());
     RegisterFile made(file, layout);
     TAKT_CHECK(made.write_description());
-    std::ranges::copy(image, made.wanted_.begin() + kHeader);
+    std::ranges::copy(image, made.wanted_.begin() + kCopyHeaderBytes);
     made.sequence_ = 1;
     for (const std::size_t copy : {1U, 0U}) {
         made.copies_[copy].unknown.assign(made.copies_[copy].unknown.size(), true);
@@ -173,14 +174,14 @@ Result<RegisterFile> RegisterFile::open(BlockFile& file, const RegisterLayout& e
     std::vector<std::uint8_t> page(kPage);
     const auto there = std::span(page).first(std::min<std::uint64_t>(size, kPage));
     TAKT_CHECK(file.read_at(0, there));
-    const bool own_mark = begins_with(there, kMagic.substr(0, there.size()));
-    const bool lost = is_zeros(there.first(std::min(there.size(), kSector)));
+    const bool own_mark = begins_with(there, kRegistersMark.substr(0, there.size()));
+    const bool lost = is_zeros(there.first(std::min(there.size(), kSectorBytes)));
     if (there.size() < kPage && !own_mark && !lost) return fail(Code::unsupported);
     if (there.size() < kPage)
         return fail(Code::too_short, static_cast<std::int64_t>(size), static_cast<std::int64_t>(kPage));
     const auto own = described(page);
-    if (own && take<std::uint16_t>(page, 8) != kVersion)
-        return fail(Code::unsupported, {}, take<std::uint16_t>(page, 8));
+    if (own && take_number_at<std::uint16_t>(page, 8) != kRegistersVersion)
+        return fail(Code::unsupported, {}, take_number_at<std::uint16_t>(page, 8));
     RegisterFile opened(file, own.value_or(expected));
     std::array<bool, 2> whole{};
     bool known = own_mark || lost;
@@ -193,7 +194,7 @@ Result<RegisterFile> RegisterFile::open(BlockFile& file, const RegisterLayout& e
             copy.unknown.assign(copy.unknown.size(), true);
             continue;
         }
-        known = known || begins_with(copy.bytes, kCopyMagic);
+        known = known || begins_with(copy.bytes, kCopyMark);
         whole[i] = opened.whole(copy);
         if (whole[i]) continue;
         opened.damaged_ = true;
@@ -201,7 +202,9 @@ Result<RegisterFile> RegisterFile::open(BlockFile& file, const RegisterLayout& e
     }
     if (!known) return fail(Code::unsupported);
     if (!whole[0] && !whole[1]) return fail(Code::malformed);
-    const auto number = [&](std::size_t i) { return take<std::uint64_t>(opened.copies_[i].bytes, 8); };
+    const auto number = [&](std::size_t i) {
+        return take_number_at<std::uint64_t>(opened.copies_[i].bytes, 8);
+    };
     opened.newest_ = whole[1] && (!whole[0] || number(1) > number(0)) ? 1 : 0;
     opened.sequence_ = number(opened.newest_);
     if (!own) {
@@ -236,10 +239,10 @@ Result<void> RegisterFile::write_pages(std::size_t copy, const std::vector<std::
 // Only pages that differ are written. If another program has emptied or overwritten the file, the others are
 // missing, so everything is written again.
 Result<void> RegisterFile::check_contents() {
-    std::array<std::uint8_t, kHeader> header{};
+    std::array<std::uint8_t, kCopyHeaderBytes> header{};
     const auto read = file_->read_at(offset_of(newest_), header);
     if (!read && read.error().code != Code::too_short) return read;
-    if (read && std::ranges::equal(header, Bytes(copies_[newest_].bytes).first(kHeader))) return {};
+    if (read && std::ranges::equal(header, Bytes(copies_[newest_].bytes).first(kCopyHeaderBytes))) return {};
     for (Copy& copy : copies_) copy.unknown.assign(copy.unknown.size(), true);
     return write_description();
 }
@@ -248,7 +251,7 @@ Result<void> RegisterFile::commit(Bytes image) {
     TAKT_ASSERT(image.size() == layout_.bytes());
     if (!in_doubt_ && std::ranges::equal(image, this->image())) return {};
     const std::size_t older = 1 - newest_;
-    std::ranges::copy(image, wanted_.begin() + kHeader);
+    std::ranges::copy(image, wanted_.begin() + kCopyHeaderBytes);
     put_header(wanted_, sequence_ + 1);
     auto written = check_contents();
     if (written) written = write_pages(older, wanted_);

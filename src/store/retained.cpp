@@ -23,44 +23,23 @@ namespace takt::store {
 namespace {
 
 constexpr auto kRetryAfter = std::chrono::seconds(1);
-constexpr int kMostSetAside = 999;
 
-// Of a database's header: how it begins, and the number of the program it belongs to.
-constexpr std::string_view kMark("SQLite format 3\0", 16);
+// Of a database's header: the number of the program that it belongs to.
 constexpr std::size_t kApplicationAt = 68;
 constexpr std::string_view kApplicationMark = "Takt";
-constexpr std::size_t kSector = 512;
+constexpr std::size_t kFirstSectorBytes = 512;
 
 // With a rollback journal the file is complete whenever no transaction is open: it can be copied and read
 // without a second file. A lost tail of a write-ahead log would not be noticed.
-constexpr const char* kSettings =
+constexpr const char* kRetainedSettings =
     "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = TRUNCATE; PRAGMA synchronous = FULL;"
     "PRAGMA cell_size_check = ON; BEGIN EXCLUSIVE; COMMIT";
-
-bool is_there(const std::string& path) {
-    std::error_code error;
-    return std::filesystem::exists(path, error);
-}
-
-/// Moves a damaged file aside, with its journal, which may hold a part of it. @returns the new path
-Result<std::string> set_aside(const std::string& path) {
-    for (int i = 1; i <= kMostSetAside; ++i) {
-        const std::string aside = path + ".damaged-" + std::to_string(i);
-        if (is_there(aside)) continue;
-        std::error_code error;
-        std::filesystem::rename(path, aside, error);
-        if (error) return fail(Code::io_failed, path, error.value());
-        std::filesystem::rename(path + "-journal", aside + "-journal", error);
-        return aside;
-    }
-    return fail(Code::queue_full, path, kMostSetAside);
-}
 
 /// SQLite reports that it cannot open a file, but not always why. The file is opened once more to find out.
 Error opening_error(const std::string& path, Error error) {
     error.subject = std::string_view(path);
     if (error.code != Code::cannot_open && error.code != Code::io_failed) return error;
-    const bool there = is_there(path);
+    const bool there = file_exists(path);
     const auto opened = there ? os::open_for_update(path) : os::create_file(path);
     if (!opened) return opened.error();
     if (!there) ::unlink(path.c_str());
@@ -75,32 +54,32 @@ Result<void> check_ours(const std::string& path) {
     if (!file && (file.error().code == Code::unsupported || file.error().numbers[0] == ENOENT))
         return std::unexpected(file.error());
     if (!file) return {};  // opening the database reports it
-    std::array<char, kSector> head{};
+    std::array<char, kFirstSectorBytes> head{};
     const auto count = ::pread(file->get(), head.data(), head.size(), 0);
     const std::string_view there(head.data(), count > 0 ? static_cast<std::size_t>(count) : 0);
     const bool zeros = there.find_first_not_of('\0') == std::string_view::npos;
-    if (zeros || kMark.starts_with(there)) return fail(Code::malformed, path);
-    if (!there.starts_with(kMark)) return fail(Code::unsupported, path);
+    if (zeros || kDatabaseMark.starts_with(there)) return fail(Code::malformed, path);
+    if (!there.starts_with(kDatabaseMark)) return fail(Code::unsupported, path);
     const auto application = there.substr(std::min(kApplicationAt, there.size()), kApplicationMark.size());
     if (application.size() == kApplicationMark.size() && application != kApplicationMark)
         return fail(Code::unsupported, path);
     return {};
 }
 
-struct Loaded {
+struct LoadedValues {
     std::unique_ptr<SQLite::Database> database;
     std::vector<Retained> values;
 };
 
-Result<Loaded> load(const std::string& path) {
+Result<LoadedValues> load_retained_file(const std::string& path) {
     TAKT_CHECK(check_ours(path));
-    Loaded loaded;
+    LoadedValues loaded;
     TAKT_CHECK(with_results(path, nullptr, [&]() -> Result<void> {
         loaded.database = std::make_unique<SQLite::Database>(open_database(path, false));
         return {};
     }));
     TAKT_CHECK(with_results(path, loaded.database.get(), [&]() -> Result<void> {
-        loaded.database->exec(kSettings);
+        loaded.database->exec(kRetainedSettings);
         TAKT_TRY(loaded.values, read_rows(*loaded.database, path));
         return {};
     }));
@@ -109,7 +88,7 @@ Result<Loaded> load(const std::string& path) {
 
 /// Creates an empty file of retained values. It is written under a temporary name, so that a file under
 /// `path` is always complete. A file that another program creates meanwhile is left alone.
-Result<void> make(const std::string& path) {
+Result<void> make_retained_file(const std::string& path) {
     const auto exists = [](const Error& error) { return error.numbers[0] == EEXIST; };
     auto file = os::FileReplacement::begin(path, {.mode = os::kStateFileMode, .replace = false});
     if (!file && exists(file.error())) return {};
@@ -117,7 +96,7 @@ Result<void> make(const std::string& path) {
     const std::string unfinished = file->temporary();
     auto made = with_results(path, nullptr, [&unfinished]() -> Result<void> {
         auto database = open_database(unfinished, false);
-        database.exec(kSettings);
+        database.exec(kRetainedSettings);
         make_tables(database);
         return {};
     });
@@ -230,16 +209,16 @@ void RetainedFile::close() {
 
 Result<RetainedFile::Opened> RetainedFile::open(const std::string& path, std::function<void()> on_progress) {
     Opened opened;
-    const auto make_and_load = [&path]() -> Result<Loaded> {
-        TAKT_CHECK(make(path));
-        return load(path);
+    const auto make_and_load = [&path]() -> Result<LoadedValues> {
+        TAKT_CHECK(make_retained_file(path));
+        return load_retained_file(path);
     };
     // An existing file of no length is one that lost its contents.
-    auto loaded = !is_there(path)       ? make_and_load()
-                  : is_empty_file(path) ? Result<Loaded>(fail(Code::malformed, path))
-                                        : load(path);
+    auto loaded = !file_exists(path)    ? make_and_load()
+                  : is_empty_file(path) ? Result<LoadedValues>(fail(Code::malformed, path))
+                                        : load_retained_file(path);
     if (!loaded && loaded.error().code == Code::malformed) {
-        TAKT_TRY(opened.set_aside, set_aside(path));
+        TAKT_TRY(opened.set_aside, set_database_aside(path, "-journal"));
         loaded = make_and_load();
     }
     if (!loaded) return std::unexpected(opening_error(path, loaded.error()));
@@ -250,7 +229,7 @@ Result<RetainedFile::Opened> RetainedFile::open(const std::string& path, std::fu
 }
 
 Result<std::vector<Retained>> RetainedFile::read(const std::string& path) {
-    if (!is_there(path)) return fail(Code::not_found, path);
+    if (!file_exists(path)) return fail(Code::not_found, path);
     TAKT_CHECK(check_ours(path));
     return with_results(path, nullptr, [&path] {
         auto database = open_database(path, true);

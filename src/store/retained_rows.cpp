@@ -13,11 +13,11 @@
 namespace takt::store {
 namespace {
 
-constexpr std::int64_t kApplication = 0x54616B74;  // "Takt"
-constexpr std::int64_t kVersion = 1;
+constexpr std::int64_t kRetainedApplication = 0x54616B74;  // "Takt"
+constexpr std::int64_t kRetainedVersion = 1;
 constexpr std::string_view kScaled = "scaled ";
 
-struct Row {
+struct RetainedRow {
     std::string name;
     std::string type;
     std::optional<std::string> value;
@@ -45,7 +45,7 @@ std::optional<std::string> as_text(const Retained& entry, const value::Value& va
     return value::format(entry.type, entry.scaled, value);
 }
 
-Row row_of(const Retained& entry) {
+RetainedRow row_of(const Retained& entry) {
     return {entry.name, std::string(entry.scaled ? kScaled : "").append(name(entry.type)),
             as_text(entry, entry.value), as_text(entry, entry.wanted)};
 }
@@ -55,7 +55,7 @@ Result<value::Value> parsed(const Retained& entry, const std::optional<std::stri
     return value::parse(entry.type, entry.scaled, *text);
 }
 
-Result<Retained> entry_of(const Row& row) {
+Result<Retained> entry_of(const RetainedRow& row) {
     Retained entry{.name = row.name, .scaled = row.type.starts_with(kScaled)};
     const auto type = data_type(std::string_view(row.type).substr(entry.scaled ? kScaled.size() : 0));
     if (!type) return fail(Code::malformed);
@@ -77,7 +77,7 @@ void bind(SQLite::Statement& statement, int parameter, const std::optional<std::
         statement.bind(parameter);
 }
 
-void replace_row(SQLite::Statement& insert, const Row& row) {
+void replace_row(SQLite::Statement& insert, const RetainedRow& row) {
     insert.bind(1, row.name);
     insert.bind(2, row.type);
     bind(insert, 3, row.value);
@@ -97,7 +97,7 @@ void make_tables(SQLite::Database& database) {
         "CREATE TABLE extent (rows INTEGER NOT NULL);"
         "INSERT INTO extent VALUES (0);"
         "PRAGMA application_id = " +
-        std::to_string(kApplication) + ";PRAGMA user_version = " + std::to_string(kVersion));
+        std::to_string(kRetainedApplication) + ";PRAGMA user_version = " + std::to_string(kRetainedVersion));
     transaction.commit();
 }
 
@@ -106,8 +106,8 @@ Result<std::vector<Retained>> read_rows(SQLite::Database& database, const std::s
     const std::string sound = database.execAndGet("PRAGMA integrity_check(1)").getString();
     const std::int64_t application = database.execAndGet("PRAGMA application_id").getInt64();
     const std::int64_t version = database.execAndGet("PRAGMA user_version").getInt64();
-    if (sound != "ok" || application != kApplication) return damaged();
-    if (version > kVersion) return fail(Code::unsupported, path);
+    if (sound != "ok" || application != kRetainedApplication) return damaged();
+    if (version > kRetainedVersion) return fail(Code::unsupported, path);
     if (version < 1) return damaged();
     SQLite::Statement extent(database, "SELECT rows FROM extent");
     if (!extent.executeStep()) return damaged();
@@ -115,8 +115,8 @@ Result<std::vector<Retained>> read_rows(SQLite::Database& database, const std::s
                              "SELECT name, type, value, wanted, checksum FROM retained ORDER BY name");
     std::vector<Retained> entries;
     while (select.executeStep()) {
-        const Row row{select.getColumn(0).getString(), select.getColumn(1).getString(),
-                      optional_text(select.getColumn(2)), optional_text(select.getColumn(3))};
+        const RetainedRow row{select.getColumn(0).getString(), select.getColumn(1).getString(),
+                              optional_text(select.getColumn(2)), optional_text(select.getColumn(3))};
         const auto entry = entry_of(row);
         if (row.checksum() != select.getColumn(4).getInt64() || !entry) return damaged();
         entries.push_back(*entry);
