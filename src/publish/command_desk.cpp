@@ -10,7 +10,6 @@
 #include "takt/base/assert.hpp"
 
 namespace takt::publish {
-namespace {
 
 /// Where the answer goes.
 struct ReplyAddress {
@@ -28,6 +27,8 @@ struct OpenCommand {
     host::Command command;
     CommandState state = CommandState::waiting;
 };
+
+namespace {
 
 struct Expiry {
     Instant at;

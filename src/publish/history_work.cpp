@@ -20,7 +20,7 @@
 namespace takt::publish {
 namespace {
 
-std::string text_of(const Error& error) {
+std::string error_text(const Error& error) {
     std::string text(name(error.code));
     text += " " + std::string(error.subject.view());
     if (error.numbers[0] > 0) text += std::string(": ") + std::strerror(static_cast<int>(error.numbers[0]));
@@ -147,7 +147,7 @@ void HistoryWork::stop(Instant now) {
 void HistoryWork::report(Instant, OutputStatus& status) const {
     status.state = failure_ ? OutputState::waiting : OutputState::delivering;
     status.destination = path_;
-    if (failure_) status.failure = text_of(*failure_);
+    if (failure_) status.failure = error_text(*failure_);
     status.set_aside = set_aside_;
 }
 

@@ -25,6 +25,13 @@
 #include "takt/os/worker.hpp"
 
 namespace takt::publish {
+
+struct ResolvedBroker {
+    MqttConnectionId connection = 0;
+    std::vector<std::string> addresses;  // numeric
+    std::string error;
+};
+
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -33,15 +40,9 @@ constexpr auto kTick = std::chrono::seconds(1);          // keep-alive of libmos
 constexpr auto kAddressLimit = std::chrono::seconds(5);  // of a TCP connection, if another address follows
 constexpr auto kFlushLimit = std::chrono::milliseconds(500);  // of DISCONNECT
 
-struct Resolved {
-    MqttConnectionId connection = 0;
-    std::vector<std::string> addresses;  // numeric
-    std::string error;
-};
-
 // Blocks as long as the name service.
-Resolved look_up(MqttConnectionId connection, const std::string& host) {
-    Resolved result{.connection = connection};
+ResolvedBroker look_up(MqttConnectionId connection, const std::string& host) {
+    ResolvedBroker result{.connection = connection};
     addrinfo hints{};
     hints.ai_family = AF_UNSPEC;
     hints.ai_socktype = SOCK_STREAM;
@@ -84,7 +85,7 @@ struct MosquittoPipe::Shared {
     std::mutex mutex;
     std::deque<MqttAction> actions;
     std::deque<MqttEvent> events;
-    std::optional<Resolved> resolved;
+    std::optional<ResolvedBroker> resolved;
     bool paused = false;  // kMostEvents wait
     bool ending = false;
     os::Descriptor bell = make_bell();   // wakes the thread
@@ -110,7 +111,7 @@ private:
     void act(const MqttPublish& action);
     void act(const MqttSubscribe& action);
     void act(const MqttDisconnect& action);
-    void on_resolved(Resolved&& resolved);
+    void on_resolved(ResolvedBroker&& resolved);
     void try_next_address();
     void check_client();
     void emit(MqttEvent&& event);
@@ -141,7 +142,7 @@ void MosquittoPipe::Thread::run() {
 // Executes what was posted. @returns false at the end
 bool MosquittoPipe::Thread::take() {
     std::deque<MqttAction> actions;
-    std::optional<Resolved> resolved;
+    std::optional<ResolvedBroker> resolved;
     {
         const std::lock_guard lock(shared_->mutex);
         if (shared_->ending) return false;
@@ -171,7 +172,7 @@ void MosquittoPipe::Thread::wait() {
     if (until != Clock::time_point::max())
         milliseconds = static_cast<int>(std::max<std::int64_t>(
             0, std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count()));
-    if (poll(descriptors.data(), descriptors.size(), milliseconds) < 0) return;
+    if (::poll(descriptors.data(), descriptors.size(), milliseconds) < 0) return;
     if (descriptors[0].revents) silence(shared_->bell);
     if (!client_) return;
     client_->on_ready(descriptors[1].revents);
@@ -209,7 +210,7 @@ void MosquittoPipe::Thread::act(const MqttDisconnect& action) {
     client_->disconnect();
 }
 
-void MosquittoPipe::Thread::on_resolved(Resolved&& resolved) {
+void MosquittoPipe::Thread::on_resolved(ResolvedBroker&& resolved) {
     if (!connect_ || connect_->connection != resolved.connection) return;
     if (resolved.addresses.empty()) return close({MqttFailureKind::dns, {}, resolved.error});
     addresses_.assign(resolved.addresses.begin(), resolved.addresses.end());

@@ -7,7 +7,7 @@
 namespace takt::publish {
 namespace {
 
-std::string text_of(const mosquitto_property* properties, int identifier) {
+std::string read_string(const mosquitto_property* properties, int identifier) {
     char* text = nullptr;
     if (!mosquitto_property_read_string(properties, identifier, &text, false) || !text) return {};
     std::string copy(text);
@@ -61,8 +61,8 @@ std::optional<MosquittoProperties> to_mosquitto(const MqttProperties& properties
 MqttProperties from_mosquitto(const mosquitto_property* properties) {
     MqttProperties result;
     if (!properties) return result;
-    result.response_topic = text_of(properties, MQTT_PROP_RESPONSE_TOPIC);
-    result.content_type = text_of(properties, MQTT_PROP_CONTENT_TYPE);
+    result.response_topic = read_string(properties, MQTT_PROP_RESPONSE_TOPIC);
+    result.content_type = read_string(properties, MQTT_PROP_CONTENT_TYPE);
     void* data = nullptr;
     std::uint16_t length = 0;
     if (mosquitto_property_read_binary(properties, MQTT_PROP_CORRELATION_DATA, &data, &length, false)) {
@@ -96,7 +96,7 @@ MqttConnected connack_limits(const mosquitto_property* properties) {
 }
 
 std::string reason_string(const mosquitto_property* properties) {
-    return properties ? text_of(properties, MQTT_PROP_REASON_STRING) : std::string();
+    return properties ? read_string(properties, MQTT_PROP_REASON_STRING) : std::string();
 }
 
 }  // namespace takt::publish

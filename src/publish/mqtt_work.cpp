@@ -27,7 +27,7 @@ std::string url_of(const MqttBroker& broker) {
            ":" + std::to_string(broker.port);
 }
 
-std::string text_of(const MqttFailure& failure) {
+std::string failure_text(const MqttFailure& failure) {
     std::string text(name(failure.kind));
     if (failure.reason != MqttReason::success && name(failure.reason) != text)
         text += ", " + std::string(name(failure.reason));
@@ -153,7 +153,7 @@ void MqttWork::report(Instant, OutputStatus& status) const {
     const auto mqtt = session_->status();
     status.state = state_of(mqtt);
     status.destination = url_of(options_.session.brokers[mqtt.broker]);
-    if (mqtt.failure) status.failure = text_of(*mqtt.failure);
+    if (mqtt.failure) status.failure = failure_text(*mqtt.failure);
     status.mqtt = mqtt;
     status.too_large = messages_->too_large();
     if (!options_.commands) return;

@@ -10,7 +10,7 @@
 namespace takt::publish {
 namespace {
 
-std::optional<double> number(const value::Value& value) {
+std::optional<double> finite_number(const value::Value& value) {
     if (const auto* i = std::get_if<std::int64_t>(&value)) return static_cast<double>(*i);
     if (const auto* u = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*u);
     if (const auto* d = std::get_if<double>(&value); d && std::isfinite(*d)) return *d;
@@ -19,8 +19,8 @@ std::optional<double> number(const value::Value& value) {
 
 bool moved(const value::Value& from, const value::Value& to, double dead_band) {
     if (value::same(from, to)) return false;
-    const auto a = number(from);
-    const auto b = number(to);
+    const auto a = finite_number(from);
+    const auto b = finite_number(to);
     return !a || !b || !(std::abs(*b - *a) <= dead_band);
 }
 
