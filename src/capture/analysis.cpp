@@ -2,15 +2,14 @@
 
 #include "fragments.hpp"
 #include "takt/base/numbers.hpp"
+#include "takt/capture/mbap_stream.hpp"
 #include "takt/capture/serial_packet.hpp"
 
 namespace takt::capture {
 namespace {
 
-constexpr std::size_t kUnit = 6;  // in a message of Modbus TCP
-
 bool is_serial_broadcast(const Packet& packet, const Segment& segment) {
-    return segment.payload.size() > kUnit && segment.payload[kUnit] == kBroadcast.value &&
+    return segment.payload.size() > kMbapUnitAt && segment.payload[kMbapUnitAt] == kBroadcast.value &&
            SerialPacket(packet).sender() == Sender::master;
 }
 

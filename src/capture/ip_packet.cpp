@@ -6,10 +6,8 @@
 namespace takt::capture {
 namespace {
 
-constexpr std::uint32_t kTcp = 6;
 constexpr std::size_t kTcpChecksum = 16;
 constexpr std::size_t kIpChecksum = 10;
-constexpr std::size_t kIpv4Header = 20;
 constexpr std::size_t kIpv4InAddress = 12;  // position in IpAddress::bytes
 
 void set16(std::string& out, std::size_t at, std::uint16_t number) {
@@ -47,7 +45,7 @@ std::string tcp_segment(const TcpHead& head, std::string_view payload) {
     put_be16(tcp, 64240);   // window
     put_be32(tcp, 0);       // checksum, urgent pointer
     tcp += payload;
-    std::uint32_t sum = kTcp + static_cast<std::uint32_t>(tcp.size());  // of the pseudo header
+    std::uint32_t sum = kTcpProtocol + static_cast<std::uint32_t>(tcp.size());  // of the pseudo header
     sum = sum_of(address_bytes(head.source.address), sum);
     sum = sum_of(address_bytes(head.destination.address), sum);
     set16(tcp, kTcpChecksum, checksum(sum_of(tcp, sum)));
@@ -63,13 +61,13 @@ std::string tcp_packet(const TcpHead& head, std::string_view payload) {
     std::string ip;
     if (version4) {
         put_be16(ip, 0x4500);
-        put_be16(ip, kIpv4Header + length);
-        put_be32(ip, 0x00004000);                // no fragments
-        put_be32(ip, 0x40000000 | kTcp << 16U);  // time to live 64
+        put_be16(ip, kIpv4HeaderBytes + length);
+        put_be32(ip, 0x00004000);                                       // no fragments
+        put_be32(ip, 0x40000000 | std::uint32_t{kTcpProtocol} << 16U);  // time to live 64
     } else {
         put_be32(ip, 0x60000000);
         put_be16(ip, length);
-        put_be16(ip, kTcp << 8U | 64U);  // hop limit
+        put_be16(ip, kTcpProtocol << 8U | 64U);  // hop limit
     }
     ip += address_bytes(head.source.address);
     ip += address_bytes(head.destination.address);

@@ -1,6 +1,7 @@
 // TCP segments in IP packets without a link layer.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -8,6 +9,9 @@
 #include "takt/capture/segment.hpp"
 
 namespace takt::capture {
+
+inline constexpr std::uint8_t kTcpProtocol = 6;      ///< in the header of IP
+inline constexpr std::size_t kIpv4HeaderBytes = 20;  ///< without options
 
 struct TcpHead {
     Endpoint source;  ///< both of the same version of IP

@@ -10,8 +10,7 @@
 namespace takt::capture {
 namespace {
 
-constexpr std::size_t kLengthEnd = 6;  // of the header up to its length field
-constexpr std::size_t kHeader = 7;
+constexpr std::size_t kLengthEnd = 6;     // of the header up to its length field
 constexpr std::uint8_t kLeastLength = 2;  // unit and function
 constexpr std::uint8_t kMostLength = 254;
 
@@ -37,13 +36,14 @@ Judgement judge(Bytes bytes) {
     if (!can_begin_header(bytes)) return Judgement::impossible;
     if (bytes.size() < kLengthEnd || bytes.size() < adu_length(bytes)) return Judgement::incomplete;
     const auto length = adu_length(bytes);
-    if (!is_plausible(bytes.subspan(kHeader, length - kHeader))) return Judgement::impossible;
+    if (!is_plausible(bytes.subspan(kMbapHeaderBytes, length - kMbapHeaderBytes)))
+        return Judgement::impossible;
     return can_begin_header(bytes.subspan(length)) ? Judgement::message : Judgement::impossible;
 }
 
 /// Whether the bytes are one message, by its length field only: its function may be that of a vendor.
 bool is_one_message(Bytes bytes) {
-    return bytes.size() > kHeader && can_begin_header(bytes) && bytes.size() == adu_length(bytes);
+    return bytes.size() > kMbapHeaderBytes && can_begin_header(bytes) && bytes.size() == adu_length(bytes);
 }
 
 }  // namespace
@@ -129,7 +129,7 @@ std::size_t MbapStream::search(const PacketRef& packet, Bytes chunk, std::size_t
 }
 
 bool MbapStream::is_acceptable(Bytes adu) const {
-    return messages_ > 0 || certain_ || is_plausible(adu.subspan(kHeader));
+    return messages_ > 0 || certain_ || is_plausible(adu.subspan(kMbapHeaderBytes));
 }
 
 void MbapStream::emit(const PacketRef& packet, Bytes adu, AduSink& sink) {
@@ -144,8 +144,10 @@ void MbapStream::emit(const PacketRef& packet, Bytes adu, AduSink& sink) {
 
 void MbapStream::pass(const PacketRef& packet, Bytes adu, AduSink& sink) {
     ++messages_;
-    sink.on_adu(
-        {.transaction = be16_at(adu, 0), .unit = adu[6], .pdu = adu.subspan(kHeader), .packet = packet});
+    sink.on_adu({.transaction = be16_at(adu, 0),
+                 .unit = adu[kMbapUnitAt],
+                 .pdu = adu.subspan(kMbapHeaderBytes),
+                 .packet = packet});
 }
 
 void MbapStream::on_gap() {
@@ -165,7 +167,8 @@ void MbapStream::on_cut(const PacketRef& packet, std::size_t count, AduSink& sin
     const std::size_t last = aligned_ ? 0 : all.size();
     for (std::size_t begin = 0; begin <= last; ++begin) {
         const auto rest = all.subspan(begin);
-        if (rest.size() <= kHeader || !can_begin_header(rest) || adu_length(rest) != rest.size() + count)
+        if (rest.size() <= kMbapHeaderBytes || !can_begin_header(rest) ||
+            adu_length(rest) != rest.size() + count)
             continue;
         skip(begin);
         pass(packet, rest, sink);

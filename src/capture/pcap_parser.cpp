@@ -8,7 +8,7 @@
 namespace takt::capture {
 namespace {
 
-constexpr std::uint16_t kVersion = 2;
+constexpr std::uint16_t kPcapVersion = 2;
 
 class PcapParser final : public RecordParser {
 public:
@@ -20,7 +20,7 @@ private:
     RecordStep read_header(Bytes bytes) {
         if (bytes.size() < format::kPcapHeader) return need(format::kPcapHeader);
         const auto version = numbers_.u16(bytes.data() + 4);
-        if (version != kVersion) return fault(CaptureFault::version, version, kVersion);
+        if (version != kPcapVersion) return fault(CaptureFault::version, version, kPcapVersion);
         // The upper bits of the field hold the length of frame check sequences.
         link_ = static_cast<LinkType>(numbers_.u32(bytes.data() + 20) & 0xFFFF);
         begun_ = true;

@@ -14,14 +14,13 @@ namespace {
 
 __extension__ using Wide = unsigned __int128;
 
-constexpr std::uint16_t kVersion = 1;
+constexpr std::uint16_t kPcapngVersion = 1;
 constexpr std::size_t kBlockHead = 8;
 constexpr std::size_t kLeastSection = 28;
 constexpr std::size_t kLeastInterface = 20;
 constexpr std::size_t kPacketHead = 28;            // of an enhanced packet block, with the block's head
 constexpr std::size_t kStatisticsHead = 20;        // likewise of an interface statistics block
 constexpr std::size_t kSimpleHead = 12;            // likewise of a simple packet block
-constexpr std::size_t kMostName = 256;             // bytes of an interface's name that are kept
 constexpr std::size_t kMostDescription = 1 << 16;  // bytes of a section header or an interface description
 // A packet and its options.
 constexpr std::size_t kMostBlock = format::kMostPacket + kMostDescription;
@@ -141,7 +140,7 @@ private:
 
     RecordStep begin_section(Bytes block) {
         const auto version = numbers_.u16(block.data() + 12);
-        if (version != kVersion) return fault(CaptureFault::version, version, kVersion);
+        if (version != kPcapngVersion) return fault(CaptureFault::version, version, kPcapngVersion);
         interfaces_.clear();
         return {.length = block.size()};
     }
@@ -153,7 +152,8 @@ private:
             return fault(CaptureFault::interface, interfaces_.size(), kMostInterfaces);
         for (Options options(block.subspan(16, block.size() - 20), numbers_); options.next();) {
             const auto value = options.value;
-            if (options.code == format::kInterfaceName) interface.name = options.text().substr(0, kMostName);
+            if (options.code == format::kInterfaceName)
+                interface.name = options.text().substr(0, format::kMostInterfaceName);
             if (options.code == format::kTimeResolution && value.size() == 1 &&
                 !set_resolution(interface, value[0]))
                 return fault(CaptureFault::resolution, value[0] & 0x7FU,

@@ -9,8 +9,6 @@
 namespace takt::capture {
 namespace {
 
-constexpr std::size_t kMostName = 256;
-
 template <class T>
 void put(std::string& out, T number) {
     std::array<char, sizeof(T)> bytes{};
@@ -85,7 +83,7 @@ void append_interface(std::string& out, LinkType link, std::string_view name) {
     put(out, static_cast<std::uint16_t>(link));
     put(out, std::uint16_t{0});
     put(out, std::uint32_t{0});  // no limit of a packet's length
-    put_option(out, format::kInterfaceName, shortened(name, kMostName));
+    put_option(out, format::kInterfaceName, shortened(name, format::kMostInterfaceName));
     put_option(out, format::kTimeResolution, std::string(1, static_cast<char>(format::kNanoseconds)));
     put_option(out, format::kEndOfOptions, {});
     block.end();

@@ -7,14 +7,13 @@
 #include <optional>
 
 #include "big_endian.hpp"
+#include "ip_packet.hpp"
 
 namespace takt::capture {
 namespace {
 
 constexpr std::uint16_t kIpv4 = 0x0800;
 constexpr std::uint16_t kIpv6 = 0x86DD;
-constexpr std::uint8_t kTcp = 6;
-constexpr std::size_t kIpv4Header = 20;
 constexpr std::size_t kIpv6Header = 40;
 constexpr std::size_t kTcpHeader = 20;
 constexpr int kMostTags = 4;        // VLAN tags
@@ -24,16 +23,16 @@ constexpr int kMostExtensions = 8;  // IPv6 extension headers
 constexpr std::array<std::uint8_t, 6> kOptions{0, 43, 60, 135, 139, 140};
 
 /// The network layer of a packet: its EtherType and its bytes.
-struct Network {
+struct NetworkLayer {
     std::uint16_t type = 0;
     Bytes bytes;
 };
 
-using Layer = std::optional<Network>;  // nothing: the packet is cut before it
+using Layer = std::optional<NetworkLayer>;  // nothing: the packet is cut before it
 
 Layer after_header(Bytes bytes, std::size_t type_at, std::size_t header) {
     if (bytes.size() < header) return std::nullopt;
-    return Network{be16_at(bytes, type_at), bytes.subspan(header)};
+    return NetworkLayer{be16_at(bytes, type_at), bytes.subspan(header)};
 }
 
 /// Removes VLAN tags (802.1Q, 802.1ad and the older 0x9100).
@@ -50,7 +49,7 @@ Layer raw_ip(Bytes bytes) {
     if (bytes.empty()) return std::nullopt;
     const unsigned version = bytes[0] >> 4U;
     const std::uint16_t other = version == 6 ? kIpv6 : std::uint16_t{0};
-    return Network{version == 4 ? kIpv4 : other, bytes};
+    return NetworkLayer{version == 4 ? kIpv4 : other, bytes};
 }
 
 /// Both loopback headers are an address family; the version in the packet is more reliable.
@@ -99,11 +98,11 @@ IpAddress ipv4_address(Bytes bytes) {
 
 Content decode_ipv4(Bytes bytes, std::size_t on_wire, Segment& segment, Fragment& fragment,
                     IpPayload& payload) {
-    if (bytes.size() < kIpv4Header) return Content::cut;
+    if (bytes.size() < kIpv4HeaderBytes) return Content::cut;
     const std::size_t header = (bytes[0] & 0x0FU) * 4U;
     const std::size_t total = be16_at(bytes, 2) == 0 ? on_wire : be16_at(bytes, 2);
-    if (header < kIpv4Header || total < header) return Content::malformed;
-    if (bytes[9] != kTcp) return Content::not_tcp;
+    if (header < kIpv4HeaderBytes || total < header) return Content::malformed;
+    if (bytes[9] != kTcpProtocol) return Content::not_tcp;
     if (bytes.size() < header) return Content::cut;
     const auto source = ipv4_address(bytes.subspan(12, 4));
     const auto destination = ipv4_address(bytes.subspan(16, 4));
@@ -111,7 +110,7 @@ Content decode_ipv4(Bytes bytes, std::size_t on_wire, Segment& segment, Fragment
         fragment = {.source = source,
                     .destination = destination,
                     .identification = be16_at(bytes, 4),
-                    .protocol = kTcp,
+                    .protocol = kTcpProtocol,
                     .offset = (place & 0x1FFFU) * 8,
                     .more = (place & 0x2000U) != 0};
         return fragment_of(bytes, header, total, fragment);
@@ -159,12 +158,12 @@ Content decode_ipv6(Bytes bytes, std::size_t on_wire, Segment& segment, Fragment
     std::copy_n(bytes.begin() + 24, 16, segment.destination.address.bytes.begin());
     if (const auto content = skip_extensions(bytes, next, at, fragment); content != Content::segment) {
         if (content != Content::fragment) return content;
-        if (fragment.protocol != kTcp) return Content::not_tcp;
+        if (fragment.protocol != kTcpProtocol) return Content::not_tcp;
         fragment.source = segment.source.address;
         fragment.destination = segment.destination.address;
         return fragment_of(bytes, at, total, fragment);
     }
-    if (next != kTcp) return Content::not_tcp;
+    if (next != kTcpProtocol) return Content::not_tcp;
     if (total < at) return Content::malformed;
     if (bytes.size() < at) return Content::cut;
     segment.identification = 0;
@@ -193,7 +192,7 @@ Content decode_tcp(const IpPayload& ip, Segment& segment) {
 }  // namespace
 
 Content decode_datagram(const Fragment& fragment, Bytes payload, Segment& segment) {
-    if (fragment.protocol != kTcp) return Content::not_tcp;
+    if (fragment.protocol != kTcpProtocol) return Content::not_tcp;
     segment.source.address = fragment.source;
     segment.destination.address = fragment.destination;
     segment.identification = static_cast<std::uint16_t>(fragment.identification);

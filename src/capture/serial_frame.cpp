@@ -9,7 +9,7 @@ constexpr std::size_t kLeastRtu = 4;
 constexpr std::size_t kLeastAscii = 9;
 constexpr std::size_t kAroundDigits = 3;  // ':' and CR LF
 
-int digit(std::uint8_t character) {
+int hex_digit(std::uint8_t character) {
     if (character >= '0' && character <= '9') return character - '0';
     if (character >= 'A' && character <= 'F') return character - 'A' + 10;
     if (character >= 'a' && character <= 'f') return character - 'a' + 10;
@@ -29,8 +29,8 @@ SerialFrame decode_ascii(Bytes frame) {
     const auto digits = frame.subspan(1, frame.size() - kAroundDigits);
     if (digits.size() % 2 != 0 || digits.size() / 2 > bytes.capacity()) return {};
     for (std::size_t i = 0; i < digits.size(); i += 2) {
-        const int high = digit(digits[i]);
-        const int low = digit(digits[i + 1]);
+        const int high = hex_digit(digits[i]);
+        const int low = hex_digit(digits[i + 1]);
         if (high < 0 || low < 0) return {};
         bytes.push_back(static_cast<std::uint8_t>(high * 16 + low));
     }

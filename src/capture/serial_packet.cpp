@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "takt/capture/frame_capture.hpp"
+#include "takt/capture/mbap_stream.hpp"
 #include "takt/capture/segment.hpp"
 #include "takt/capture/serial_analyzer.hpp"
 #include "takt/capture/serial_frame.hpp"
@@ -12,10 +13,7 @@
 namespace takt::capture {
 namespace {
 
-constexpr std::size_t kHeader = 7;  // of Modbus TCP, with the unit
-constexpr std::size_t kUnit = 6;
-
-int digit(char character) {
+int upper_hex_digit(char character) {
     if (character >= '0' && character <= '9') return character - '0';
     return character >= 'A' && character <= 'F' ? character - 'A' + 10 : -1;
 }
@@ -25,8 +23,8 @@ wire::FrameBytes bytes_of_hex(std::string_view text) {
     wire::FrameBytes bytes;
     for (std::size_t at = 0; at < text.size(); at += 3) {
         const bool separated = at == 0 || text[at - 1] == ' ';
-        const int high = digit(text[at]);
-        const int low = at + 1 < text.size() ? digit(text[at + 1]) : -1;
+        const int high = upper_hex_digit(text[at]);
+        const int low = at + 1 < text.size() ? upper_hex_digit(text[at + 1]) : -1;
         if (!separated || high < 0 || low < 0 || bytes.full()) return {};
         bytes.push_back(static_cast<std::uint8_t>(high * 16 + low));
     }
@@ -72,10 +70,11 @@ void SerialPacket::read_segment(const Packet& packet) {
     Segment segment;
     Fragment fragment;
     if (decode_segment(packet, segment, fragment) != Content::segment) return;
-    if (segment.payload.size() <= kHeader) return;
+    if (segment.payload.size() <= kMbapHeaderBytes) return;
     decoded_ = frame_of_comment(packet.comment);
     const auto frame = decode_serial(decoded_.span());
-    if (frame.empty() || !std::ranges::equal(frame, segment.payload.subspan(kUnit))) return decoded_.clear();
+    if (frame.empty() || !std::ranges::equal(frame, segment.payload.subspan(kMbapUnitAt)))
+        return decoded_.clear();
     kind_ = Kind::frame;
     if (segment.destination.port == FrameCapture::kServerPort) sender_ = Sender::master;
     if (segment.source.port == FrameCapture::kServerPort) sender_ = Sender::slave;

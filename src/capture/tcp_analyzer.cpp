@@ -10,15 +10,16 @@
 #include "hash.hpp"
 
 namespace takt::capture {
-namespace {
 
-struct KeyHash {
+struct ConnectionKeyHash {
     std::size_t operator()(const ConnectionKey& key) const {
         std::uint64_t hash = kFirstHash;
         for (const auto* end : {&key.low, &key.high}) hash = mixed(mixed(hash, end->address), end->port);
         return hash;
     }
 };
+
+namespace {
 
 Roles roles_of(const ConnectionKey& key, const std::vector<std::uint16_t>& ports) {
     const auto is_known = [&](std::uint16_t port) { return std::ranges::find(ports, port) != ports.end(); };
@@ -72,7 +73,7 @@ private:
     ExchangeSink& sink_;
     TcpCounts counts_;
     List connections_;
-    std::unordered_map<ConnectionKey, List::iterator, KeyHash> index_;
+    std::unordered_map<ConnectionKey, List::iterator, ConnectionKeyHash> index_;
 };
 
 TcpAnalyzer::TcpAnalyzer(TcpAnalyzerConfig config, ExchangeSink& sink)

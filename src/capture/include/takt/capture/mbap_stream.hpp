@@ -9,6 +9,9 @@
 
 namespace takt::capture {
 
+inline constexpr std::size_t kMbapHeaderBytes = 7;  ///< of the MBAP header, with the unit
+inline constexpr std::size_t kMbapUnitAt = 6;
+
 /// A message with its MBAP header.
 struct Adu {
     std::uint16_t transaction = 0;

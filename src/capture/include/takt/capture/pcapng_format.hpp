@@ -39,5 +39,6 @@ inline constexpr std::uint8_t kPowerOfTwo = 0x80;  ///< if_tsresol: a negative p
 
 /// Captured bytes of one packet: the greatest length that libpcap writes for common link layers.
 inline constexpr std::size_t kMostPacket = 262144;
+inline constexpr std::size_t kMostInterfaceName = 256;  ///< bytes; longer names are cut
 
 }  // namespace takt::capture::format
