@@ -14,18 +14,19 @@
 #include "takt/sim/devices.hpp"
 
 namespace takt::endpoint {
-namespace {
-
-template <class... Cases>
-struct Overloaded : Cases... {
-    using Cases::operator()...;
-};
 
 /// Units that are asked without regard to what they are.
 struct UnitsView {
     std::shared_ptr<serve::Responder> responder;
     std::span<serve::Unit> units;
     sim::Devices* devices = nullptr;  // the responder, where it is a line's devices
+};
+
+namespace {
+
+template <class... Cases>
+struct Overloaded : Cases... {
+    using Cases::operator()...;
 };
 
 template <class Units>
