@@ -10,14 +10,14 @@ namespace {
 using value::CommandResult;
 using value::Reason;
 
-std::string number(unsigned value) {
+std::string decimal(unsigned value) {
     return std::to_string(value);
 }
 
 std::vector<EventMessage::Argument> owner_arguments(const model::Line& line, const model::Device& device) {
     return {{.name = "line", .text = line.name},
             {.name = "device", .text = device.name},
-            {.name = "unit", .text = number(device.address.value)}};
+            {.name = "unit", .text = decimal(device.address.value)}};
 }
 
 std::vector<EventMessage::Argument> owner_arguments(const Configuration& configuration, value::SlotId slot) {
@@ -40,8 +40,8 @@ std::vector<EventMessage::Argument> request_arguments(const Configuration& confi
 
 /// "500", or "500..509".
 std::string items_text(std::uint16_t start, std::uint16_t quantity) {
-    if (quantity < 2) return number(start);
-    return number(start) + ".." + number(start + quantity - 1U);
+    if (quantity < 2) return decimal(start);
+    return decimal(start) + ".." + decimal(start + quantity - 1U);
 }
 
 bool names_items(std::uint8_t function) {
@@ -76,18 +76,18 @@ std::string cause_code(const Outcome& outcome) {
 void append_request_words(std::vector<EventMessage::Argument>& arguments, std::uint8_t function,
                           std::uint16_t start, std::uint16_t quantity, bool has_items) {
     const bool words = has_items && names_items(function);
-    arguments.push_back({.name = "function", .text = number(function)});
+    arguments.push_back({.name = "function", .text = decimal(function)});
     arguments.push_back({.name = "items", .text = items_text(start, quantity)});
     arguments.push_back({.name = "request",
-                         .text = words ? "log.request." + number(function) : "log.request.other",
+                         .text = words ? "log.request." + decimal(function) : "log.request.other",
                          .is_code = true});
 }
 
 void append_exception_words(std::vector<EventMessage::Argument>& arguments, unsigned exception,
                             std::string_view argument) {
-    arguments.push_back({.name = "code", .text = number(exception)});
+    arguments.push_back({.name = "code", .text = decimal(exception)});
     arguments.push_back({.name = "exception",
-                         .text = "exception." + number(exception),
+                         .text = "exception." + decimal(exception),
                          .otherwise = "exception.unknown",
                          .is_code = true});
     arguments.push_back({.name = std::string(argument), .text = "log.why.exception", .is_code = true});
@@ -138,7 +138,7 @@ EventMessage event_message(const Configuration& configuration, const NoiseFound&
     EventMessage message{.code = most == 1 ? "app.noise.byte" : "app.noise.bytes",
                          .arguments = owner_arguments(line, line.devices[found.device])};
     message.arguments.push_back(
-        {.name = "count", .text = least == most ? number(most) : number(least) + ".." + number(most)});
+        {.name = "count", .text = least == most ? decimal(most) : decimal(least) + ".." + decimal(most)});
     return message;
 }
 
