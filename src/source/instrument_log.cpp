@@ -7,29 +7,29 @@
 namespace takt::source {
 namespace {
 
-using Kind = InstrumentEvent::Kind;
+using EventKind = InstrumentEvent::Kind;
 
 constexpr int kLink = -1;
 
-LogLevel level_of(Kind kind) {
+LogLevel level_of(EventKind kind) {
     switch (kind) {
-        case Kind::reset_line:
-        case Kind::silence_ended:
-        case Kind::ready: return LogLevel::info;
+        case EventKind::reset_line:
+        case EventKind::silence_ended:
+        case EventKind::ready: return LogLevel::info;
         default: return LogLevel::warning;
     }
 }
 
-std::string_view code_of(Kind kind) {
+std::string_view code_of(EventKind kind) {
     switch (kind) {
-        case Kind::reset_line: return "log.instrument.reset_line";
-        case Kind::silence_ended: return "log.instrument.silence_ended";
-        case Kind::ready: return "log.instrument.ready";
-        case Kind::start_failed: return "log.instrument.start_failed";
-        case Kind::restore_failed: return "log.instrument.restore_failed";
-        case Kind::silent: return "log.instrument.silent";
-        case Kind::write_failed: return "log.instrument.write_failed";
-        case Kind::setting_dropped: return "log.instrument.setting_dropped";
+        case EventKind::reset_line: return "log.instrument.reset_line";
+        case EventKind::silence_ended: return "log.instrument.silence_ended";
+        case EventKind::ready: return "log.instrument.ready";
+        case EventKind::start_failed: return "log.instrument.start_failed";
+        case EventKind::restore_failed: return "log.instrument.restore_failed";
+        case EventKind::silent: return "log.instrument.silent";
+        case EventKind::write_failed: return "log.instrument.write_failed";
+        case EventKind::setting_dropped: return "log.instrument.setting_dropped";
     }
     return {};
 }
@@ -75,10 +75,11 @@ void InstrumentLog::on_event(Instant t, const InstrumentEvent& event) {
     if (!log_.enabled() ||
         !admit(t, {static_cast<int>(event.kind), event.number, static_cast<int>(event.result)}))
         return;
-    const bool of_command = event.kind == Kind::restore_failed || event.kind == Kind::write_failed ||
-                            event.kind == Kind::setting_dropped;
+    const bool of_command = event.kind == EventKind::restore_failed ||
+                            event.kind == EventKind::write_failed || event.kind == EventKind::setting_dropped;
     const auto* const command = of_command ? &settings_.commands[event.number] : nullptr;
-    const auto number = std::to_string(event.kind == Kind::start_failed ? event.number + 1 : event.number);
+    const auto number =
+        std::to_string(event.kind == EventKind::start_failed ? event.number + 1 : event.number);
     std::string value(event.text);
     if (command != nullptr && !command->unit.empty()) value += " " + command->unit;
     const auto seconds = std::to_string(settings_.start_retry / std::chrono::milliseconds(1)) + " ms";

@@ -36,7 +36,7 @@ std::vector<std::string_view> cells(std::string_view row, char separator) {
     }
 }
 
-std::optional<double> number(std::string_view cell) {
+std::optional<double> cell_number(std::string_view cell) {
     const auto value = value::parse(DataType::float64, false, cell);
     return value ? std::optional(std::get<double>(*value)) : std::nullopt;
 }
@@ -45,7 +45,7 @@ std::optional<double> number(std::string_view cell) {
 std::optional<std::size_t> find_column(const std::vector<std::string_view>& head, std::string_view column) {
     if (const auto found = std::ranges::find(head, column); found != head.end())
         return static_cast<std::size_t>(found - head.begin());
-    const auto index = number(column);
+    const auto index = cell_number(column);
     if (!index || *index < 1 || *index > static_cast<double>(head.size())) return std::nullopt;
     return static_cast<std::size_t>(*index) - 1;
 }
@@ -77,9 +77,9 @@ Result<std::vector<double>> read_column(const std::string& path, const std::stri
         if (first) {
             index = find_column(all, column);
             if (!index) return fail(Code::not_found, path + ": " + column);
-            if (!std::ranges::all_of(all, [](auto cell) { return number(cell).has_value(); })) continue;
+            if (!std::ranges::all_of(all, [](auto cell) { return cell_number(cell).has_value(); })) continue;
         }
-        const auto value = *index < all.size() ? number(all[*index]) : std::nullopt;
+        const auto value = *index < all.size() ? cell_number(all[*index]) : std::nullopt;
         if (!value)
             return fail(Code::syntax,
                         path + ":" + std::to_string(line) + ": " +
