@@ -77,7 +77,7 @@ termios2 raw_mode(const termios2& original, const wire::CharacterFormat& format)
     return settings;
 }
 
-bool is_pseudo_terminal(const struct stat& status) {
+bool is_pseudo_terminal_device(const struct stat& status) {
     constexpr unsigned kFirstMajor = 136;  // Unix98 pseudo-terminals (Documentation/admin-guide/devices.txt)
     constexpr unsigned kLastMajor = 143;
     return S_ISCHR(status.st_mode) && major(status.st_rdev) >= kFirstMajor &&
@@ -199,7 +199,7 @@ std::optional<bool> SerialPort::Impl::transmitter_empty() const {
 Result<void> SerialPort::Impl::configure(const SerialSettings& settings) {
     if (::ioctl(fd.get(), TCGETS2, &original) != 0) return cannot_open(path);
     struct stat status{};
-    pseudo = ::fstat(fd.get(), &status) == 0 && is_pseudo_terminal(status);
+    pseudo = ::fstat(fd.get(), &status) == 0 && is_pseudo_terminal_device(status);
     TAKT_CHECK(apply(settings.format));
     TAKT_CHECK(configure_rs485(settings));
     if (settings.low_latency && !pseudo) latency = {ask_low_latency(), lower_receive_trigger()};
@@ -270,7 +270,7 @@ void SerialPort::Impl::set_sending(bool on) {
 
 bool is_pseudo_terminal(const std::string& path) {
     struct stat status{};
-    return ::stat(path.c_str(), &status) == 0 && is_pseudo_terminal(status);
+    return ::stat(path.c_str(), &status) == 0 && is_pseudo_terminal_device(status);
 }
 
 SerialPort::SerialPort(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -127,7 +127,7 @@ Result<void> apply_parameter(Target& target, std::string_view key, std::string_v
     return {};
 }
 
-Result<Target> parse_serial(Target target, std::string_view rest) {
+Result<Target> parse_serial_target(Target target, std::string_view rest) {
     const auto question = std::min(rest.find('?'), rest.size());
     const auto path = rest.substr(0, question);
     auto query = rest.substr(question);
@@ -150,7 +150,7 @@ Result<Target> parse_serial(Target target, std::string_view rest) {
     return target;
 }
 
-Result<Target> parse_network(Target target, std::string_view rest) {
+Result<Target> parse_network_target(Target target, std::string_view rest) {
     target.format.baud = 0;
     if (rest.ends_with('/')) rest.remove_suffix(1);
     const auto beyond = rest.find_first_of("/?#@");
@@ -196,8 +196,8 @@ Result<Target> parse_target(std::string_view url) {
     target.framing = scheme->framing;
     target.tcp_port = scheme->tcp_port;
     const auto rest = url.substr(colon + 3);
-    return scheme->transport == model::Transport::serial ? parse_serial(std::move(target), rest)
-                                                         : parse_network(std::move(target), rest);
+    return scheme->transport == model::Transport::serial ? parse_serial_target(std::move(target), rest)
+                                                         : parse_network_target(std::move(target), rest);
 }
 
 Result<ListenAddress> parse_listen(std::string_view text) {

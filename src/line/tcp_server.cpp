@@ -20,6 +20,18 @@
 #include "takt/os/descriptor.hpp"
 
 namespace takt::line {
+
+struct ServedConnection {
+    ServedConnection(os::Descriptor fd, std::string peer, std::size_t& of_peer,
+                     std::unique_ptr<Session> served)
+        : stream(std::move(fd), std::move(peer)), from_peer(of_peer), session(std::move(served)) {}
+
+    SocketStream stream;
+    std::size_t& from_peer;  // connections of its address
+    std::unique_ptr<Session> session;
+    std::unique_ptr<Pump> pump;
+};
+
 namespace {
 
 constexpr Duration kLogPause = std::chrono::seconds(1);
@@ -62,16 +74,6 @@ std::string host_of(const std::string& peer) {
     return peer.substr(0, peer.rfind(':'));
 }
 
-struct Connection {
-    Connection(os::Descriptor fd, std::string peer, std::size_t& of_peer, std::unique_ptr<Session> served)
-        : stream(std::move(fd), std::move(peer)), from_peer(of_peer), session(std::move(served)) {}
-
-    SocketStream stream;
-    std::size_t& from_peer;  // connections of its address
-    std::unique_ptr<Session> session;
-    std::unique_ptr<Pump> pump;
-};
-
 }  // namespace
 
 struct TcpServer::Impl {
@@ -92,7 +94,7 @@ struct TcpServer::Impl {
     std::uint16_t port = 0;
     TcpServerCounters counters;
     std::unordered_map<std::string, std::size_t> peers;  // connections by address
-    std::list<Connection> connections;
+    std::list<ServedConnection> connections;
     Instant next_refusal_log = Instant::min();
     Instant next_stall_log = Instant::min();
     Watch watch;
@@ -101,7 +103,7 @@ struct TcpServer::Impl {
     void accept_some();
     void serve(os::Descriptor fd, const SocketAddress& address);
     [[nodiscard]] bool evict(const std::size_t* only_peer);
-    void closed(std::list<Connection>::iterator connection, const std::optional<Error>& why);
+    void closed(std::list<ServedConnection>::iterator connection, const std::optional<Error>& why);
     void refuse_without_descriptors();
     void warn(std::string_view code, std::string_view peer, std::uint64_t count) const;
     void refuse(std::string_view peer, std::uint64_t& because);
@@ -158,11 +160,12 @@ void TcpServer::Impl::refuse(std::string_view peer, std::uint64_t& because) {
 }
 
 // Closes an idle connection: the one idle for the longest time of the address that holds most.
-// @param only_peer  the count of an address (Connection::from_peer): one of this address; nullptr: of any
+// @param only_peer  the count of an address (ServedConnection::from_peer): one of this address; nullptr: of
+// any
 bool TcpServer::Impl::evict(const std::size_t* only_peer) {
     const Instant t = now();
     auto found = connections.end();
-    const auto rank = [](const Connection& connection) {
+    const auto rank = [](const ServedConnection& connection) {
         return std::pair(connection.from_peer,
                          -connection.session->last_received().time_since_epoch().count());
     };
@@ -207,7 +210,8 @@ void TcpServer::Impl::serve(os::Descriptor fd, const SocketAddress& address) {
     connection->pump->start();
 }
 
-void TcpServer::Impl::closed(std::list<Connection>::iterator connection, const std::optional<Error>& why) {
+void TcpServer::Impl::closed(std::list<ServedConnection>::iterator connection,
+                             const std::optional<Error>& why) {
     if (why && why->code == Code::timed_out) {
         ++counters.write_stalls;
         const Instant t = now();
