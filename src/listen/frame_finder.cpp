@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t kLeastRtu = 4;
 constexpr std::size_t kLengthDefined = 12;  // bytes after which a frame has defined its length
-constexpr std::uint8_t kLastUnit = 247;     // of a device (MODBUS over Serial Line V1.02, section 2.2)
 
 // The list of a device identification ends where its last object does.
 bool has_late_length(Bytes frame) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "takt/listen/frame_finder.hpp"
 #include "takt/model/project.hpp"
 
 namespace takt::listen {
@@ -13,7 +14,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint8_t kLastUnit = 247;
 constexpr std::uint16_t kMostRegisters = 125;
 constexpr Duration kLongestTimeout = 65535ms;
 constexpr Duration kLongestPeriod = 24h;

@@ -4,15 +4,9 @@
 #include <deque>
 
 namespace takt::listen {
-namespace {
-
-constexpr Duration kBurstPause = std::chrono::milliseconds(25);
-constexpr std::size_t kLeastOfBursts = 24;  // characters in kMostBursts bursts
-constexpr std::size_t kMostFrames = 8;      // a setting whose marks fit no format is given up
-constexpr std::uint8_t kSevenBits = 0x7F;
 
 /// How many of some characters have a property.
-struct Share {
+struct CharacterShare {
     std::size_t hits = 0;
     std::size_t all = 0;
     void count(bool hit) {
@@ -24,6 +18,13 @@ struct Share {
     [[nodiscard]] bool rarely() const { return hits * 10 <= all; }
     [[nodiscard]] bool mostly() const { return hits * 10 >= all * 9; }
 };
+
+namespace {
+
+constexpr Duration kBurstPause = std::chrono::milliseconds(25);
+constexpr std::size_t kLeastOfBursts = 24;  // characters in kMostBursts bursts
+constexpr std::size_t kMostFrames = 8;      // a setting whose marks fit no format is given up
+constexpr std::uint8_t kSevenBits = 0x7F;
 
 }  // namespace
 
@@ -48,8 +49,8 @@ public:
     [[nodiscard]] wire::Framing framing() const { return framing_; }
     [[nodiscard]] std::size_t frames() const { return frames_; }
     // Of the characters in good frames: marked ones among those with an even and an odd number of ones.
-    Share marked_even, marked_odd;
-    Share high, even;  // with the eighth bit set; with an even number of ones among eight bits
+    CharacterShare marked_even, marked_odd;
+    CharacterShare high, even;  // with the eighth bit set; with an even number of ones among eight bits
 
 private:
     static Duration pause(wire::Framing framing) {

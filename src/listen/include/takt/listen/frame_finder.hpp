@@ -11,6 +11,9 @@
 
 namespace takt::listen {
 
+/// The last unit of a device (MODBUS over Serial Line V1.02, section 2.2).
+inline constexpr std::uint8_t kLastUnit = 247;
+
 /// A frame with a good checksum.
 struct LineFrame {
     Instant begin;  ///< when its first character began
