@@ -60,7 +60,7 @@ std::optional<std::string> parse_faults(std::string_view text, Options& options)
     return std::nullopt;
 }
 
-std::optional<std::string> parse_value(std::string_view key, std::string_view value, Options& options) {
+std::optional<std::string> parse_option(std::string_view key, std::string_view value, Options& options) {
     std::string allowed;
     switch (seeds::parse_value(key, value, options, allowed)) {
         case seeds::Parsed::good: return std::nullopt;
@@ -86,7 +86,7 @@ std::optional<std::string> parse_options(std::span<char*> arguments, Options& op
             continue;
         }
         if (i + 1 == arguments.size()) return std::string(key) + ": its value is missing; --help shows all";
-        if (auto wrong = parse_value(key, arguments[++i], options)) return wrong;
+        if (auto wrong = parse_option(key, arguments[++i], options)) return wrong;
     }
     return std::nullopt;
 }

@@ -11,7 +11,7 @@ constexpr std::string_view kRecoveries[] = {
     "command_queue_full", "verify_equal",     "verify_differed", "broadcast",       "trial",
     "plan_replaced",      "line_with_echo",   "line_in_lumps"};
 
-std::string milliseconds(Instant t) {
+std::string exact_milliseconds(Instant t) {
     char buffer[40];
     std::snprintf(buffer, sizeof buffer, "%.6f ms", static_cast<double>(t.time_since_epoch().count()) / 1e6);
     return buffer;
@@ -41,13 +41,13 @@ seeds::Record record_of(const Result& result) {
 std::string violation_text(const Result& result, const Options& options) {
     std::string made = "seed " + std::to_string(result.seed) + ":\n";
     for (const auto& violation : result.violations) {
-        made += "  " + std::string(violation.invariant) + " at " + milliseconds(violation.t) + ", line " +
-                std::to_string(violation.line) + "\n    expected: " + violation.expected +
+        made += "  " + std::string(violation.invariant) + " at " + exact_milliseconds(violation.t) +
+                ", line " + std::to_string(violation.line) + "\n    expected: " + violation.expected +
                 "\n    seen:     " + violation.seen + "\n";
     }
     made += "  the last frames:\n";
     for (const Frame& frame : result.last_frames) {
-        made += "    " + milliseconds(frame.t) + "  line " + std::to_string(frame.line) +
+        made += "    " + exact_milliseconds(frame.t) + "  line " + std::to_string(frame.line) +
                 (frame.sent ? "  Tx:" : "  Rx:");
         char digits[8];
         for (const auto byte : frame.bytes) {

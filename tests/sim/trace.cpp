@@ -12,7 +12,7 @@ double ms(Instant t) {
     return static_cast<double>(t.time_since_epoch().count()) / 1e6;
 }
 
-unsigned long long number(std::uint64_t id) {
+unsigned long long printable(std::uint64_t id) {
     return id;
 }
 
@@ -23,7 +23,7 @@ void Trace::action(Instant t, const Action& action, std::string_view slot, std::
     const bool is_command = action.kind == Action::Kind::command;
     std::fprintf(stderr, "%12.3f ms  user %s %s = %s", ms(t), is_command ? "writes" : "sets",
                  std::string(slot).c_str(), judge::text(action.value).c_str());
-    if (is_command) std::fprintf(stderr, ", command %llu", number(command));
+    if (is_command) std::fprintf(stderr, ", command %llu", printable(command));
     if (is_command && action.expires < kNever)
         std::fprintf(stderr, ", expires at %.3f ms", ms(action.expires));
     std::fputc('\n', stderr);
@@ -31,7 +31,7 @@ void Trace::action(Instant t, const Action& action, std::string_view slot, std::
 
 void Trace::outcome(Instant t, std::size_t line, const value::CommandOutcome& outcome) const {
     if (!on_) return;
-    std::fprintf(stderr, "%12.3f ms  line %zu  command %llu: %s\n", ms(t), line, number(outcome.id),
+    std::fprintf(stderr, "%12.3f ms  line %zu  command %llu: %s\n", ms(t), line, printable(outcome.id),
                  std::string(name(outcome.result)).c_str());
 }
 
@@ -47,7 +47,7 @@ void Trace::sending(Instant t, std::size_t line, const poll::Sending& sending) c
     std::fprintf(stderr, "%12.3f ms  line %zu  %s", ms(t), line, std::string(name(sending.purpose)).c_str());
     if (sending.early) std::fprintf(stderr, " (early)");
     if (sending.request) std::fprintf(stderr, ", request %zu", *sending.request);
-    if (sending.command) std::fprintf(stderr, ", command %llu", number(*sending.command));
+    if (sending.command) std::fprintf(stderr, ", command %llu", printable(*sending.command));
     std::fputc('\n', stderr);
 }
 

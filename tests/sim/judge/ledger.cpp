@@ -11,7 +11,7 @@ constexpr std::size_t kMostBytes = 600;  // longer than any frame
 constexpr std::size_t kDelays = 8;
 constexpr std::size_t kLateOnes = 3;
 constexpr Duration kSilence = std::chrono::milliseconds(50);  // that ends bytes without a frame for a master
-constexpr Duration kPause = std::chrono::milliseconds(5);     // between two frames, or pieces of one
+constexpr Duration kLedgerPause = std::chrono::milliseconds(5);  // between two frames, or pieces of one
 constexpr std::size_t kMostRefused = 64;
 constexpr std::size_t kPast = 16384;  // frames of minutes
 constexpr Duration kUnknownDelay = std::chrono::milliseconds(100);
@@ -88,7 +88,7 @@ void AnswerLedger::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     if (framing_ == wire::Framing::tcp) return;
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     received_ += bytes.size();
-    if (t > heard_at_ + kPause) {
+    if (t > heard_at_ + kLedgerPause) {
         paused_ = paused_ || received_ > bytes.size();
         since_.clear();
     }

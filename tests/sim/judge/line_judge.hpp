@@ -27,6 +27,12 @@ namespace takt::judge {
 /// A variable by its index among all of the line, in the order of the project.
 using VariableNumber = std::size_t;
 
+/// Removes elements from the front until `most` are left.
+template <class Container>
+void shorten(Container& container, std::size_t most) {
+    while (container.size() > most) container.erase(container.begin());
+}
+
 /// The adapter between the master and a serial line.
 struct Adapter {
     bool echoes = false;    ///< the master receives its own transmissions

@@ -8,18 +8,12 @@ namespace takt::judge {
 namespace {
 
 constexpr std::size_t kKept = 48;
-constexpr Duration kPause = std::chrono::milliseconds(25);  // shorter ones part no frame
+constexpr Duration kFrameBreak = std::chrono::milliseconds(25);  // shorter ones part no frame
 
 bool same_read(const plan::Request& a, const plan::Request& b) {
     return a.read && a.read == b.read && a.start == b.start && a.quantity == b.quantity &&
            a.period == b.period && a.phase == b.phase && a.read_trigger == b.read_trigger &&
            a.variables == b.variables;
-}
-
-std::string milliseconds(Instant t) {
-    const auto microseconds = t.time_since_epoch().count() / 1000;
-    return std::to_string(microseconds / 1000) + "." + std::to_string(1000 + microseconds % 1000).substr(1) +
-           " ms";
 }
 
 }  // namespace
@@ -124,7 +118,7 @@ void LineJudge::complain(std::string_view invariant, Instant t, std::string expe
 
 std::string LineJudge::describe(const Transaction& transaction) const {
     const Asked& asked = transaction.asked;
-    std::string made = "request of " + milliseconds(transaction.start) + " to " +
+    std::string made = "request of " + milliseconds(transaction.start.time_since_epoch()) + " to " +
                        devices_[transaction.device].model->name + ", function " +
                        std::to_string(asked.function);
     if (asked.reads)
@@ -271,7 +265,7 @@ void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     bytes = without_echo(t, bytes);
     if (bytes.empty()) return;
     // A frame in pieces with pauses may not be a frame for the master.
-    paused_ = one_at_a_time() && !received_.empty() && (paused_ || t > heard_at_ + kPause);
+    paused_ = one_at_a_time() && !received_.empty() && (paused_ || t > heard_at_ + kFrameBreak);
     heard_at_ = t;
     busy_until_ = std::max(busy_until_, t);
     heard_since_ = true;

@@ -16,11 +16,6 @@ double ratio(Duration part, Duration whole) {
     return static_cast<double>(part.count()) / static_cast<double>(whole.count());
 }
 
-std::string milliseconds(Duration time) {
-    return std::to_string(time.count() / 1'000'000) + "." +
-           std::to_string(1000 + time.count() / 1000 % 1000).substr(1) + " ms";
-}
-
 }  // namespace
 
 // T + R of each variable, with the worst dead device too, and the load of the line.

@@ -138,4 +138,9 @@ std::string text(std::span<const std::uint16_t> items) {
     return made;
 }
 
+std::string milliseconds(Duration time) {
+    return std::to_string(time.count() / 1'000'000) + "." +
+           std::to_string(1000 + time.count() / 1000 % 1000).substr(1) + " ms";
+}
+
 }  // namespace takt::judge

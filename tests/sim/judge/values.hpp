@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "takt/base/time.hpp"
 #include "takt/model/project.hpp"
 #include "takt/value/value.hpp"
 
@@ -23,5 +24,8 @@ namespace takt::judge {
 
 [[nodiscard]] std::string text(const value::Value& value);
 [[nodiscard]] std::string text(std::span<const std::uint16_t> items);
+
+/// "1.250 ms"
+[[nodiscard]] std::string milliseconds(Duration time);
 
 }  // namespace takt::judge

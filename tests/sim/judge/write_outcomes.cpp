@@ -16,11 +16,6 @@ bool is_small(const model::Variable& variable) {
     return variable.type == DataType::boolean;
 }
 
-template <class Container>
-void shorten(Container& container, std::size_t most) {
-    while (container.size() > most) container.erase(container.begin());
-}
-
 }  // namespace
 
 bool LineJudge::verified(std::span<const VariableNumber> members) const {

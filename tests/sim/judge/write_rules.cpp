@@ -14,11 +14,6 @@ bool is_bit(const model::Variable& variable) {
     return variable.type == DataType::boolean && !wire::is_bit_area(variable.area);
 }
 
-template <class Container>
-void shorten(Container& container, std::size_t most) {
-    while (container.size() > most) container.erase(container.begin());
-}
-
 }  // namespace
 
 void LineJudge::on_set(Instant t, VariableNumber v, const value::Value& value) {
