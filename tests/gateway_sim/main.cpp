@@ -49,7 +49,7 @@ std::string replay(const Options& options, std::uint64_t seed) {
     return "takt-gateway-sim " + seeds::replay_arguments(options, seed);
 }
 
-void print_violations(const Result& result, const Options& options) {
+void print_violations(const RunResult& result, const Options& options) {
     std::string text = "seed " + std::to_string(result.seed) + ":\n";
     for (const auto& violation : result.violations) {
         char time[40];
@@ -63,7 +63,7 @@ void print_violations(const Result& result, const Options& options) {
 }
 
 seeds::Record run_seed(const Options& options, std::uint64_t seed) {
-    const Result result = run({.seed = seed, .length = options.length(), .trace = options.trace});
+    const RunResult result = run({.seed = seed, .length = options.length(), .trace = options.trace});
     if (!result.violations.empty()) print_violations(result, options);
     seeds::Record record{.seed = seed, .hash = result.hash, .counts = result.counts};
     if (!result.violations.empty()) record.invariant = result.violations.front().rule;

@@ -8,9 +8,9 @@
 namespace takt::gatewaysim {
 namespace {
 
-class Drawer {
+class ProjectDrawer {
 public:
-    explicit Drawer(sim::Random random) : random_(random) {}
+    explicit ProjectDrawer(sim::Random random) : random_(random) {}
 
     DrawnProject draw() {
         made_.heavy = chance(20);
@@ -150,7 +150,7 @@ private:
 }  // namespace
 
 DrawnProject draw_project(sim::Random random) {
-    return Drawer(random).draw();
+    return ProjectDrawer(random).draw();
 }
 
 }  // namespace takt::gatewaysim

@@ -18,9 +18,9 @@ using sim::Random;
 /// How much goes wrong, in each part of the world by itself.
 enum class Amount : std::uint8_t { none, little, much };
 
-class Drawer {
+class ScenarioDrawer {
 public:
-    Drawer(std::uint64_t seed, Duration length) : random_(Random(seed).fork(0x6A7E)) {
+    ScenarioDrawer(std::uint64_t seed, Duration length) : random_(Random(seed).fork(0x6A7E)) {
         made_.seed = seed;
         made_.begin = Instant{1000s};
         made_.end = made_.begin + std::max<Duration>(length, kQuiet + 10s);
@@ -197,7 +197,7 @@ private:
 }  // namespace
 
 Scenario draw_scenario(std::uint64_t seed, Duration length) {
-    return Drawer(seed, length).draw();
+    return ScenarioDrawer(seed, length).draw();
 }
 
 }  // namespace takt::gatewaysim

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr std::uint32_t kFirstValue = 1'000'000;
-constexpr std::size_t kRemembered = 8;
+constexpr std::size_t kRememberedCommands = 8;
 
 }  // namespace
 
@@ -56,7 +56,7 @@ void Senders::send(std::int64_t wall_ns) {
     auto command = make(wall_ns);
     if (scenario_.retained_commands && chance(3)) command.message.retain = true;
     last_.push_back(command);
-    if (last_.size() > kRemembered) last_.pop_front();
+    if (last_.size() > kRememberedCommands) last_.pop_front();
     publish_(command);
 }
 

@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 class World {
 public:
     World(const Scenario& scenario, const Settings& settings);
-    Result run();
+    RunResult run();
 
 private:
     enum class End : std::uint8_t { kill, power_cut, orderly };
@@ -302,7 +302,7 @@ void World::begin_quiet() {
     complaints_.trace(clock_.now, [] { return "*** quiet"; });
 }
 
-Result World::run() {
+RunResult World::run() {
     while (!complaints_.any()) {
         clock_.now = std::max(clock_.now, next());
         if (quiet_ && clock_.now >= scenario_.end) break;
@@ -311,7 +311,7 @@ Result World::run() {
     if (!complaints_.any()) judge_.check_progress(scenario_.end - 5s);
     // A command may wait for its expiry, at most 20 s, where the interval of its variable is that long.
     if (!complaints_.any()) judge_.finish(scenario_.quiet_from + 15s, scenario_.end - 25s);
-    Result result{.seed = scenario_.seed, .hash = judge_.hash(), .counts = complaints_.counts()};
+    RunResult result{.seed = scenario_.seed, .hash = judge_.hash(), .counts = complaints_.counts()};
     result.counts["steps"] = steps_;
     result.counts["frames"] = bus_.frames();
     result.violations = complaints_.all();
@@ -320,10 +320,10 @@ Result World::run() {
 
 }  // namespace
 
-Result run(const Settings& settings) {
+RunResult run(const Settings& settings) {
     const Scenario scenario = draw_scenario(settings.seed, settings.length);
     if (scenario.error.empty()) return World(scenario, settings).run();
-    Result result{.seed = settings.seed};
+    RunResult result{.seed = settings.seed};
     result.violations.push_back({"legal", scenario.begin, "a legal project", scenario.error});
     return result;
 }

@@ -17,7 +17,7 @@ struct Settings {
     bool trace = false;
 };
 
-struct Result {
+struct RunResult {
     std::uint64_t seed = 0;
     std::uint64_t hash = 0;
     std::map<std::string, std::uint64_t> counts;
@@ -25,6 +25,6 @@ struct Result {
 };
 
 /// Runs until the end or the first violation.
-[[nodiscard]] Result run(const Settings& settings);
+[[nodiscard]] RunResult run(const Settings& settings);
 
 }  // namespace takt::gatewaysim

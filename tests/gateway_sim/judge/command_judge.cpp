@@ -12,13 +12,13 @@ using file::Json;
 using publish::MqttMessage;
 
 /// Deliveries after which an id may be forgotten: the gateway remembers 1024 accepted and 1024 refused ones.
-constexpr std::uint64_t kRemembered = 1000;
+constexpr std::uint64_t kRememberedDeliveries = 1000;
 
 std::string content_of(const MqttMessage& message) {
     return message.topic + "\n" + message.payload;
 }
 
-std::string text_of(const Json& object, const char* key) {
+std::string string_at(const Json& object, const char* key) {
     const auto* found = object.find(key);
     const auto* text = found ? std::get_if<std::string>(&found->value()) : nullptr;
     return text ? *text : std::string();
@@ -94,7 +94,7 @@ void CommandJudge::on_delivered(const MqttMessage& message, bool subscribed) {
     if (!command.id.empty() && command.well_formed && subscribed && !message.retain) {
         const auto [known, is_new] =
             known_.try_emplace(command.id, Known{found->first, deliveries_, clock_.now});
-        if (deliveries_ - known->second.delivery > kRemembered) ambiguous_.insert(command.id);
+        if (deliveries_ - known->second.delivery > kRememberedDeliveries) ambiguous_.insert(command.id);
         const bool same = known->second.content == found->first || is_unsure(command);
         delivery.permitted = delivery.permitted && same;
         delivery.conflicts = !same;
@@ -149,7 +149,7 @@ bool CommandJudge::is_answer(const MqttMessage& message) const {
 }
 
 const SentCommand* CommandJudge::find(const Json& answer) const {
-    const auto id = text_of(answer, "id");
+    const auto id = string_at(answer, "id");
     if (const auto known = known_.find(id); known != known_.end()) return &sent_.at(known->second.content);
     if (const auto known = by_id_.find(id); known != by_id_.end()) return &sent_.at(known->second);
     const auto value = value_of(answer);
@@ -161,10 +161,10 @@ const SentCommand* CommandJudge::find(const Json& answer) const {
 void CommandJudge::on_answer(const MqttMessage& message) {
     const auto answer = Json::parse(message.payload);
     if (!answer) return fail("one_outcome", "an answer", message.payload);
-    const auto outcome = text_of(*answer, "outcome");
-    const auto reason = text_of(*answer, "reason");
+    const auto outcome = string_at(*answer, "outcome");
+    const auto reason = string_at(*answer, "reason");
     complaints_.count("answer_" + outcome);
-    if (reason == "duplicate_id") duplicates_[text_of(*answer, "id")] = clock_.now;
+    if (reason == "duplicate_id") duplicates_[string_at(*answer, "id")] = clock_.now;
     if (!reason.empty()) complaints_.count("reason_" + reason);
     const auto* command = find(*answer);
     if (command == nullptr) return;
@@ -205,8 +205,8 @@ bool CommandJudge::is_executed_when_done(const SentCommand& command) const {
 void CommandJudge::on_audit(std::string_view line) {
     const auto audit = Json::parse(line);
     if (!audit) return fail("one_outcome", "a line of JSON", std::string(line));
-    const auto outcome = text_of(*audit, "outcome");
-    const auto reason = text_of(*audit, "reason");
+    const auto outcome = string_at(*audit, "outcome");
+    const auto reason = string_at(*audit, "reason");
     const auto* command = find(*audit);
     if (command == nullptr || command->id.empty() || is_of_message(reason)) return;
     if (is_unsure(*command)) return;

@@ -6,7 +6,7 @@
 namespace takt::gatewaysim {
 namespace {
 
-std::string text(const SeenGap& gap) {
+std::string gap_text(const SeenGap& gap) {
     return gap.cause + " of " + std::to_string(gap.samples) + " from " + std::to_string(gap.number) +
            " on, " + gap.first + " to " + gap.last;
 }
@@ -26,15 +26,15 @@ void StreamJudge::check_restart(const SeenMessage& message) {
     const Run* run = account_.run_of(message.epoch);
     const auto* record = run ? journal_.record(run->first_sequence) : nullptr;
     if (record == nullptr || gap.number != run->base + 1 || gap.samples != 0)
-        return fail("gap_true", "the gap of a start, in its place and without a number", text(gap));
+        return fail("gap_true", "the gap of a start, in its place and without a number", gap_text(gap));
     if (run->first_sequence > journal_.durable_sequence())
-        fail("durable_first", "only what is durable is published", text(gap));
+        fail("durable_first", "only what is durable is published", gap_text(gap));
     if (gap.first != time_text(record->facts.gap->first_wall_ns) ||
         gap.last != time_text(record->facts.gap->last_wall_ns))
         fail(
             "gap_true",
             time_text(record->facts.gap->first_wall_ns) + " to " + time_text(record->facts.gap->last_wall_ns),
-            text(gap));
+            gap_text(gap));
 }
 
 // With packets of this size only a long text is too large.
@@ -46,13 +46,13 @@ void StreamJudge::check_too_large(const SeenMessage& message) {
         const auto* sample = sample_of(message.epoch, number);
         const auto* value = sample ? std::get_if<std::string>(&sample->value) : nullptr;
         if (!packet_limit_ || value == nullptr || value->size() <= kLong)
-            return fail("gap_true", "samples that are too large for a packet", text(gap));
+            return fail("gap_true", "samples that are too large for a packet", gap_text(gap));
         times.push_back(sample->wall_ns);
         check_durable(number);
     }
     if (times.empty() || gap.first != time_text(*std::ranges::min_element(times)) ||
         gap.last != time_text(*std::ranges::max_element(times)))
-        fail("gap_true", "the times of the samples that are too large", text(gap));
+        fail("gap_true", "the times of the samples that are too large", gap_text(gap));
 }
 
 /// A gap that was written to the journal: its truth was judged then.
@@ -62,11 +62,11 @@ void StreamJudge::check_written_gap(const SeenMessage& message) {
     if (gap.samples == 0 || record == nullptr || !record->facts.gap ||
         record->facts.samples_before + 1 != gap.number || record->facts.samples != gap.samples ||
         record->facts.epoch != message.epoch || cause_name(record->facts.gap->cause) != gap.cause)
-        return fail("gap_true", "a gap that was written", text(gap));
+        return fail("gap_true", "a gap that was written", gap_text(gap));
     check_durable(record->facts.end());
     if (gap.first != time_text(record->facts.gap->first_wall_ns) ||
         gap.last != time_text(record->facts.gap->last_wall_ns))
-        fail("gap_true", "the times that were written", text(gap));
+        fail("gap_true", "the times that were written", gap_text(gap));
 }
 
 // A gap that was found while reading. All of its records are gone, and the next one is there. Where both the
@@ -104,7 +104,7 @@ void StreamJudge::check_found_gap(const SeenMessage& message) {
         return fail("gap_true",
                     std::to_string(samples) + " samples are gone there, in " +
                         std::to_string(sequence - first) + " records",
-                    text(gap));
+                    gap_text(gap));
     for (const Run& run : account_.runs())
         if (run.epoch != 0 && run.first_sequence >= first && run.first_sequence < sequence)
             restarts_.push_back(run.number);
@@ -114,9 +114,9 @@ void StreamJudge::check_found_gap(const SeenMessage& message) {
         fail("gap_true",
              "the time and epoch of the record after: " + time_text(after->facts.wall_ns) + ", epoch " +
                  std::to_string(after->facts.epoch),
-             text(gap));
+             gap_text(gap));
     if (!begins_behind(gap, first) && gap.first != gap.last)
-        fail("gap_true", "the time of the last record before that was delivered", text(gap));
+        fail("gap_true", "the time of the last record before that was delivered", gap_text(gap));
 }
 
 // The record before is gone too if another gap is before this one. A gap begins no later than it ends: if the

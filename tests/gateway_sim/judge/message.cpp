@@ -17,7 +17,7 @@ std::optional<std::uint64_t> integer(const Json* json) {
     return std::nullopt;
 }
 
-std::optional<std::string> text(const Json* json) {
+std::optional<std::string> string_of(const Json* json) {
     if (json == nullptr) return std::nullopt;
     const auto* s = std::get_if<std::string>(&json->value());
     return s ? std::optional(*s) : std::nullopt;
@@ -33,9 +33,9 @@ std::optional<double> real(const Json::Value& value) {
 std::optional<SeenGap> read_gap(const Json& message, const Json& gap) {
     const auto number = integer(message.find("seq"));
     const auto samples = integer(gap.find("samples"));
-    const auto cause = text(gap.find("cause"));
-    const auto first = text(gap.find("first"));
-    const auto last = text(gap.find("last"));
+    const auto cause = string_of(gap.find("cause"));
+    const auto first = string_of(gap.find("first"));
+    const auto last = string_of(gap.find("last"));
     if (!number || !samples || !cause || !first || !last) return std::nullopt;
     return SeenGap{*number, *cause, *samples, *first, *last};
 }
@@ -80,7 +80,7 @@ std::optional<SeenMessage> read_message(std::string_view payload) {
     SeenMessage message{.epoch = *epoch};
     const auto* repeated = json->find("repeated");
     message.repeated = repeated != nullptr && repeated->value() == Json::Value(true);
-    message.device = text(json->find("device")).value_or("");
+    message.device = string_of(json->find("device")).value_or("");
     if (const auto* gap = json->find("gap")) {
         message.gap = read_gap(*json, *gap);
         return message.gap ? std::optional(message) : std::nullopt;
@@ -88,7 +88,7 @@ std::optional<SeenMessage> read_message(std::string_view payload) {
     if (const auto* values = json->find("values"))
         return read_group(*values, message) ? std::optional(message) : std::nullopt;
     const auto number = integer(json->find("seq"));
-    const auto variable = text(json->find("variable"));
+    const auto variable = string_of(json->find("variable"));
     if (!number || !variable) return std::nullopt;
     message.samples.push_back({*number, *variable, *json});
     return message;
@@ -113,7 +113,7 @@ std::string difference(const Json& fields, const publish::Series& series, const 
     if (!is_same(value, series, sample.value)) return differs("value", "the sampled one", value);
     const auto same_text = [&](const char* key, const std::string& expected) {
         const auto* seen = fields.find(key);
-        const bool good = expected.empty() ? seen == nullptr : text(seen) == expected;
+        const bool good = expected.empty() ? seen == nullptr : string_of(seen) == expected;
         return good ? std::string() : differs(key, expected.empty() ? "none" : expected, seen);
     };
     const bool good = sample.reason == value::Reason::ok;

@@ -9,7 +9,7 @@
 namespace takt::gatewaysim {
 namespace {
 
-std::optional<double> number(const value::Value& value) {
+std::optional<double> finite_number(const value::Value& value) {
     if (const auto* i = std::get_if<std::int64_t>(&value)) return static_cast<double>(*i);
     if (const auto* u = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*u);
     if (const auto* d = std::get_if<double>(&value); d && std::isfinite(*d)) return *d;
@@ -158,8 +158,8 @@ bool SamplingJudge::needs_sample(const Selected& selected, const host::ValueChan
     const auto& last = selected.delivered;
     if (!last || last->quality != change.quality || last->reason != change.reason) return true;
     if (value::same(last->value, change.value)) return false;
-    const auto a = number(last->value);
-    const auto b = number(change.value);
+    const auto a = finite_number(last->value);
+    const auto b = finite_number(change.value);
     return !a || !b || !(std::abs(*b - *a) <= policy.dead_band);
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 using publish::MqttReason;
 
-std::string text(const SeenMessage& message) {
+std::string message_text(const SeenMessage& message) {
     if (message.gap)
         return "gap " + message.gap->cause + " of " + std::to_string(message.gap->samples) + " from " +
                std::to_string(message.gap->number) + " on, epoch " + std::to_string(message.epoch);
@@ -84,14 +84,14 @@ void StreamJudge::check_sample(const SeenMessage& message, const SeenSample& sam
     const Run* run = account_.run_of(message.epoch);
     const Unit* unit = run ? run->unit_of(sample.number) : nullptr;
     if (unit == nullptr || unit->lost() || (run->end && sample.number > *run->end))
-        return fail("content_true", "a sample that was taken", text(message));
+        return fail("content_true", "a sample that was taken", message_text(message));
     const auto& facts = unit->batch.samples[sample.number - run->base - 1 - unit->offset];
     const auto& series = unit->batch.series[facts.series];
     auto wrong = difference(sample.fields, series, facts);
     if (series.variable != sample.variable || series.device != message.device)
         wrong = "the variable: " + series.variable + " of " + series.device + " became " + sample.variable +
                 " of " + message.device;
-    if (!wrong.empty()) fail("content_true", "the sampled values", text(message) + ": " + wrong);
+    if (!wrong.empty()) fail("content_true", "the sampled values", message_text(message) + ": " + wrong);
 }
 
 void StreamJudge::check_durable(std::uint64_t number) {
@@ -108,13 +108,14 @@ void StreamJudge::check_order(const SeenMessage& message) {
     if (last_start_ != 0 && again) {
         if (!refused_)
             return fail("order_kept", "a message behind the one from " + std::to_string(last_start_),
-                        text(message));
+                        message_text(message));
         begin_pass();
     }
     for (; due_ < start; ++due_) {
         const bool in_pass = due_ <= samples_.size() && samples_[due_ - 1].last_pass == pass_;
         if (in_pass || is_finished(due_)) continue;
-        fail("order_kept", "sample " + std::to_string(due_) + " or a gap in its place", text(message));
+        fail("order_kept", "sample " + std::to_string(due_) + " or a gap in its place",
+             message_text(message));
         break;
     }
     last_start_ = start;
@@ -133,10 +134,10 @@ void StreamJudge::check_repeated(const SeenMessage& message) {
             return sent.epoch == message.epoch && sent.gap == *message.gap;
         });
     if (sent_by_run && !message.repeated)
-        fail("repeat_marked", "the mark `repeated`: this run has sent it before", text(message));
+        fail("repeat_marked", "the mark `repeated`: this run has sent it before", message_text(message));
     const bool may_be = limited_ || message.gap || message.epoch != account_.current().epoch;
     if (!sent_by_run && message.repeated && !may_be)
-        fail("repeat_marked", "no mark `repeated`: it was not sent before", text(message));
+        fail("repeat_marked", "no mark `repeated`: it was not sent before", message_text(message));
 }
 
 void StreamJudge::mark_sent(const SeenMessage& message) {
