@@ -15,6 +15,7 @@
 #include "options/command_line.hpp"
 #include "output.hpp"
 #include "texts.hpp"
+#include "version.hpp"
 
 namespace takt::app {
 namespace {
@@ -67,7 +68,7 @@ int end_program(Language language, ExitCode code) {
 int run_program(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit of the file size fails instead
-    CommandLine line("help.takt", "takt", "takt 0.1.0");
+    CommandLine line("help.takt", "takt", "takt " + std::string(kProgramVersion));
     CommonOptions common;
     std::string language;
     auto root = line.root();

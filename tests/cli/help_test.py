@@ -3,7 +3,7 @@ import re
 
 import pytest
 
-from program import takt
+from program import ROOT, takt
 
 COMMANDS = [[], ["demo"], ["run"], ["ctl"], ["serve"], ["check"], ["plan"], ["convert"], ["table"],
             ["table", "build"], ["table", "show"], ["history"], ["latency"], ["capture"], ["listen"],
@@ -46,3 +46,12 @@ def test_every_command_is_listed():
     text = takt("--help").out
     for command in COMMANDS[1:]:
         assert re.search(rf"(?m)^  {command[0]} +\S", text), command
+
+
+def test_the_version_is_that_of_the_build():
+    """It is stated once, by project() in CMakeLists.txt; the changelog begins with it."""
+    build = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+    version = re.search(r"\bproject\(\s*takt\s+VERSION\s+([\d.]+)", build)[1]
+    assert takt("--version").out == f"takt {version}\n"
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert re.search(r"(?m)^## \[([\d.]+)\]", changes)[1] == version

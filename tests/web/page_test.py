@@ -95,6 +95,12 @@ def test_every_route_of_the_description_exists(site):
     assert status == 404 and json.loads(body)["error"]["code"]
 
 
+def test_info_has_the_version_of_the_program(site):
+    status, body = site.get("/api/v1/info")
+    assert status == 200
+    assert f"takt {json.loads(body)['version']}\n" == takt("--version").out
+
+
 def test_the_page_is_served_with_its_policy(site):
     status, body = site.get("/")
     assert status == 200 and "<title>Takt</title>" in body

@@ -12,6 +12,7 @@
 #include "takt/os/open.hpp"
 #include "takt/web/history_api.hpp"
 #include "takt/web/project_api.hpp"
+#include "version.hpp"
 
 namespace takt::app {
 namespace {
@@ -93,7 +94,7 @@ Result<std::unique_ptr<WebSide>> start_web(const Texts& texts, const WebOptions&
                                         .log = log("web")},
                              .host = run.host,
                              .project = std::filesystem::path(run.project_file).filename().string(),
-                             .version = "0.1.0",
+                             .version = std::string(kProgramVersion),
                              .demo = options.demo,
                              .editable = editable,
                              .history = web::has_history(run.host.configuration()->project()),

@@ -97,7 +97,7 @@ Parsed parse(const std::string& line) {
     std::vector<char*> arguments;
     for (auto& word : words) arguments.push_back(word.data());
 
-    CommandLine command_line("help.takt", "takt", "takt 0.1.0");
+    CommandLine command_line("help.takt", "takt", "takt 1.2.3");
     const CommonOptions common;
     add_running_commands(command_line, common);
     add_serve(command_line, common);
