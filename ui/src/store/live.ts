@@ -1,5 +1,5 @@
-// The live values. Each value has a signal of its own, so that a change draws one row again and not the table.
-// Changes are applied once for each frame of the screen.
+// The live values. Each value has a signal of its own, so that a change draws one row again and not the
+// table. Changes are applied once for each frame of the screen.
 import { type Signal, signal } from '@preact/signals';
 import { openStream, type Stream } from '../api/stream';
 import type { LiveValue, Notice, ReadBatch, Snapshot, Status, ValueBatch } from '../api/types';

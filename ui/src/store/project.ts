@@ -143,8 +143,8 @@ export async function refreshProject(): Promise<void> {
 }
 
 /**
- * Joins the draft with the file, which changed since it was loaded. The undo steps end: they have the places of
- * the old file. @returns the paths of values that both changed; those of the draft are kept
+ * Joins the draft with the file, which changed since it was loaded. The undo steps end: they have the places
+ * of the old file. @returns the paths of values that both changed; those of the draft are kept
  */
 export async function mergeWithFile(): Promise<string[]> {
   const file = await get<ProjectFile>('project');
@@ -204,8 +204,8 @@ export function revert(): void {
 }
 
 /**
- * Puts the rows of a table, or the settings and variables of a template, in place of its name. The draft has to
- * stay as it was asked for. @returns whether it did
+ * Puts the rows of a table, or the settings and variables of a template, in place of its name. The draft has
+ * to stay as it was asked for. @returns whether it did
  */
 export async function takeOver(path: string): Promise<boolean> {
   const document = draft.peek();

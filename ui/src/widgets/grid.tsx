@@ -1,4 +1,4 @@
-// A table for thousands of rows: only the rows in sight are in the document. Arrow keys move the current cell.
+// A table for thousands of rows: only the rows in sight are in the document. Arrow keys move the cursor.
 import type { ComponentChildren } from 'preact';
 import { useEffect, useId, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../i18n';
@@ -9,7 +9,7 @@ export interface Column<Row> {
   width: string; // of a CSS grid: "120px", "minmax(120px, 1fr)"
   align?: 'right';
   sortable?: boolean;
-  /** Moves to a second line of each row where the grid is too narrow: `text` to its begin, `figure` to its end. */
+  /** Moves to a second line of each row in a narrow grid: `text` to its begin, `figure` to its end. */
   folds?: 'text' | 'figure';
   cell: (row: Row, index: number) => ComponentChildren;
   cellClass?: (row: Row, index: number) => string;

@@ -65,10 +65,12 @@ export const devices = {
     line: (name: string) => `Line ${name}`,
     onLine: 'The requests go through the running line when no other request is due. Polling goes on.',
     delays: (ms: string) =>
-      `A request without a response delays polling that becomes due: values can become older by up to ${ms} ms.`,
+      'A request without a response delays polling that becomes due: ' +
+      `values can become older by up to ${ms} ms.`,
     spare: 'Only in spare time',
     spareNote:
-      'A request is sent only if it has ended before a polled request is due. Values do not become older. A busy line may have no time: enter a shorter time-out.',
+      'A request is sent only if it has ended before a polled request is due. Values do not become older. ' +
+      'A busy line may have no time: enter a shorter time-out.',
     target: 'Target',
     units: 'Addresses',
     timeout: 'Time-out, ms',

@@ -128,7 +128,9 @@ export const project = {
     selected: (n: number) => `${n} selected`,
     empty: 'No variables yet. Add one, or paste a table from the IDE or a spreadsheet.',
     emptyFilter: 'No variable fits the filter.',
-    hint: 'Enter: edit · Shift+arrows: select · Ctrl+C, Ctrl+V: spreadsheet · Ctrl+D: fill down · Ctrl+Z: undo',
+    hint:
+      'Enter: edit · Shift+arrows: select · Ctrl+C, Ctrl+V: spreadsheet · ' +
+      'Ctrl+D: fill down · Ctrl+Z: undo',
     pasteHint: 'Press Ctrl+V in the table: the browser gives the clipboard only to the keyboard here.',
     fromTable: (file: string) => `The variables are in the table ${file}.`,
     ofTemplate: (n: number) => `Variables of the template (${n})`,

@@ -1,4 +1,4 @@
-// The cells of the live table. Each subscribes to what it shows, so that a change draws a cell, not the table.
+// The cells of the live table. Each subscribes to what it shows: a change draws a cell, not the table.
 import type { Signal } from '@preact/signals';
 import type { LiveValue } from '../../api/types';
 import { formatClock, formatDuration, t } from '../../i18n';

@@ -29,7 +29,7 @@ export function permutation(order: ByteOrder, registers = 2): string {
 export const spaced = (digits: string) => [...digits].join(' ');
 
 const LETTERS: Record<string, string> = { ABCD: '4321', CDAB: '2143', BADC: '3412', DCBA: '1234' };
-/** The order that a `byte_order` names: "2143", "2 1 4 3", "Float: 2 1 4 3", "CDAB"; undefined: none of them. */
+/** The order that a `byte_order` names: "2143", "2 1 4 3", "Float: 2 1 4 3", "CDAB"; undefined: none. */
 export function orderOf(text: string): ByteOrder | undefined {
   const plain = text.replace(/^.*:/, '').replace(/\s/g, '').toUpperCase();
   const digits = LETTERS[plain] ?? plain;

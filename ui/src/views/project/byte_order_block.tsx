@@ -1,4 +1,4 @@
-// Byte and register order: the two check boxes, the permutation, and the same four bytes decoded in every order.
+// Byte and register order: the two check boxes, the permutation, and the same four bytes in every order.
 import { signal } from '@preact/signals';
 import { formatNumber, t } from '../../i18n';
 import type { Path } from '../../store/document';

@@ -1,4 +1,4 @@
-// The cells of the tables: the kinds of their values, and the words of the IDE and of spreadsheets for them. Pure.
+// The cells of the tables: the kinds of their values, and the words of IDE and spreadsheets for them. Pure.
 import type { Mapping, Node } from '../../api/types';
 import { isMapping } from '../../store/document';
 

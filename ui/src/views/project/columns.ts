@@ -1,4 +1,4 @@
-// The columns of the tables, in the order of the IDE's tables: what is copied there fits when it is pasted here.
+// The columns of the tables, in the order of the IDE's tables: what is copied there can be pasted here.
 import type { Mapping } from '../../api/types';
 import type { CellKind } from './cells';
 import type { CellColumn } from './rows';

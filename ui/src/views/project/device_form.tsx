@@ -41,12 +41,13 @@ function Protocol({ path }: { path: Path }) {
   const value = framingOf(line);
   const limit = rulesAt(path, 'device').registers_per_request;
   const count = listAt(line, ['devices']).length;
+  const ofLine = texts.ofLine(textAt(line, ['name']) ?? '', count);
   return (
     <Row
       id={`${its.id}-of-device`}
       label={keyText('framing')}
       findings={its.findings}
-      note={`${texts.ofLine(textAt(line, ['name']) ?? '', count)} ${limit?.greatest ? texts.cut(limit.greatest) : ''}`}
+      note={`${ofLine} ${limit?.greatest ? texts.cut(limit.greatest) : ''}`}
       wide
     >
       <select

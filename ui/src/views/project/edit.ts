@@ -20,7 +20,7 @@ export function readOnly(path: Path): string | true | null {
   return isReadOnlyPart(formatPath(path)) ?? (mayEdit.value ? null : true);
 }
 
-// Keys that name commands or files of the computer: the program refuses to add or change them over the network.
+// Keys that name commands or files of the computer: the program refuses to add or change them.
 const PROTECTED = new Set([
   'audit',
   'ca_file',

@@ -1,4 +1,4 @@
-// A labelled field of a form, bound to a key of the draft: what is typed, the permitted range, what is wrong with it.
+// A labelled field of a form, bound to a key of the draft: the text, the permitted range, and its finding.
 import type { ComponentChildren } from 'preact';
 import { useState } from 'preact/hooks';
 import type { FieldRule, Finding, Mapping, Node } from '../../api/types';

@@ -1,4 +1,4 @@
-// The rows of a table file or a template: shown, and changed in their own file or taken over into the project.
+// The rows of a table file or a template: shown, changed in their own file, or taken into the project.
 import { useState } from 'preact/hooks';
 import type { FilePart } from '../../api/types';
 import { t } from '../../i18n';

@@ -142,8 +142,8 @@ export function filledDown(
 }
 
 /**
- * A pasted table, from one cell to the right and down. Rows that are missing are made; a single cell fills all
- * selected ones. Rows of the IDE's empty choice are left out.
+ * A pasted table, from one cell to the right and down. Rows that are missing are made; a single cell fills
+ * all selected ones. Rows of the IDE's empty choice are left out.
  * @param order  the rows as they are shown, as indices of the list
  * @param fresh  makes a row for the end of the list
  */

@@ -1,4 +1,4 @@
-// Saving shows the difference of the file first. A file that changed on the disk is never overwritten unasked.
+// Saving shows the difference of the file first. A file that changed on the disk is not overwritten unasked.
 import { useEffect, useState } from 'preact/hooks';
 import { ApiError } from '../../api/client';
 import type { Finding } from '../../api/types';
@@ -87,7 +87,7 @@ export function SaveDialog({ onClose }: { onClose: () => void }) {
   );
 }
 
-/** Takes what changed in the file, and keeps what was edited here: the next save shows the difference to it. */
+/** Takes what changed in the file, and keeps what was edited here: the next save shows the difference. */
 async function keepMine(): Promise<void> {
   const conflicts = await mergeWithFile();
   const texts = t.peek().project.conflict;

@@ -1,5 +1,5 @@
-// What is selected: an item of the tree, a variable or a request. The variables of the selection light up in the
-// table, and their requests in the plan.
+// What is selected: an item of the tree, a variable or a request. The variables of the selection light up in
+// the table, and their requests in the plan.
 import { computed, signal } from '@preact/signals';
 import { at, formatPath, isMapping, listAt, type Path, parsePath, textAt } from '../../store/document';
 import { draft } from '../../store/project';

@@ -1,5 +1,5 @@
-// Tables on the clipboard, as spreadsheets write them: tabs between cells, quotes around cells with tabs, line
-// ends or quotes. Pure.
+// Tables on the clipboard, as spreadsheets write them: tabs between cells, quotes around cells with tabs,
+// line ends or quotes. Pure.
 
 /** The cells of a pasted text. The line end after the last row makes no row of its own. */
 export function parseTable(text: string): string[][] {
@@ -58,8 +58,19 @@ export function formatTable(rows: string[][]): string {
 }
 const formatCell = (cell: string) => (/[\t\r\n"]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
 
-const HEADING =
-  /^(имя( переменной)?|тип( переменной)?|адрес регистра|функция (чтения|записи)|ім.я змінної|тип змінної|variable name|variable type|register address|read function)$/i;
+const HEADINGS = [
+  'имя( переменной)?',
+  'тип( переменной)?',
+  'адрес регистра',
+  'функция (чтения|записи)',
+  'ім.я змінної',
+  'тип змінної',
+  'variable name',
+  'variable type',
+  'register address',
+  'read function',
+];
+const HEADING = new RegExp(`^(${HEADINGS.join('|')})$`, 'i');
 /** Whether the first row has headings of the IDE: then the table is imported by them. */
 export function hasHeadings(cells: string[][]): boolean {
   return (cells[0] ?? []).filter((its) => HEADING.test(its.trim())).length >= 2;

@@ -79,8 +79,8 @@ export interface Age {
 }
 
 /**
- * The longest age of each variable that is read by period, the worst first. The age is the distance of two reads
- * and the response time; the deadline limits the response time.
+ * The longest age of each variable that is read by period, the worst first. The age is the distance of two
+ * reads and the response time; the deadline limits the response time.
  */
 export function agesOf(line: PlannedLine): Age[] {
   const best = new Map<string, Age>();

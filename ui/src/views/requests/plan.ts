@@ -1,5 +1,5 @@
-// The plan that is shown: the last one without wrong values, the line of the selection, and what the last edit
-// changed.
+// The plan that is shown: the last one without wrong values, the line of the selection, and what the last
+// edit changed.
 import { batch, computed, effect, signal } from '@preact/signals';
 import type { PlannedLine } from '../../api/types';
 import { at, isMapping, listAt } from '../../store/document';

@@ -130,13 +130,14 @@ export function LastChange() {
   return (
     <div class="last-change" role="status" aria-label={texts.label}>
       {changes?.map((its) => {
-        const worse = its.busy[1] > its.busy[0] + 5e-4;
-        const better = its.busy[1] < its.busy[0] - 5e-4;
+        const [before, after] = its.busy;
+        const [was, is] = its.requests;
+        const worse = after > before + 5e-4;
+        const better = after < before - 5e-4;
         return (
           <p key={its.line} class={worse ? 'worse' : better ? 'better' : ''}>
             {changes.length > 1 && <b>{its.line}: </b>}
-            {texts.requests} {its.requests[0]} → <b>{its.requests[1]}</b>, {texts.busy} {percent(its.busy[0])}{' '}
-            → <b>{percent(its.busy[1])}</b>
+            {texts.requests} {was} → <b>{is}</b>, {texts.busy} {percent(before)} → <b>{percent(after)}</b>
           </p>
         );
       })}

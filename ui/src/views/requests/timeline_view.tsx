@@ -1,4 +1,4 @@
-// A round of the line as a picture: one lane for each device. Zoom with the wheel, the buttons or the keyboard.
+// A round of the line as a picture: one lane for each device. Zoom with wheel, buttons or keyboard.
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import type { PlannedLine } from '../../api/types';
 import { formatDuration, formatNumber, t } from '../../i18n';
@@ -52,7 +52,7 @@ function Blocks(props: {
           formatDuration(block.end - block.start),
         );
         return (
-          // biome-ignore lint/a11y/noStaticElementInteractions: the table of requests has the same for the keyboard
+          // biome-ignore lint/a11y/noStaticElementInteractions: the table of requests has it for the keyboard
           <rect
             key={i}
             class={`block ${on ? 'on' : ''} ${block.late ? 'late' : ''}`}

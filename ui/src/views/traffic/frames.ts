@@ -29,7 +29,7 @@ function show(): void {
   waiting = [];
 }
 
-/** The table follows five times a second; a paused one keeps what it shows, and the newest frames beside it. */
+/** The table follows five times a second; a paused one keeps what it shows, and the newest frames. */
 export function openFrames(): Stream {
   return openStream(
     'traffic',

@@ -22,7 +22,9 @@ function name(its: RequestCounters): string {
   const write = its.function === null ? ` (${t.value.traffic.write})` : '';
   return `${code === null ? '' : hex(code)} ${range}${write}`;
 }
-const time = (us: number | null) => (us === null ? '–' : formatDuration(us / 1000));
+const duration = (ms: number | null) => (ms === null ? '–' : formatDuration(ms));
+const time = (us: number | null) => duration(us === null ? null : us / 1000);
+const percent = (part: number) => `${formatNumber(100 * part, 1)} %`;
 
 interface Row extends RequestCounters {
   line: string;
@@ -83,9 +85,7 @@ function columns(): Column<Row>[] {
       width: '140px',
       align: 'right',
       cell: (row) =>
-        row.period_ms === null
-          ? '–'
-          : `${formatDuration(row.period_ms)} → ${row.real_period_ms === null ? '–' : formatDuration(row.real_period_ms)}`,
+        row.period_ms === null ? '–' : `${duration(row.period_ms)} → ${duration(row.real_period_ms)}`,
     },
   ];
 }
@@ -147,7 +147,7 @@ export function Requests() {
       <p class="loads">
         {lines.value.map((line) => (
           <span key={line.name}>
-            <b>{line.name}</b>: {texts.lineBusy} {formatNumber(100 * line.utilization, 1)} %, {texts.cycle}{' '}
+            <b>{line.name}</b>: {texts.lineBusy} {percent(line.utilization)}, {texts.cycle}{' '}
             {time(line.measured_cycle_us)} <span class="muted">({texts.plannedBy(time(line.cycle_us))})</span>
           </span>
         ))}

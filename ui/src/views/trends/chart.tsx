@@ -1,5 +1,5 @@
-// The chart: uPlot draws axes and steps; hooks draw what belongs to the history only: hatches where nothing is
-// known, the age of each change, lanes of booleans, marks, cursors.
+// The chart: uPlot draws axes and steps; hooks draw what belongs to the history only: hatches where nothing
+// is known, the age of each change, lanes of booleans, marks, cursors.
 import { useEffect, useRef } from 'preact/hooks';
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';

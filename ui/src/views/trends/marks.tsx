@@ -5,6 +5,10 @@ import { cursors, marks } from './state';
 const MOST = 200;
 const DOTS = { info: '', warning: 'warn', error: 'bad' } as const;
 
+function dotOf(its: (typeof marks.value)[number]): string {
+  return its.kind === 'command' && its.severity === 'info' ? 'good' : DOTS[its.severity];
+}
+
 export function Marks() {
   const texts = t.value.trends.marks;
   const all = marks.value;
@@ -28,9 +32,7 @@ export function Marks() {
               >
                 <time>{formatClock(its.time, true)}</time>
               </button>
-              <i
-                class={`dot ${its.kind === 'command' && its.severity === 'info' ? 'good' : DOTS[its.severity]}`}
-              />
+              <i class={`dot ${dotOf(its)}`} />
               <span>{its.text}</span>
               {its.kind === 'command' && (
                 <span class="muted small">{its.origin ? texts.browser(its.origin) : texts.program}</span>
