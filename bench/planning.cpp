@@ -174,10 +174,10 @@ void print_row(const Shape& shape, const Measured& measured) {
 }
 
 std::string row_json(const Shape& shape, const Measured& measured) {
-    return fmt::format(
-        R"({{"project":"{}","lines":{},"variables":{},"feasible":{},"seconds":{:.3f},"megabytes":{:.1f},"holds":{}}})",
-        shape.name, shape.lines, shape.count(), measured.feasible(), measured.seconds, measured.megabytes,
-        measured.ended() && measured.holds());
+    return fmt::format(R"({{"project":"{}","lines":{},"variables":{},"feasible":{},)"
+                       R"("seconds":{:.3f},"megabytes":{:.1f},"holds":{}}})",
+                       shape.name, shape.lines, shape.count(), measured.feasible(), measured.seconds,
+                       measured.megabytes, measured.ended() && measured.holds());
 }
 
 }  // namespace

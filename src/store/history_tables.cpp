@@ -14,22 +14,23 @@ constexpr int kHistoryApplication = 0x546B'4869;  // "TkHi"
 constexpr int kHistoryVersion = 1;
 
 constexpr const char* kHistoryTables = R"(
-CREATE TABLE series (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, device TEXT NOT NULL, type TEXT NOT NULL,
-                     scaled INTEGER NOT NULL, unit TEXT NOT NULL);
+CREATE TABLE series (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, device TEXT NOT NULL,
+                     type TEXT NOT NULL, scaled INTEGER NOT NULL, unit TEXT NOT NULL);
 CREATE TABLE chunk (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
-CREATE TABLE rollup (series INTEGER NOT NULL, t0 INTEGER NOT NULL, chunk INTEGER NOT NULL, t1 INTEGER NOT NULL,
-                     open INTEGER NOT NULL, samples INTEGER NOT NULL, quality INTEGER NOT NULL,
+CREATE TABLE rollup (series INTEGER NOT NULL, t0 INTEGER NOT NULL, chunk INTEGER NOT NULL,
+                     t1 INTEGER NOT NULL, open INTEGER NOT NULL, samples INTEGER NOT NULL, quality INTEGER NOT NULL,
                      reason INTEGER NOT NULL, flags INTEGER NOT NULL, numbers INTEGER NOT NULL,
                      first_t INTEGER, first REAL, min_t INTEGER, min REAL, max_t INTEGER, max REAL,
                      last_t INTEGER, last REAL, area REAL, drawn REAL NOT NULL, good REAL NOT NULL,
                      PRIMARY KEY (series, t0, chunk)) WITHOUT ROWID;
 CREATE INDEX rollup_by_end ON rollup (t1);
 CREATE INDEX rollup_open ON rollup (open) WHERE open = 1;
-CREATE TABLE gap (id INTEGER PRIMARY KEY, first INTEGER NOT NULL, last INTEGER NOT NULL, cause INTEGER NOT NULL,
-                  samples INTEGER NOT NULL);
+CREATE TABLE gap (id INTEGER PRIMARY KEY, first INTEGER NOT NULL, last INTEGER NOT NULL,
+                  cause INTEGER NOT NULL, samples INTEGER NOT NULL);
 CREATE INDEX gap_by_end ON gap (last);
 CREATE TABLE log (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
-CREATE TABLE state (id INTEGER PRIMARY KEY CHECK (id = 1), journal INTEGER, sequence INTEGER, known_until INTEGER);
+CREATE TABLE state (id INTEGER PRIMARY KEY CHECK (id = 1), journal INTEGER, sequence INTEGER,
+                    known_until INTEGER);
 )";
 
 constexpr const char* kRowColumns =
