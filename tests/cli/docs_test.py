@@ -64,6 +64,60 @@ def test_common_options_are_documented():
     assert options_of_page(PAGES / "README.md") == options_of_help([])
 
 
+# --- the keys of a project
+
+# Object of `takt schema`: the tables of docs/project-file.md with its keys, by section and head of the first
+# column.
+KEYS = {
+    "project": [("Project", "key")],
+    "line": [("Lines", "key")],
+    "device": [("Devices", "key")],
+    "variable": [("Variables", "key")],
+    "local": [("Locals", "key")],
+    "server": [("Servers", "key")],
+    "relay": [("Relay", "key")],
+    "unit": [("Units", "key")],
+    "bank": [("Units", "key of a bank")],
+    "limit": [("Units", "key of a limit")],
+    "source": [("Variables of a server", "source")],
+    "sink": [("Variables of a server", "destination")],
+    "access": [("Access rules", "key")],
+    "instrument": [("Instruments", "key")],
+    "exchange": [("Instruments", "key of an exchange")],
+    "answer": [("Instruments", "key of a text answer"), ("Instruments", "key of a binary answer")],
+    "start_command": [("Instruments", "key of a start command or a command")],
+    "instrument_command": [("Instruments", "key of a start command or a command"),
+                           ("Instruments", "further key of a command")],
+    "output": [("Outputs", "key")]
+}
+
+
+def tables(page):
+    """(section, head of the first column, names in the first column) of each table of a page."""
+    section, rows = "", []
+    for line in page.read_text(encoding="utf-8").splitlines() + [""]:
+        if line.startswith("| "):
+            rows.append(line.removeprefix("| ").partition(" |")[0])
+        elif rows:
+            yield section, rows[0], {name for row in rows[2:] for name in re.findall(r"`([a-z]\w*)", row)}
+            rows = []
+        section = line.lstrip("# ") if line.startswith("#") else section
+
+
+def test_keys_of_projects_are_documented():
+    objects = takt("schema").json["$defs"]
+    page = list(tables(ROOT / "docs/project-file.md"))
+    for name, wanted in KEYS.items():
+        found = [names for section, head, names in page if (section, head) in wanted]
+        assert len(found) >= len(wanted), name
+        assert set().union(*found) == set(objects[name]["properties"]), name
+    own = set(objects["served_variable"]["properties"]) - set(objects["variable"]["properties"])
+    assert own <= next(names for section, _, names in page if section == "Variables of a server")
+    mirror = next(names for section, _, names in tables(ROOT / "docs/servers.md")
+                  if section == "Mirror all polled values")
+    assert mirror == set(objects["mirror"]["properties"])
+
+
 # --- links
 
 
