@@ -118,6 +118,14 @@ def test_keys_of_projects_are_documented():
     assert mirror == set(objects["mirror"]["properties"])
 
 
+def test_protected_keys_are_documented():
+    source = (ROOT / "src/web/protected_keys.cpp").read_text(encoding="utf-8")
+    listed = re.search(r"kProtected\{([^}]*)\}", source)[1]
+    page = (ROOT / "docs/project-file.md").read_text(encoding="utf-8")
+    stated = re.search(r"\*\*Keys that name commands or files of the host\*\*([^.]*)\.", page)[1]
+    assert {"file", *re.findall(r'"(\w+)"', listed)} == set(re.findall(r"`(\w+)`", stated))
+
+
 # --- links
 
 
