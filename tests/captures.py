@@ -21,6 +21,21 @@ def adu(transaction, unit, pdu):
     return struct.pack(">HHHB", transaction, 0, len(pdu) + 1, unit) + pdu
 
 
+def blocks(path):
+    """Type and body of each whole block of a pcapng file in the order of this machine, which may still be
+    written."""
+    data, at = path.read_bytes(), 0
+    while at + 8 <= len(data):
+        kind, size = struct.unpack_from("=II", data, at)
+        if at + size <= len(data):
+            yield kind, data[at + 8:at + size - 4]
+        at += size
+
+
+def packets_in(path):
+    return sum(kind == 6 for kind, _ in blocks(path))
+
+
 def sum16(data):
     total = sum(struct.unpack(f">{(len(data) + 1) // 2}H", data + b"\0" * (len(data) % 2)))
     while total > 0xFFFF:
@@ -82,7 +97,8 @@ class Capture:
 
 
 class Connection:
-    """A TCP connection in a capture. Each call adds one packet at a time in us; `captured=False` adds none."""
+    """A TCP connection in a capture. Each call adds one packet at a time in us; `captured=False` adds
+    none."""
 
     def __init__(self, capture, client=("10.0.0.1", 40000), server=("10.0.0.2", 502), at=0):
         self._capture, self._ends, self.next = capture, (client, server), [1000, 0xFFFFFF00]

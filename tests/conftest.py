@@ -1,3 +1,13 @@
+"""What all tests share: what a machine lacks, projects, serial ports and blank devices.
+
+A missing program or module fails its tests by name, and the end of the run states the command that installs
+it. A test is skipped for what no package provides (a right, IPv6, packages from npm). Where TAKT_SKIPS names
+a file, each skipped case appends a line "FILE::TEST: REASON" to it; `./dev test` prints and counts them.
+"""
+import os
+import re
+import signal
+
 import pytest
 
 import overheard
@@ -5,6 +15,38 @@ import endpoints
 import program
 
 NOTHING_RAN = 5  # ctest reports the entry as skipped (tests/CMakeLists.txt)
+MISSING = re.compile(r"(?:No module named|No such file or directory:) '([\w.-]+)'")
+_missing = set()
+
+# A run in the background ignores SIGINT, and so would all programs that it starts.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_runtest_logreport(report):
+    note(report)
+
+
+def pytest_collectreport(report):
+    note(report)
+
+
+def note(report):
+    """Keeps the reason of a skip, or the name of what is missing."""
+    if report.failed:
+        _missing.update(MISSING.findall(report.longreprtext))
+    if not report.skipped or hasattr(report, "wasxfail") or "TAKT_SKIPS" not in os.environ:
+        return
+    reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else str(report.longrepr)
+    line = f"{report.nodeid}: {' '.join(reason.removeprefix('Skipped: ').split())}\n"
+    file = os.open(os.environ["TAKT_SKIPS"], os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
+    os.write(file, line.encode())  # at once: entries of ctest run beside each other
+    os.close(file)
+
+
+def pytest_terminal_summary(terminalreporter):
+    if _missing:
+        terminalreporter.write_line(f"missing: {', '.join(sorted(_missing))}. Install with: tools/setup test")
 
 
 def pytest_sessionfinish(session, exitstatus):
@@ -42,6 +84,26 @@ def what_was_overheard(tmp_path_factory):
 @pytest.fixture
 def blank_device():
     """`takt serve` as a blank device on TCP; call it with a fill, get the port."""
+    yield from blank_devices()
+
+
+@pytest.fixture(scope="module")
+def shared_device():
+    """The same for all tests of a file: call it with a fill, get the port of the device with that fill. For
+    tests that write no register of it."""
+    ports, devices = {}, blank_devices()
+    serve = next(devices)
+
+    def port(fill="zero"):
+        if fill not in ports:
+            ports[fill] = serve(fill)
+        return ports[fill]
+
+    yield port
+    next(devices, None)
+
+
+def blank_devices():
     running = []
 
     def serve(fill="zero", unit=1):

@@ -16,7 +16,8 @@ _held = []
 
 
 def free_port():
-    """A TCP port of 127.0.0.1 below those the kernel hands out by itself; reserved until this process ends."""
+    """A TCP port of 127.0.0.1 below those that the kernel chooses by itself; reserved until this process
+    ends."""
     _LOCKS.mkdir(exist_ok=True)
     first = 20000 + os.getpid() * 7 % 10000
     for port in range(first, first + 2000):
@@ -46,15 +47,15 @@ def wait_listening(port, process=None):
 
 
 class SerialPair:
-    """Two pseudo-terminals joined by socat. Masters use `a`, slaves `b`; `sent()` and `answered()` are the bytes that passed, by
-    socat's own record."""
+    """Two pseudo-terminals joined by socat. Masters use `a`, slaves `b`; `sent()` and `answered()` are the
+    bytes that passed, by socat's own record."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, record=True):
         self.a, self.b, self._log = (str(pathlib.Path(folder) / name)
                                      for name in ("line-a", "line-b", "line.log"))
         with open(self._log, "w") as log:
             self._socat = subprocess.Popen(
-                ["socat", "-x", f"pty,raw,echo=0,link={self.a}", f"pty,raw,echo=0,link={self.b}"],
+                ["socat", *["-x"] * record, f"pty,raw,echo=0,link={self.a}", f"pty,raw,echo=0,link={self.b}"],
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log)
         until(lambda: os.path.exists(self.a) and os.path.exists(self.b), "the links of socat")
         # A pseudo-terminal without an open descriptor ends socat and loses its settings.
@@ -89,8 +90,9 @@ class SerialPair:
 
 
 @contextlib.contextmanager
-def serial_pair(folder):
-    pair = SerialPair(folder)
+def serial_pair(folder, record=True):
+    """`record=False`: without `sent()` and `answered()`, which take time for each byte."""
+    pair = SerialPair(folder, record)
     try:
         yield pair
     finally:

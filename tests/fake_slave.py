@@ -29,18 +29,28 @@ class SerialPeer(ThreadedPeer):
 class SerialSlave(SerialPeer):
     """Answers frames on a serial port: `answers(frame)` gives the bytes to send, or None for silence.
 
-    The end of a frame depends on `framing`: RTU, as every request the tests send has 8 bytes; ASCII, at LF."""
+    The end of a frame depends on `framing`: RTU, as every request the tests send has 8 bytes; ASCII, at
+    LF."""
 
     def __init__(self, port, answers, framing="rtu"):
-        self._answers, self._framing = answers, framing
+        self._answers, self._framing, self._held = answers, framing, b""
         self.seen = []
         super().__init__(port)
 
+    def _frame(self):
+        """The next frame, or None: the port may hand it over in pieces."""
+        ascii_ = self._framing == "ascii"
+        self._held += self._line.read_until(b"\n") if ascii_ else self._line.read(8 - len(self._held))
+        if not self._held.endswith(b"\n") if ascii_ else len(self._held) < 8:
+            return None
+        frame, self._held = self._held, b""
+        self.seen.append(frame)
+        return frame
+
     def _serve_once(self):
-        frame = self._line.read_until(b"\n") if self._framing == "ascii" else self._line.read(8)
+        frame = self._frame()
         if not frame:
             return
-        self.seen.append(frame)
         answer = self._answers(frame)
         if answer:
             self._line.write(answer)
@@ -82,8 +92,8 @@ class TcpSlave(TcpPeer):
 
 
 class Device:
-    """A device with holding registers and coils that answers PDUs; `meddle(pdu)` may answer first (bytes), or give "silence" for
-    nothing at all, or None to let the device answer. `done` lists its actions."""
+    """A device with holding registers and coils that answers PDUs; `meddle(pdu)` may answer first (bytes), or
+    give "silence" for nothing at all, or None to let the device answer. `done` lists its actions."""
 
     def __init__(self, registers=None, meddle=lambda pdu: None):
         self.registers, self.coils, self.meddle = dict(registers or {}), {}, meddle
@@ -126,8 +136,8 @@ class Device:
 
 
 class RtuDevices(SerialPeer):
-    """Devices by unit address on one serial port: every unit has its Device, all others are silent. `delay`: seconds before each
-    answer. A broadcast reaches all and is not answered."""
+    """Devices by unit address on one serial port: every unit has its Device, all others are silent. `delay`:
+    seconds before each answer. A broadcast reaches all and is not answered."""
 
     def __init__(self, port, devices, delay=0.0):
         self.devices, self.delay, self.seen, self._held = devices, delay, [], b""

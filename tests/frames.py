@@ -1,4 +1,5 @@
-"""Frames as the tests know them, by their own arithmetic: check sums, the traffic log, and captures for tshark."""
+"""Frames as the tests know them, by their own arithmetic: check sums, the traffic log, and captures for
+tshark."""
 import re
 import struct
 
@@ -25,8 +26,9 @@ def request(framing, unit, pdu):
 
 
 TRAFFIC = re.compile(
-    r"^\[\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d\] TRA : (?P<line>.*?)::(?P<device>.*?):\((?P<port>.*?)\) "
-    r"(?P<way>Tx|Rx): \[(?P<length>\d{4})\] (?P<bytes>[0-9A-F]{2}(?: [0-9A-F]{2})*|:[0-9A-F]+)(?: \| (?P<words>.+))?$"
+    r"^\[\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d\] TRA : "
+    r"(?P<line>.*?)::(?P<device>.*?):\((?P<port>.*?)\) (?P<way>Tx|Rx): \[(?P<length>\d{4})\] "
+    r"(?P<bytes>[0-9A-F]{2}(?: [0-9A-F]{2})*|:[0-9A-F]+)(?: \| (?P<words>.+))?$"
 )
 
 
@@ -49,7 +51,8 @@ def traffic(text):
 
 
 def split_rtu(data, lengths):
-    """Cuts a stream of frames, each of one of `lengths`, where their CRCs fit; fails on anything left over."""
+    """Cuts a stream of frames, each of one of `lengths`, where their CRCs fit; fails on anything left
+    over."""
     frames = []
     while data:
         size = next((n for n in lengths if len(data) >= n and crc16(data[:n - 2]) == data[n - 2:n]), None)

@@ -1,13 +1,16 @@
 """A project with an MQTT output, its broker and a subscriber, for tests with real processes."""
+import itertools
 import json
 import os
 import pathlib
 import signal
 import socket
 import subprocess
-import time
 
-TAKT = os.environ["TAKT"]
+from endpoints import free_port
+from program import DEADLINE, TAKT, until
+
+MARK = "test/mark"
 PLANT = """
 takt: 1
 lines:
@@ -30,12 +33,6 @@ outputs:
 """
 
 
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
 class Broker:
     """mosquitto without persistence."""
 
@@ -49,7 +46,11 @@ class Broker:
     def start(self):
         self.process = subprocess.Popen(["mosquitto", "-c", self.config], stderr=subprocess.DEVNULL,
                                         env=os.environ | {"PATH": os.environ["PATH"] + ":/usr/sbin"})
-        wait_until(lambda: socket.socket().connect_ex(("127.0.0.1", self.port)) == 0)
+        wait_until(self._accepts)
+
+    def _accepts(self):
+        with socket.socket() as probe:
+            return probe.connect_ex(("127.0.0.1", self.port)) == 0
 
     def kill(self):
         self.process.kill()
@@ -59,34 +60,44 @@ class Broker:
 class Subscriber:
     """Collects the messages of one broker's life; None: it does not run."""
 
+    _marks = itertools.count()
+
     def __init__(self, broker, log):
-        self.log = open(log, "ab")
+        self._broker, self._path, self.log = broker, pathlib.Path(log), open(log, "ab")
+        mark = self._publish("-r")  # the broker answers a subscription with what is retained
         self.process = subprocess.Popen(
             ["mosquitto_sub", "-p",
              str(broker.port), "-t", "#", "-q", "1", "-F", "%t %p"], stdout=self.log)
-        time.sleep(0.5)  # it does not report that it is subscribed
+        until(lambda: mark in self._path.read_text(), "the subscription")
+
+    def _publish(self, *options):
+        """Publishes a message that messages() leaves out. Returns its line in the log."""
+        number = next(self._marks)
+        port, topic = str(self._broker.port), f"{MARK}/{number}"
+        command = ["mosquitto_pub", "-p", port, "-q", "1", "-t", topic, "-m", "{}", *options]
+        subprocess.run(command, check=True)
+        return f"{MARK}/{number} {{}}\n"
+
+    def catch_up(self):
+        """Waits for all that the broker accepted before."""
+        mark = self._publish()
+        until(lambda: mark in self._path.read_text(), "the last message")
 
     def stop(self):
-        self.process.terminate()
-        try:
-            self.process.wait(5)
-        except subprocess.TimeoutExpired:  # a signal between its look at the flag and its wait is lost
-            self.process.kill()
-            self.process.wait()
+        self.process.kill()
+        self.process.wait()
         self.log.close()
 
 
-def wait_until(condition, seconds=30):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "waited too long"
-        time.sleep(0.05)
+def wait_until(condition):
+    until(condition, "what the test waits for")
 
 
 def messages(log):
     """(topic, payload) of each message, in the order of their arrival."""
-    parts = (line.split(" ", 1) for line in pathlib.Path(log).read_text().splitlines())
-    return [(topic, json.loads(payload)) for topic, payload in parts]
+    written = pathlib.Path(log).read_text()
+    parts = (line.split(" ", 1) for line in written[:written.rfind("\n") + 1].splitlines())
+    return [(topic, json.loads(payload)) for topic, payload in parts if not topic.startswith(MARK)]
 
 
 def samples(log):
@@ -103,5 +114,5 @@ def run(project, *options):
 
 def end(program):
     program.send_signal(signal.SIGINT)
-    out, _ = program.communicate(timeout=20)
+    out, _ = program.communicate(timeout=DEADLINE)
     return json.loads(out.splitlines()[-1])["outputs"][0]

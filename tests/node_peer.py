@@ -11,9 +11,8 @@ FOLDER = ROOT / "tests/peers/node"
 def node(program, *arguments):
     """That program of tests/peers/node in the background, once it has reported that it is ready."""
     if not (FOLDER / "node_modules" / ".package-lock.json").is_file():
-        pytest.skip(
-            "the peers from npm are not installed (tests/peers/node); run tools/setup test where npm can be reached"
-        )
+        pytest.skip("the peers from npm are not installed (tests/peers/node); "
+                    "run tools/setup test where npm can be reached")
     peer = Running(["node", FOLDER / f"{program}.js", *arguments])
     try:
         peer.wait_line(lambda line: line == "ready", "ready")
@@ -24,9 +23,10 @@ def node(program, *arguments):
 
 
 class Client:
-    """A master of a library, connected to `endpoint`. `ask()` calls one of its methods and gives {"result": …} or {"error": …}."""
+    """A master of a library, connected to `endpoint`. `ask()` calls one of its methods and gives {"result":
+    …} or {"error": …}."""
 
-    def __init__(self, library, transport, endpoint, unit=1, timeout_ms=10000):
+    def __init__(self, library, transport, endpoint, unit=1, timeout_ms=60000):
         self._peer = node(f"{library}_client", transport, endpoint, unit, timeout_ms)
 
     def __enter__(self):

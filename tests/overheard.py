@@ -1,4 +1,5 @@
-"""Records the traffic between Takt and its peers, which Wireshark's dissectors check: nothing malformed, no warning, valid CRCs.
+"""Records the traffic between Takt and its peers, which Wireshark's dissectors check: nothing malformed, no
+warning, valid CRCs.
 
 `overheard()` records one endpoint. conftest.py checks all records once, after the tests of a file."""
 import contextlib
@@ -9,8 +10,10 @@ import threading
 
 from frames import TcpCapture, crc16, pcap
 from peer_base import TcpPeer
+from program import DEADLINE
 
-MBAP, RTU = 502, 5020  # the servers' ports in captures; frames of serial lines stand there as RTU over TCP, to have a direction
+# The servers' ports in captures. Frames of serial lines are written as RTU over TCP, to have a direction.
+MBAP, RTU = 502, 5020
 OPTIONS = ["-o", f"mbtcp.tcp.port:{MBAP}", "-o", f"mbrtu.tcp.port:{RTU}", "-o", "mbrtu.crc_verification:TRUE"]
 
 _clients = itertools.count(10000)
@@ -21,7 +24,7 @@ def tshark(capture, wanted, *options):
     """The packets that pass the display filter `wanted`, a line each."""
     done = subprocess.run(
         ["tshark", "-n", "-r", str(capture), *OPTIONS, *options, "-Y", wanted], capture_output=True,
-        timeout=60, text=True, check=False)
+        timeout=DEADLINE, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()
 
@@ -117,7 +120,8 @@ class Tap(TcpPeer):
 
 
 def rtu_frames(data):
-    """Cuts what passed in one direction where the CRCs fit, the longest frames first (before a last byte of zero they fit too)."""
+    """Cuts what passed in one direction where the CRCs fit, the longest frames first (before a last byte of
+    zero they fit too)."""
     if not data:
         return []
     for size in range(min(len(data), 256), 3, -1):
@@ -127,7 +131,8 @@ def rtu_frames(data):
 
 
 def rtu_connection(passed):
-    """The traffic of a serial line, as (from the slave, bytes) in turn: a capture, and its number of frames."""
+    """The traffic of a serial line, as (from the slave, bytes) in turn: a capture, and its number of
+    frames."""
     connection, count = Connection(RTU), 0
     for from_slave, chunks in itertools.groupby(passed, key=lambda chunk: chunk[0]):
         data = b"".join(chunk for _, chunk in chunks)
@@ -143,8 +148,8 @@ def rtu_connection(passed):
 
 @contextlib.contextmanager
 def overheard(framing, endpoint, pair=None):
-    """Records the requests to the slave at `endpoint` and its answers. Yields the endpoint for masters. The record is
-    kept for tshark unless the test fails. It has no dissector for ASCII."""
+    """Records the requests to the slave at `endpoint` and its answers. Yields the endpoint for masters. The
+    record is kept for tshark unless the test fails. It has no dissector for ASCII."""
     if framing == "tcp":
         with Tap(endpoint) as tap:
             yield tap.port

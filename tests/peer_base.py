@@ -1,4 +1,5 @@
-"""Peers that work in threads of their own: on a pseudo-terminal and as TCP listeners. Only the standard library is needed."""
+"""Peers that work in threads of their own: on a pseudo-terminal and as TCP listeners. They need the standard
+library only."""
 import os
 import select
 import socket
@@ -7,7 +8,8 @@ import tty
 
 
 class ThreadedPeer:
-    """While the context lasts: `_open()`, then `_run()` in a thread of its own until `_stop` is set, then `_close()`."""
+    """While the context lasts: `_open()`, then `_run()` in a thread of its own until `_stop` is set, then
+    `_close()`."""
 
     def __enter__(self):
         self._open()
@@ -39,8 +41,9 @@ class PtyPeer(ThreadedPeer):
 
 
 class TcpPeer:
-    """Listens on `port` (0: one of its own) while the context lasts; `_connected(peer)` starts what is to be done with each
-    connection, by `_begin(function, *arguments)` in threads of their own that end when `_stop` is set."""
+    """Listens on `port` (0: one of its own) while the context lasts. `_connected(peer)` handles each
+    connection. It may call `_begin(function, *arguments)`, which starts a thread that ends when `_stop` is
+    set."""
 
     def __init__(self, port=0):
         self._listener = socket.create_server(("127.0.0.1", port))

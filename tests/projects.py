@@ -1,7 +1,14 @@
 """Texts of project files."""
 
 UNUSED_PORT = "/dev/takt-test-no-such-port"
-QUICK = {"poll_period": "100ms", "response_timeout": "100ms"}  # tests need not wait for the defaults
+
+
+def quick(runs):
+    """Settings of a device, so that a test need not wait for the defaults. In a project that runs, an answer
+    of a busy machine is no time-out: tests of time-outs write their own."""
+    return {"poll_period": "100ms", "response_timeout": "10s" if runs else "100ms"}
+
+
 
 # A server of ten holding registers; its variables follow. For str.format(port=…).
 TEN_REGISTERS = """servers:
@@ -20,13 +27,13 @@ TEN_REGISTERS = """servers:
 def serial(variables, *, port=UNUSED_PORT, framing="rtu", profile="generic", local="", line="", **device):
     """A project of one serial line with the device Node1, unit 16.
 
-    `variables` are mappings as in the file, without braces ("name: V1, type: float, …"); without a name they are V1, V2, …
-    `line` are further keys of the line, `device` settings of the device, `local` the locals, as mappings too.
+    `variables` are mappings as in the file, without braces ("name: V1, type: float, …"). Without a name
+    they are V1, V2, … `line` has further keys of the line, `device` settings of it, `local` the locals.
     """
     settings = {
         "name": "Node1",
         "address": 16,
-        **QUICK, "group_requests": "true",
+        **quick(port != UNUSED_PORT), "group_requests": "true",
         "strategy": "classic"
     } | device
     text = [
@@ -47,7 +54,7 @@ def tcp(variables, port, *, local="", **device):
     settings = {
         "name": "Node1",
         "address": 1,
-        **QUICK, "group_requests": "true",
+        **quick(True), "group_requests": "true",
         "strategy": "classic"
     } | device
     text = [

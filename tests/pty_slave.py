@@ -1,4 +1,5 @@
-"""Slaves behind a pseudo-terminal that answer only at their bit rate: a pty keeps the settings of the program that opened it."""
+"""Slaves behind a pseudo-terminal that answer only at their bit rate: a pty keeps the settings of the program
+that opened it."""
 import os
 import struct
 import termios
@@ -17,8 +18,8 @@ BAUDS = {
 
 
 class Device:
-    """The answers of a unit. `registers`: {address: value} for 0x03; `objects`: those of 43/14; `limit`: the longest read;
-    `refused`: {address: exception} of registers that exist and cannot be read."""
+    """The answers of a unit. `registers`: {address: value} for 0x03; `objects`: those of 43/14; `limit`: the
+    longest read; `refused`: {address: exception} of registers that exist and cannot be read."""
 
     def __init__(self, unit, baud=19200, registers=None, objects=None, server_id=None, limit=125, exception=2,
                  delay=0.0, garble=False, refused=()):

@@ -1,5 +1,6 @@
-"""A serial bus of pseudo-terminals with devices. The record of the bus has each frame. A master receives the answers to its own requests
-only, because neither library copes with frames of others; the port "listener" receives all."""
+"""A serial bus of pseudo-terminals with devices. The record of the bus has each frame. A master receives the
+answers to its own requests only, because neither library copes with frames of others; the port "listener"
+receives all."""
 import collections
 import ctypes
 import os
@@ -30,7 +31,8 @@ def unframed(framing, data):
 
 
 def split(framing, data):
-    """The frames of a master that asked again before its last request was read; requests of RTU have eight bytes here."""
+    """The frames of a master that asked again before its last request was read; requests of RTU have eight
+    bytes."""
     return data.splitlines(keepends=True) if framing == "ascii" else split_rtu(data, [8])
 
 
@@ -46,12 +48,14 @@ def answer(pdu):
 
 
 class Bus(ThreadedPeer):
-    """`ports`: names to the paths of its ports. `frames`: (sender, unit, PDU), senders are the ports and "device"; `answers`: (unit, request
-    PDU, answer PDU or None) for each request."""
+    """`ports`: names to the paths of its ports. `frames`: (sender, unit, PDU), senders are the ports and
+    "device"; `answers`: (unit, request PDU, answer PDU or None) for each request. `asked_at`: (time, unit,
+    request PDU) and `response_times`, both in seconds."""
 
     def __init__(self, names, units=(1, 2, 3), framing="rtu", delay=0.004):
         self.names, self.units, self.framing, self.delay = names, units, framing, delay
         self.frames, self.answers, self.sent_by = [], [], {name: b"" for name in names}
+        self.asked_at, self.response_times = [], []
         self._due = collections.deque()  # (time, requester, unit, answer)
 
     def _open(self):
@@ -81,7 +85,8 @@ class Bus(ThreadedPeer):
                 for sent in split(self.framing, data):
                     self._pass_on(of_descriptor[master], sent)
             while self._due and self._due[0][0] <= time.monotonic():
-                _, requester, unit, reply = self._due.popleft()
+                due, requester, unit, reply = self._due.popleft()
+                self.response_times.append(time.monotonic() - due + self.delay)
                 self.send(frame(self.framing, unit, reply), requester)
                 self.frames.append(("device", unit, reply))
 
@@ -91,6 +96,7 @@ class Bus(ThreadedPeer):
         assert received, f"no whole frame was written at once: {sent.hex(' ')}"
         unit, pdu = received
         self.frames.append((name, unit, pdu))
+        self.asked_at.append((time.monotonic(), unit, pdu))
         reply = answer(pdu) if unit in self.units else None
         self.answers.append((unit, pdu, reply))
         if reply is not None:
@@ -98,8 +104,8 @@ class Bus(ThreadedPeer):
 
 
 class Master(threading.Thread):
-    """Polls in a thread of its own: one cycle after the other, each `period` seconds after the one before. A failed request is the bus's
-    business: with two masters some fail."""
+    """Polls in a thread of its own: one cycle after the other, each `period` seconds after the one before. A
+    failed request is the bus's business: with two masters some fail."""
 
     def __init__(self, period):
         super().__init__(daemon=True)
@@ -132,7 +138,7 @@ class PymodbusMaster(Master):
         from pymodbus.client import ModbusSerialClient
         from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer
         framer = ModbusRtuFramer if framing == "rtu" else ModbusAsciiFramer
-        self._client = ModbusSerialClient(port, framer=framer, baudrate=115200, parity="N", timeout=0.2,
+        self._client = ModbusSerialClient(port, framer=framer, baudrate=115200, parity="N", timeout=1.0,
                                           retries=0)
         assert self._client.connect()
         self._reads = reads

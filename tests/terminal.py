@@ -1,4 +1,5 @@
-"""A program on a terminal of its own: a pty, and an emulation of the few sequences that Takt sends (ECMA-48)."""
+"""A program on a terminal of its own: a pty, and an emulation of the few sequences that Takt sends
+(ECMA-48)."""
 import fcntl
 import os
 import pty
@@ -9,7 +10,7 @@ import subprocess
 import termios
 import threading
 
-from program import TAKT, environment, until
+from program import DEADLINE, TAKT, environment, until
 
 
 class Screen:
@@ -139,7 +140,7 @@ class Terminal:
         return termios.tcgetattr(self.far)
 
     def ends(self, code=0):
-        assert self.process.wait(30) == code, "\n".join(self.screen.lines())
+        assert self.process.wait(DEADLINE) == code, "\n".join(self.screen.lines())
         assert self.settings() == self.before, "the terminal is as before"
 
     def interrupt(self):
