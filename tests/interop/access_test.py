@@ -1,4 +1,5 @@
-"""docs/specification.md, section 12: which clients may ask a server for what, and where writes and refusals are logged."""
+"""docs/specification.md, section 12: which clients may ask a server for what, and the log of writes and
+refusals."""
 import contextlib
 import json
 import signal
@@ -6,7 +7,7 @@ import socket
 import struct
 
 import endpoints
-from program import start, takt, until
+from program import DEADLINE, start, takt, until
 
 RULES = """
 - {peers: [127.0.0.0/8], functions: [write], area: holding_register, items: [0..9], rule: allow}
@@ -17,7 +18,7 @@ RULES = """
 def ask(port, *pdus, host="127.0.0.1", unit=1):
     """The answers to requests on one connection."""
     answers = []
-    with socket.create_connection((host, port), timeout=30) as connection:
+    with socket.create_connection((host, port), timeout=DEADLINE) as connection:
         for pdu in pdus:
             body = bytes([unit]) + bytes.fromhex(pdu)
             connection.sendall(struct.pack(">HHH", 1, 0, len(body)) + body)
@@ -45,8 +46,8 @@ def rules(tmp_path, text=RULES):
 
 def test_rules_of_a_file(tmp_path):
     with guarded("--access", rules(tmp_path)) as (port, _):
-        assert ask(port, "03 0000 0002", "06 0009 0001", "06 000A 0001", "10 0009 0002 04 0001 0002", "05 0000 FF00",
-                   "17 0000 0001 0009 0001 02 0005", "08 0000 1234") == \
+        assert ask(port, "03 0000 0002", "06 0009 0001", "06 000A 0001", "10 0009 0002 04 0001 0002",
+                   "05 0000 FF00", "17 0000 0001 0009 0001 02 0005", "08 0000 1234") == \
             ["030400000000", "0600090001", "8601", "9001", "8501", "17020000", "8801"]
 
 

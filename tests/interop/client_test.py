@@ -1,5 +1,5 @@
-"""`takt read`, `write`, `raw` and `run` with slaves that are not ours: libmodbus, pymodbus, modbus-serial and jsmodbus; over TCP, RTU
-and ASCII."""
+"""`takt read`, `write`, `raw` and `run` with slaves that are not ours: libmodbus, pymodbus, modbus-serial and
+jsmodbus; over TCP, RTU and ASCII."""
 import contextlib
 import sys
 
@@ -26,6 +26,24 @@ def slave_program(maker, framing, endpoint, unit):
     return Running([*command, framing, endpoint, *settings, unit])
 
 
+@pytest.fixture(scope="module")
+def slave_target(tmp_path_factory):
+    """Call it with a kind, get the target of its slave, the same for all tests of the file: each test writes
+    registers of its own."""
+    made = {}
+    with contextlib.ExitStack() as stack:
+
+        def target(kind):
+            if kind not in made:
+                pair = None
+                if not kind.endswith("tcp"):
+                    pair = stack.enter_context(endpoints.serial_pair(tmp_path_factory.mktemp(kind)))
+                made[kind] = stack.enter_context(slave(kind, pair))
+            return made[kind]
+
+        yield target
+
+
 @contextlib.contextmanager
 def slave(kind, pair, unit=1):
     """A slave of that kind, filled with the ramp; gives the target for takt."""
@@ -41,62 +59,74 @@ def slave(kind, pair, unit=1):
                                                                         if framing == "ascii" else "")
 
 
+PATIENT = ("--timeout", "30s")  # the peers are slow on a busy machine
+
+
 def read(target, *arguments):
-    return takt("read", target, *arguments, "--json").json["values"]
+    return takt("read", target, *PATIENT, *arguments, "--json").json["values"]
+
+
+def write(target, *arguments):
+    takt("write", target, *PATIENT, *arguments)
+
+
+def raw(target, request, code=0):
+    return takt("raw", target, *PATIENT, request, code=code).out.strip()
 
 
 @pytest.mark.parametrize("kind", SLAVES)
-def test_read_and_write(pair, kind):
-    with slave(kind, pair) as target:
-        for area in ("holding", "input"):
-            assert read(target, area, 300, 5) == [300, 301, 302, 303, 304]
-        for area in ("coils", "discrete"):
-            assert [int(v) for v in read(target, area, 5, 11)] == [a & 1 for a in range(5, 16)]
-        takt("write", target, "holding", 10, 4711)
-        takt("write", target, "holding", 11, 1, 2, 3)
-        assert read(target, "holding", 9, 6) == [9, 4711, 1, 2, 3, 14]
-        takt("write", target, "coils", 20, 1)
-        takt("write", target, "coils", 21, 0, 1, 1)
-        assert [int(v) for v in read(target, "coils", 20, 5)] == [1, 0, 1, 1, 0]
-        takt("write", target, "--type", "float", "holding", 100, "2.5")
-        assert read(target, "--type", "float", "holding", 100) == [2.5]
+def test_read_and_write(slave_target, kind):
+    target = slave_target(kind)
+    for area in ("holding", "input"):
+        assert read(target, area, 300, 5) == [300, 301, 302, 303, 304]
+    for area in ("coils", "discrete"):
+        assert [int(v) for v in read(target, area, 5, 11)] == [a & 1 for a in range(5, 16)]
+    write(target, "holding", 210, 4711)
+    write(target, "holding", 211, 1, 2, 3)
+    assert read(target, "holding", 209, 6) == [209, 4711, 1, 2, 3, 214]
+    write(target, "coils", 20, 1)
+    write(target, "coils", 21, 0, 1, 1)
+    assert [int(v) for v in read(target, "coils", 20, 5)] == [1, 0, 1, 1, 0]
+    write(target, "--type", "float", "holding", 100, "2.5")
+    assert read(target, "--type", "float", "holding", 100) == [2.5]
 
 
 @pytest.mark.parametrize("kind", SLAVES)
-def test_many_values(pair, kind):
-    with slave(kind, pair) as target:
-        assert read(target, "holding", 1, 300) == list(range(1, 301))
-        assert [int(v) for v in read(target, "coils", 1, 2500)] == [a & 1 for a in range(1, 2501)]
+def test_many_values(slave_target, kind):
+    target = slave_target(kind)
+    assert read(target, "holding", 1001, 300) == list(range(1001, 1301))
+    assert [int(v) for v in read(target, "coils", 1001, 2500)] == [a & 1 for a in range(1001, 3501)]
 
 
 @pytest.mark.parametrize("kind", FURTHER)
-def test_raw(pair, kind):
-    """Mask write and read/write, the examples of the Modbus specification; function 0x11 returns the id of libmodbus."""
-    with slave(kind, pair) as target:
-        takt("write", target, "holding", 4, 0x12)
-        assert takt("raw", target, "16 0004 00F2 0025").out.split() == "16 00 04 00 F2 00 25".split()
-        assert read(target, "holding", 4) == [0x17]
-        answer = takt("raw", target, "17 0003 0006 000E 0003 06 00FF 00FF 00FF").out.split()
-        assert answer == "17 0C 00 03 00 17 00 05 00 06 00 07 00 08".split()
-        assert read(target, "holding", 14, 3) == [0xFF] * 3
-        if kind.startswith("libmodbus"):
-            assert takt("raw", target, "11").out.split()[0] == "11"
+def test_raw(slave_target, kind):
+    """Mask write and read/write, the examples of the Modbus specification; function 0x11 returns the id of
+    libmodbus."""
+    target = slave_target(kind)
+    write(target, "holding", 4, 0x12)
+    assert raw(target, "16 0004 00F2 0025") == "16 00 04 00 F2 00 25"
+    assert read(target, "holding", 4) == [0x17]
+    answer = raw(target, "17 0003 0006 000E 0003 06 00FF 00FF 00FF")
+    assert answer == "17 0C 00 03 00 17 00 05 00 06 00 07 00 08"
+    assert read(target, "holding", 14, 3) == [0xFF] * 3
+    if kind.startswith("libmodbus"):
+        assert raw(target, "11").split()[0] == "11"
 
 
 @pytest.mark.parametrize("kind", [kind for kind in SLAVES if not kind.startswith("jsmodbus")])
-def test_a_refusal(pair, kind):
-    with slave(kind, pair) as target:
-        result = takt("read", target, "holding", 9999, 2, code=5)
-        assert "2" in result.err
-        assert read(target, "holding", 9999) == [9999], "and it goes on"
+def test_a_refusal(slave_target, kind):
+    target = slave_target(kind)
+    result = takt("read", target, *PATIENT, "holding", 9999, 2, code=5)
+    assert "2" in result.err
+    assert read(target, "holding", 9999) == [9999], "and it goes on"
 
 
 @pytest.mark.parametrize("kind", ["pymodbus-rtu", "pymodbus-ascii", "modbus_serial-rtu"])
-def test_another_unit_is_silent(pair, kind):
+def test_another_unit_is_silent(slave_target, kind):
     """Not libmodbus and jsmodbus: see docs/interop.md."""
-    with slave(kind, pair) as target:
-        takt("read", target, "--unit", 9, "--timeout", "200ms", "holding", 0, code=4)
-        assert read(target, "holding", 7) == [7], "and the line goes on"
+    target = slave_target(kind)
+    takt("read", target, "--unit", 9, "--timeout", "200ms", "holding", 0, code=4)
+    assert read(target, "holding", 7) == [7], "and the line goes on"
 
 
 # The further functions of pymodbus, and what it answers; it keeps neither files nor queues.
@@ -126,39 +156,34 @@ PYMODBUS_ANSWERS = [
 
 
 @pytest.mark.parametrize("kind", ["pymodbus-tcp", "pymodbus-rtu", "pymodbus-ascii"])
-def test_raw_of_pymodbus(pair, kind):
-    with slave(kind, pair) as target:
-        for request, answer in PYMODBUS_ANSWERS:
-            assert takt("raw", target, request).out.strip() == answer, request
-        takt("raw", target, "14 07 06 0004 0001 0002", code=6)  # its answer has no records
-        assert read(target, "holding", 7) == [7], "and it goes on"
+def test_raw_of_pymodbus(slave_target, kind):
+    target = slave_target(kind)
+    for request, answer in PYMODBUS_ANSWERS:
+        assert raw(target, request) == answer, request
+    takt("raw", target, "--timeout", "3s", "14 07 06 0004 0001 0002", code=6)  # its answer has no records
+    assert read(target, "holding", 7) == [7], "and it goes on"
 
 
 @pytest.mark.parametrize("kind", NODE)
-def test_raw_of_slaves_from_npm(pair, kind):
+def test_raw_of_slaves_from_npm(slave_target, kind):
     """Their only further function is 43/14."""
-    with slave(kind, pair) as target:
-        answer = bytes.fromhex(takt("raw", target, "2B 0E 02 00").out)
-        assert answer == b"\x2b\x0e\x02\x82\0\0\x04" + b"".join(
-            bytes([number, len(text)]) + text for number, text in {
-                0: b"Acme",
-                1: b"T1",
-                2: b"1.0",
-                5: b"Model M"
-            }.items())
-        if kind.startswith("modbus_serial"):
-            assert takt("raw", target, "16 0004 00F2 0025", code=5).out.split() == ["96", "01"]
-            assert takt("raw", target, "2B 0E 04 09", code=5).out.split() == ["AB", "02"]
-        assert read(target, "holding", 7) == [7]
+    target = slave_target(kind)
+    objects = {0: b"Acme", 1: b"T1", 2: b"1.0", 5: b"Model M"}
+    assert bytes.fromhex(raw(target, "2B 0E 02 00")) == b"\x2b\x0e\x02\x82\0\0\x04" + b"".join(
+        bytes([number, len(text)]) + text for number, text in objects.items())
+    if kind.startswith("modbus_serial"):
+        assert raw(target, "16 0004 00F2 0025", code=5) == "96 01"
+        assert raw(target, "2B 0E 04 09", code=5) == "AB 02"
+    assert read(target, "holding", 7) == [7]
 
 
 @pytest.mark.parametrize("kind", ["jsmodbus-tcp", "jsmodbus-rtu"])
-def test_a_short_answer_is_reported(pair, kind):
+def test_a_short_answer_is_reported(slave_target, kind):
     """jsmodbus answers with what it has of what is asked for, and without an exception."""
-    with slave(kind, pair) as target:
-        for start, count in (9999, 2), (20000, 1):
-            takt("read", target, "holding", start, count, code=6)
-        assert read(target, "holding", 9999) == [9999], "and it goes on"
+    target = slave_target(kind)
+    for start, count in (9999, 2), (20000, 1):
+        takt("read", target, "--timeout", "3s", "holding", start, count, code=6)
+    assert read(target, "holding", 9999) == [9999], "and it goes on"
 
 
 def test_rtu_over_tcp(pair):
@@ -166,10 +191,8 @@ def test_rtu_over_tcp(pair):
     port = endpoints.free_port()
     with slave("libmodbus-rtu", pair), Running(
         ["socat", f"TCP-LISTEN:{port},bind=127.0.0.1,reuseaddr", f"{pair.a},raw,echo=0"]):
-        target = f"rtu+tcp://127.0.0.1:{port}"
-        done = until(
-            lambda: (r := takt("read", target, "holding", 1, 300, "--json", code=None)).code != 3 and r,
-            "a connection")
+        command = ["read", f"rtu+tcp://127.0.0.1:{port}", *PATIENT, "holding", 1, 300, "--json"]
+        done = until(lambda: (r := takt(*command, code=None)).code != 3 and r, "a connection")
     assert done.code == 0, done
     assert done.json["values"] == list(range(1, 301))
 
@@ -198,22 +221,20 @@ VALUES = {
 
 
 @pytest.mark.parametrize("kind", SLAVES)
-def test_run_polls_and_writes(project, pair, kind):
-    with slave(kind, pair) as target:
-        framing = kind.split("-")[1]
-        if framing == "tcp":
-            text = tcp(VARIABLES, int(target.rsplit(":")[-1]), response_timeout="5s")
-        else:
-            text = serial(VARIABLES, port=pair.a, framing=framing, address=1, response_timeout="5s") \
-                .replace("baud: 115200", "baud: 19200").replace("parity: none", "parity: even")
-        with start("run", project(text), "--json", "--stdin") as run:
-            for name, value in VALUES.items():
-                run.wait_event(
-                    lambda e, n=name, v=value: e["event"] == "value" and e["name"] == n and e["quality"] ==
-                    "good" and e["value"] == pytest.approx(v), f"{name} = {value}")
-            run.send("set Given -12.5")
-            run.wait_event(
-                lambda e: e["event"] == "value" and e["name"] == "Given" and e["value"] == -12.5 and e[
-                    "quality"] == "good", "the written value read back")
-            run.interrupt()
-        assert read(target, "--type", "float", "holding", 500) == [-12.5]
+def test_run_polls_and_writes(project, slave_target, kind):
+    target, framing = slave_target(kind), kind.split("-")[1]
+    if framing == "tcp":
+        text = tcp(VARIABLES, int(target.rsplit(":")[-1]))
+    else:
+        port = target.split("://")[1].split("?")[0]
+        text = serial(VARIABLES, port=port, framing=framing, address=1) \
+            .replace("baud: 115200", "baud: 19200").replace("parity: none", "parity: even")
+    is_value = lambda e, name, value: e["event"] == "value" and e["name"] == name and e["quality"] == "good" \
+        and e["value"] == pytest.approx(value)
+    with start("run", project(text), "--json", "--stdin") as run:
+        for name, value in VALUES.items():
+            run.wait_event(lambda e, n=name, v=value: is_value(e, n, v), f"{name} = {value}")
+        run.send("set Given -12.5")
+        run.wait_event(lambda e: is_value(e, "Given", -12.5), "the written value read back")
+        run.interrupt()
+    assert read(target, "--type", "float", "holding", 500) == [-12.5]

@@ -1,4 +1,5 @@
-"""`takt run` as a protocol converter: a device on RTU, served over TCP, RTU over TCP, RTU and ASCII at once."""
+"""`takt run` as a protocol converter: a device on RTU, served over TCP, RTU over TCP, RTU and ASCII at
+once."""
 import contextlib
 import json
 import socket
@@ -10,7 +11,7 @@ import serial as pyserial
 import endpoints
 from fake_slave import SerialSlave, TcpSlave, tcp_answer
 from frames import crc16, request
-from program import start, until
+from program import DEADLINE, start, until
 
 PROJECT = """
 takt: 1
@@ -23,7 +24,7 @@ lines:
       - name: D
         address: 7
         poll_period: 50ms
-        response_timeout: 1s
+        response_timeout: 2s
         attempts: 2
         group_requests: true
         variables:
@@ -43,9 +44,12 @@ servers:
           - {{area: holding_register, items: [0..9]{bank}}}
         high_register_first: true
         variables:
-          - {{name: A, type: uint16, area: holding_register, register: 0, source: {{variable: Count}}, max_age: 3s}}
-          - {{name: B, type: float, area: holding_register, register: 1, source: {{variable: Triple}}, max_age: 3s}}
-          - {{name: C, type: int16, area: holding_register, register: 3, source: {{variable: Setpoint}}, writes_to: {{variable: Setpoint}}, max_age: 3s}}
+          - {{name: A, type: uint16, area: holding_register, register: 0,
+              source: {{variable: Count}}, max_age: 30s}}
+          - {{name: B, type: float, area: holding_register, register: 1,
+              source: {{variable: Triple}}, max_age: 30s}}
+          - {{name: C, type: int16, area: holding_register, register: 3,
+              source: {{variable: Setpoint}}, writes_to: {{variable: Setpoint}}, max_age: 30s}}
           - {{name: E, type: int16, area: holding_register, register: 4, source: {{local: Note}}}}
   - name: old
     transport: serial
@@ -56,8 +60,10 @@ servers:
         banks:
           - {{area: input_register, items: [0..1]}}
         variables:
-          - {{name: A9, type: uint16, area: input_register, register: 0, source: {{variable: Count}}, max_age: 3s}}
-          - {{name: B9, type: uint16, area: input_register, register: 1, source: {{variable: Triple}}, max_age: 3s}}
+          - {{name: A9, type: uint16, area: input_register, register: 0,
+              source: {{variable: Count}}, max_age: 30s}}
+          - {{name: B9, type: uint16, area: input_register, register: 1,
+              source: {{variable: Triple}}, max_age: 30s}}
   - name: wired
     transport: serial
     port: {rtu}
@@ -66,8 +72,10 @@ servers:
         banks:
           - {{area: input_register, items: [0..1]}}
         variables:
-          - {{name: A5, type: uint16, area: input_register, register: 0, source: {{variable: Count}}, max_age: 3s}}
-          - {{name: B5, type: uint16, area: input_register, register: 1, source: {{variable: Triple}}, max_age: 3s}}
+          - {{name: A5, type: uint16, area: input_register, register: 0,
+              source: {{variable: Count}}, max_age: 30s}}
+          - {{name: B5, type: uint16, area: input_register, register: 1,
+              source: {{variable: Triple}}, max_age: 30s}}
   - name: tunnel
     listen: 127.0.0.1
     tcp_port: {tunnel}
@@ -77,8 +85,10 @@ servers:
         banks:
           - {{area: input_register, items: [0..1]}}
         variables:
-          - {{name: A6, type: uint16, area: input_register, register: 0, source: {{variable: Count}}, max_age: 3s}}
-          - {{name: B6, type: uint16, area: input_register, register: 1, source: {{variable: Triple}}, max_age: 3s}}
+          - {{name: A6, type: uint16, area: input_register, register: 0,
+              source: {{variable: Count}}, max_age: 30s}}
+          - {{name: B6, type: uint16, area: input_register, register: 1,
+              source: {{variable: Triple}}, max_age: 30s}}
 """
 
 
@@ -110,7 +120,7 @@ class Client:
     """A master on TCP: `ask(pdu)` gives the PDU of the answer."""
 
     def __init__(self, port):
-        self._socket = socket.create_connection(("127.0.0.1", port), timeout=20)
+        self._socket = socket.create_connection(("127.0.0.1", port), timeout=DEADLINE)
 
     def ask(self, pdu):
         body = bytes([1]) + bytes.fromhex(pdu)
@@ -122,7 +132,7 @@ class Client:
 class AsciiClient:
 
     def __init__(self, port):
-        self._line = pyserial.Serial(port, timeout=20)
+        self._line = pyserial.Serial(port, timeout=DEADLINE)
 
     def ask(self, pdu):
         self._line.write(request("ascii", 9, pdu))
@@ -154,8 +164,8 @@ def take(read, count):
 
 @pytest.fixture
 def plant(project, tmp_path, request):
-    """Device, client of the TCP server, clients of the servers in ASCII, RTU and RTU over TCP. The parameter: further
-    keys of the TCP server's bank."""
+    """Device, client of the TCP server, clients of the servers in ASCII, RTU and RTU over TCP. The parameter:
+    further keys of the TCP server's bank."""
     with contextlib.ExitStack() as stack:
         pairs = []
         for name in ("bus", "old", "wired"):
@@ -175,8 +185,8 @@ def plant(project, tmp_path, request):
             endpoints.wait_listening(each, running)
         client = Client(port)
         until(lambda: client.ask("03 0000 0003")[0] == 3, "values of the device")
-        line = stack.enter_context(pyserial.Serial(wired.a, timeout=20))
-        stream = stack.enter_context(socket.create_connection(("127.0.0.1", tunnel), timeout=20))
+        line = stack.enter_context(pyserial.Serial(wired.a, timeout=DEADLINE))
+        stream = stack.enter_context(socket.create_connection(("127.0.0.1", tunnel), timeout=DEADLINE))
         yield device, client, [
             AsciiClient(old.a),
             RtuClient(5, line.write, line.read),
@@ -246,7 +256,7 @@ lines:
       - name: D
         address: 7
         poll_period: 50ms
-        response_timeout: 500ms
+        response_timeout: 3s
         variables: [{{name: Setpoint, type: int16, register: 0, read: 0x03, write: 0x06}}]
 servers:
   - name: near
@@ -255,7 +265,8 @@ servers:
     units:
       - address: 1
         banks: [{{area: holding_register, items: [0..0]}}]
-        variables: [{{name: S, type: int16, area: holding_register, register: 0, source: {{variable: Setpoint}}, max_age: 1s,
+        variables: [{{name: S, type: int16, area: holding_register, register: 0,
+            source: {{variable: Setpoint}}, max_age: 20s,
                      writes_to: {{variable: Setpoint}}}}]
 """
 

@@ -1,12 +1,12 @@
-"""Every function beyond reading and writing, of the blank device of `takt serve`: asked by pymodbus, and by `takt raw` where
-pymodbus cannot. Which options give which function: docs/commands/serve.md."""
+"""Every function beyond reading and writing, of the blank device of `takt serve`: asked by pymodbus, and by
+`takt raw` where pymodbus cannot. Which options give which function: docs/commands/serve.md."""
 import contextlib
 
 import pytest
 
 import endpoints
 from overheard import overheard
-from program import start, takt
+from program import DEADLINE, start, takt
 
 BAUD = "19200"
 OPTIONS = [
@@ -32,7 +32,8 @@ def served(pair, framing, *options):
         else:
             endpoints.wait_slave(endpoint, 1, framing, running)
         with overheard(framing, endpoint, pair) as tapped:
-            yield tapped, f"tcp://127.0.0.1:{tapped}" if framing == "tcp" else f"{framing}://{tapped}{settings}"
+            serial = framing != "tcp"
+            yield tapped, f"{framing}://{tapped}{settings}" if serial else f"tcp://127.0.0.1:{tapped}"
         running.interrupt()
 
 
@@ -40,8 +41,11 @@ def served(pair, framing, *options):
 def connected(framing, endpoint):
     from pymodbus.client import ModbusSerialClient, ModbusTcpClient
     from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer
-    client = ModbusTcpClient("127.0.0.1", port=endpoint, timeout=10) if framing == "tcp" \
-        else ModbusSerialClient(endpoint, framer=ModbusRtuFramer if framing == "rtu" else ModbusAsciiFramer, baudrate=int(BAUD), timeout=10)
+    if framing == "tcp":
+        client = ModbusTcpClient("127.0.0.1", port=endpoint, timeout=DEADLINE)
+    else:
+        framer = ModbusRtuFramer if framing == "rtu" else ModbusAsciiFramer
+        client = ModbusSerialClient(endpoint, framer=framer, baudrate=int(BAUD), timeout=DEADLINE)
     assert client.connect()
 
     def ask(request):
@@ -140,7 +144,7 @@ def test_answers_and_exceptions(pair, framing):
     with served(pair, framing, *OPTIONS) as (_, target):
         for request, answer in ANSWERS:
             refused = int(answer[:2], 16) & 0x80
-            assert takt("raw", target, "--timeout", "10s", request,
+            assert takt("raw", target, "--timeout", "30s", request,
                         code=5 if refused else 0).out.strip() == answer, request
 
 

@@ -1,7 +1,7 @@
-"""Instruments with start commands and with settings that a Modbus client writes, by `takt serve`. The instrument is restarted in
-the middle, refuses, falls silent, answers in part and repeats what it gets."""
+"""Instruments with start commands and with settings that a Modbus client writes, by `takt serve`. The
+instrument is restarted in the middle, refuses, falls silent, answers in part and repeats what it gets."""
 import json
-import socket
+import select
 import struct
 import threading
 import time
@@ -9,10 +9,10 @@ import time
 import pytest
 
 import endpoints
-from converter_test import Client
+from converter_test import Client, take
 from fake_slave import SerialPeer
 from peer_base import TcpPeer
-from program import start, takt, until
+from program import DEADLINE, WITHOUT_WAITING, start, takt, until
 from projects import TEN_REGISTERS
 
 PROJECT = """
@@ -21,9 +21,10 @@ instruments:
   - name: scale
     {line}
     every: 50ms
-    timeout: 200ms
+    timeout: {timeout}
     start:
-      - {{request: 'INIT\\r', answer: {{until: '\\r', pattern: 'OK'}}, refused: {{until: '\\r', pattern: 'ERR{{*}}'}}, attempts: 2}}
+      - {{request: 'INIT\\r', answer: {{until: '\\r', pattern: 'OK'}}, attempts: 2,
+         refused: {{until: '\\r', pattern: 'ERR{{*}}'}}}}
       - {{request: 'UNIT kg\\r'}}
     start_retry: 300ms
     reset: {{until: '\\r', pattern: 'READY{{*}}'}}
@@ -40,21 +41,35 @@ instruments:
         answer: {{until: '\\r', pattern: 'OK'}}
         refused: {{until: '\\r', pattern: 'ERR{{*}}'}}
         read_back: {{request: 'T?\\r', answer: {{until: '\\r', pattern: 'T={{value}}'}}}}
-        expires: 1500ms
-      - {{name: label, request: 'L{{value:text}}\\r', answer: {{until: '\\r', pattern: 'OK'}}, attempts: 2, expires: 2s}}
+        expires: {expires}
+      - {{name: label, request: 'L{{value:text}}\\r', answer: {{until: '\\r', pattern: 'OK'}}, attempts: 2,
+         expires: {expires}}}
       - {{name: beep, request: 'B{{value}}\\r', answer: {{until: '\\r', pattern: 'OK'}}, restore: false}}
-""" + TEN_REGISTERS + """          - {{name: Weight, type: int16, area: holding_register, register: 0, source: {{instrument: scale.weight}}, max_age: 2s}}
-          - {{name: State, type: int16, area: holding_register, register: 1, source: {{instrument: scale.state}}}}
-          - {{name: Tare, type: int16, area: holding_register, register: 2, scale: 0.01, writes_to: {{instrument: scale.tare}}}}
-          - {{name: Label, type: string, length: 4, area: holding_register, register: 3, writes_to: {{instrument: scale.label}}}}
-          - {{name: Beep, type: int16, area: holding_register, register: 7, writes_to: {{instrument: scale.beep}}}}
+""" + TEN_REGISTERS + """          - {{name: Weight, type: int16,
+               area: holding_register, register: 0, source: {{instrument: scale.weight}}, max_age: 2s}}
+          - {{name: State, type: int16,
+               area: holding_register, register: 1, source: {{instrument: scale.state}}}}
+          - {{name: Tare, type: int16,
+               area: holding_register, register: 2, scale: 0.01, writes_to: {{instrument: scale.tare}}}}
+          - {{name: Label, type: string, length: 4,
+               area: holding_register, register: 3, writes_to: {{instrument: scale.label}}}}
+          - {{name: Beep, type: int16,
+               area: holding_register, register: 7, writes_to: {{instrument: scale.beep}}}}
 """
+
+
+
+def text(line, port, timeout="1s", expires="8s"):
+    """The project. Its instrument answers at once, so that only what it holds back takes that long."""
+    return PROJECT.format(line=line, port=port, timeout=timeout, expires=expires)
+
 
 READY, STARTING, START_FAILED, SILENT, DOWN = range(5)
 
 
 class Scale:
-    """What the instrument is: lines in, lines out. `meddle(line)` gives another answer (bytes), or None to let it answer."""
+    """What the instrument is: lines in, lines out. `meddle(line)` gives another answer (bytes), or None to
+    let it answer."""
 
     def __init__(self):
         self.meddle = lambda line: None
@@ -160,6 +175,18 @@ def registers(client, register, count=1):
     return answer[1] if answer[0] & 0x80 else list(struct.unpack(f">{count}H", answer[2:]))
 
 
+def write_request(value):
+    """The frame of a write of the tare."""
+    return struct.pack(">HHHBBHH", 1, 0, 6, 1, 6, 2, value)
+
+
+def answer_of(client):
+    """Of a write request that was sent before: 0, or the exception."""
+    head = take(client._socket.recv, 6)
+    body = take(client._socket.recv, struct.unpack(">H", head[4:])[0])
+    return body[2] if body[1] & 0x80 else 0
+
+
 def write(client, register, value):
     """0, or the exception."""
     answer = client.ask(f"06 {register:04X} {value & 0xFFFF:04X}")
@@ -173,10 +200,10 @@ def write_text(client, register, text):
 
 
 @pytest.fixture
-def served(project, pair, tmp_path):
-    """The instrument on a serial port, the running program, a client."""
+def served(project, pair, tmp_path, request):
+    """The instrument on a serial port, the running program, a client. The parameter: times of text()."""
     port = endpoints.free_port()
-    path = project(PROJECT.format(line=f"port: {pair.b}", port=port))
+    path = project(text(line=f"port: {pair.b}", port=port, **getattr(request, "param", {})))
     with OnSerial(pair.a) as instrument, start("serve", path, "--json", "--log", tmp_path / "log") as running:
         endpoints.wait_listening(port, running)
         yield instrument, running, Client(port)
@@ -213,14 +240,14 @@ def test_a_written_register_becomes_a_command(served):
 
     assert write_text(client, 3, b"Silo 1") == 0
     assert instrument.scale.label == "Silo 1"
-    for text in (b"a\rT1", b"a\nb", b"a;b", b"\x1B[2J", b"", b"\xC3\xA9"):
+    for label in (b"a\rT1", b"a\nb", b"a;b", b"\x1B[2J", b"", b"\xC3\xA9"):
         before = len(instrument.scale.lines)
-        assert write_text(client, 3, text) == 3, text
-        assert len(instrument.scale.lines) == before, text
+        assert write_text(client, 3, label) == 3, label
+        assert len(instrument.scale.lines) == before, label
     before = list(instrument.scale.lines)
     label, beep = b"a\rT1".ljust(8, b"\0").hex(), "0001"
-    assert client.ask(f"10 0002 0006 0C 05DC {label} {beep}") == bytes([0x90,
-                                                                        3]), "one of three values is wrong"
+    refused = bytes([0x90, 3])
+    assert client.ask(f"10 0002 0006 0C 05DC {label} {beep}") == refused, "one of three values is wrong"
     assert instrument.scale.lines == before and registers(client, 2) == [700], "none of the three is sent"
     counters = running.interrupt().json["instruments"][0]
     assert (counters["name"], counters["state"]) == ("scale", "ready")
@@ -243,7 +270,8 @@ def test_settings_survive_the_instrument(served, tmp_path, how):
         instrument.scale.meddle = lambda line: b""
         until(lambda: registers(client, 1) == [SILENT], "it is silent")
         instrument.scale.restart()
-        instrument.scale.meddle = lambda line: None if line != "W" or instrument.scale.initialised else b"W1\r"
+        scale = instrument.scale
+        scale.meddle = lambda line: None if line != "W" or scale.initialised else b"W1\r"
     until(lambda: instrument.scale.label == "Silo", "the settings")
     assert [line for line in instrument.scale.since_restart() if line[0] != "W"] == \
         ["INIT", "UNIT kg", "T2.50", "T?", "LSilo"], "no action, and each setting once"
@@ -260,7 +288,7 @@ def test_a_connection_that_is_opened_again(project, tmp_path):
     port = endpoints.free_port()
     with OnTcp() as instrument:
         line = f"transport: tcp\n    host: 127.0.0.1\n    tcp_port: {instrument.port}"
-        with start("serve", project(PROJECT.format(line=line, port=port))) as running:
+        with start("serve", project(text(line=line, port=port))) as running:
             endpoints.wait_listening(port, running)
             client = Client(port)
             ready(client)
@@ -277,7 +305,7 @@ def test_each_write_expires_while_the_link_is_down(project):
     port = endpoints.free_port()
     with OnTcp() as instrument:
         line = f"transport: tcp\n    host: 127.0.0.1\n    tcp_port: {instrument.port}"
-        with start("serve", project(PROJECT.format(line=line, port=port))) as running:
+        with start("serve", project(text(line=line, port=port, expires="1500ms"))) as running:
             endpoints.wait_listening(port, running)
             ready(Client(port))
             instrument.stop()
@@ -289,13 +317,14 @@ def test_each_write_expires_while_the_link_is_down(project):
                 thread.start()
                 time.sleep(0.2)
             for thread in threads:
-                thread.join(10)
+                thread.join(DEADLINE)
             assert results == [0x0B] * 3
             running.interrupt()
 
 
 def test_a_write_that_races_with_a_restart(served):
-    """The instrument restarts instead of an answer: the old value goes out after the start, then the new one."""
+    """The instrument restarts instead of an answer: the old value goes out after the start, then the new
+    one."""
     instrument, _, client = served
     ready(client)
     assert write(client, 2, 100) == 0
@@ -334,23 +363,21 @@ def test_a_start_that_fails(served, tmp_path):
     assert "instrument scale: start command 1: refused by the instrument" in (tmp_path / "log").read_text()
 
 
+@pytest.mark.parametrize("served", [{"timeout": "60s", "expires": "60s"}], indirect=True, ids=["patient"])
 def test_many_writers(served):
     """More writes than the queue takes: each is done, or refused as busy. The last one done is the value."""
     instrument, running, client = served
     ready(client)
     port = client._socket.getpeername()[1]
-    instrument.scale.meddle = lambda line: time.sleep(0.02)
-    results = {}
-
-    def one(number):
-        results[number] = write(Client(port), 2, number)
-
-    writers = [threading.Thread(target=one, args=(number, )) for number in range(60)]
-    for writer in writers:
-        writer.start()
-    for writer in writers:
-        writer.join()
-    assert len(results) == 60
+    all_asked = threading.Event()  # the instrument holds its answers back until then
+    instrument.scale.meddle = lambda line: all_asked.wait(DEADLINE) and None
+    clients = [Client(port) for _ in range(60)]
+    for number, each in enumerate(clients):
+        each._socket.sendall(write_request(number))
+    sockets = [each._socket for each in clients]
+    until(lambda: len(select.select(sockets, [], [], 0)[0]) >= 20, "refusals of the queue")
+    all_asked.set()
+    results = {number: answer_of(each) for number, each in enumerate(clients)}
     assert set(results.values()) <= {0, 6, 0x0B}
     done = [f"T{number / 100:.2f}" for number, result in results.items() if result == 0]
     assert len(done) >= 5
@@ -364,21 +391,20 @@ def test_many_writers(served):
     assert counters["busy"] == list(results.values()).count(6)
 
 
+@pytest.mark.parametrize("served", [{"timeout": "60s", "expires": "60s"}], indirect=True, ids=["patient"])
 def test_the_end_of_the_program_while_a_write_waits(served):
     instrument, running, client = served
     ready(client)
     instrument.scale.meddle = lambda line: b"" if line[0] == "T" else None
-    client._socket.sendall(struct.pack(">HHH", 1, 0, 6) + bytes.fromhex("01 06 0002 0064"))
+    client._socket.sendall(write_request(100))
     until(lambda: "T1.00" in instrument.scale.lines, "the command")
-    begun = time.monotonic()
-    running.interrupt()
-    assert time.monotonic() - begun < 3
+    running.interrupt(deadline=WITHOUT_WAITING)
 
 
 def test_what_cannot_be(project):
-    text = PROJECT.format(line="port: /dev/null", port=1).replace("scale.tare", "scale.tara").replace("T{value}", "T") \
-        .replace("least: 0", "least: 61").replace("expires: 1500ms", "expires: never")
-    findings = takt("check", project(text), "--json", code=1).json["findings"]
+    wrong = text(line="port: /dev/null", port=1).replace("scale.tare", "scale.tara") \
+        .replace("T{value}", "T").replace("least: 0", "least: 61").replace("expires: 8s", "expires: never")
+    findings = takt("check", project(wrong), "--json", code=1).json["findings"]
     found = {finding["code"]: finding for finding in findings}
     assert {"instrument.command_unknown", "instrument.placeholder", "instrument.range", "duration.malformed"
             } <= set(found)

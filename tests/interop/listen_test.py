@@ -1,16 +1,15 @@
 """takt listen on a bus with foreign masters, libmodbus and pymodbus, against the record of the bus itself."""
+import datetime
 import json
 import re
 import statistics
-import time
 
 import pytest
 
+from captures import packets_in
 from frames import pcap
 from program import start, takt, until
 from serial_bus import Bus, LibmodbusMaster, PymodbusMaster, frame
-
-pytest.importorskip("pymodbus")
 
 PROJECT = """takt: 1
 lines:
@@ -45,6 +44,11 @@ class Listening:
     def __exit__(self, *stop):
         self.program.__exit__(*stop)
 
+    def said(self):
+        """The values and the device of a project were printed."""
+        text = "\n".join(self.program.out)
+        return "Setpoint = " in text and "Level = " in text and "Pump: unit 2" in text
+
     def events(self, kind):
         return [e for e in self.program.events() if e["event"] == kind]
 
@@ -59,10 +63,17 @@ def hear_two_masters(cycles, *options):
     with Bus(["one", "two", "listener"]) as bus, Listening(bus, *options) as listening:
         with LibmodbusMaster(bus.ports["one"], 0.25, [(1, 0, 4), (2, 10, 2)]) as one, \
                 LibmodbusMaster(bus.ports["two"], 0.33, [(3, 0, 10)], [(1, 20)]) as two:
-            until(lambda: one.cycles >= cycles and two.cycles >= cycles, "the cycles of both masters",
-                  deadline=60)
-        time.sleep(0.3)  # the responses to the last requests
+            until(lambda: one.cycles >= cycles and two.cycles >= cycles, "the cycles of both masters")
+        last = len(bus.answers)
+        until(lambda: len(listening.events("exchange")) >= last if "--json" in options else listening.said(),
+              "the last exchange")
         return bus, listening.finish()
+
+
+def cycle_of(bus, unit, pdu_begins):
+    """How many ms lie between two of a master's requests, by the record of the bus."""
+    times = [t for t, u, pdu in bus.asked_at if u == unit and pdu.startswith(pdu_begins)]
+    return 1000 * statistics.median(b - a for a, b in zip(times, times[1:]))
 
 
 def hex_of(pdu):
@@ -77,14 +88,17 @@ def test_every_exchange_of_two_masters_is_heard(tmp_path):
     heard = sorted((e["unit"], e["request"], e["response"]) for e in exchanges)
     assert heard == sorted((unit, hex_of(pdu), hex_of(reply)) for unit, pdu, reply in bus.answers)
     assert not [e for e in lines if e["event"] in ("stray", "damaged")]
-    assert 3 < statistics.median(e["response_ms"] for e in exchanges) < 50, "the devices take 4 ms"
+    # What the listener measures has the delays of its own process too, so medians are compared.
+    took = 1000 * statistics.median(bus.response_times)
+    assert took >= 4 and took / 3 < statistics.median(e["response_ms"] for e in exchanges) < 3 * took + 10
 
     summary = lines[-1]
     assert summary["requests"] == summary["answered"] == len(bus.answers)
     masters = [sorted((p["unit"], p["function"], p["start"]) for p in m["polls"]) for m in summary["masters"]]
     assert sorted(masters) == [[(1, 3, 0), (2, 3, 10)], [(1, 6, 20), (3, 3, 0)]]
     cycles = sorted(m["cycle_ms"] for m in summary["masters"])
-    assert cycles == [pytest.approx(250, rel=0.1), pytest.approx(330, rel=0.1)]
+    one, two = (cycle_of(bus, unit, b"\x03\0\0") for unit in (1, 3))
+    assert cycles == [pytest.approx(one, rel=0.1), pytest.approx(two, rel=0.1)]
 
     text = project.read_text()
     assert takt("check", project).code == 0, text
@@ -92,7 +106,7 @@ def test_every_exchange_of_two_masters_is_heard(tmp_path):
     requests = {(r["device"], r["function"], r["start"], r["quantity"]) for r in plan["lines"][0]["requests"]}
     assert {("unit 1", 3, 0, 4), ("unit 2", 3, 10, 2), ("unit 3", 3, 0, 10)} <= requests
     periods = sorted(int(number) for number in re.findall(r"poll_period: (\d+)ms", text))
-    assert periods == [pytest.approx(250, rel=0.1)] * 2 + [pytest.approx(330, rel=0.1)]
+    assert periods == [pytest.approx(one, rel=0.1)] * 2 + [pytest.approx(two, rel=0.1)]
     assert "{name: unit1_holding_20, type: uint16, register: 20, write: 0x06}" in text
 
 
@@ -123,13 +137,14 @@ def test_the_framing_is_found(framing):
 
 def test_silent_devices_and_damage():
     with Bus(["master", "listener"], units=(1, )) as bus, Listening(bus, "--json", "--timeout",
-                                                                    "200ms") as listening:
+                                                                    "800ms") as listening:
         with PymodbusMaster(bus.ports["master"], 0.05, [(1, 0, 4), (9, 0, 1), (1, 99, 2)]) as master:
             until(lambda: master.cycles >= 4, "cycles")
-        for bad in (frame("rtu", 1, b"\x03\x02\0\0")[:-1] + b"\0", b"\x01\x03"):
-            time.sleep(0.1)
+        heard = len(bus.answers)
+        until(lambda: len(listening.events("exchange")) >= heard, "the last exchange")
+        for number, bad in enumerate((frame("rtu", 1, b"\x03\x02\0\0")[:-1] + b"\0", b"\x01\x03"), 1):
             bus.send(bad)
-        until(lambda: len(listening.events("damaged")) == 2, "the damaged bytes")
+            until(lambda n=number: len(listening.events("damaged")) == n, "the damaged bytes")
         bus.send(frame("rtu", 1, b"\x03\x02\0\0"))
         until(lambda: listening.events("stray"), "the response without a request")
         summary = json.loads(listening.finish().lines[-1])
@@ -152,7 +167,8 @@ def test_frames_of_a_capture(tmp_path):
 
 CAPTURED = """takt: 1
 lines:
-  - {name: dead, transport: tcp, host: 127.0.0.1, tcp_port: 1, devices: [{name: Dead, address: 1, variables: [{name: x, type: int, register: 0, read: 0x03}]}]}
+  - {name: dead, transport: tcp, host: 127.0.0.1, tcp_port: 1, devices: [
+      {name: Dead, address: 1, variables: [{name: x, type: int, register: 0, read: 0x03}]}]}
   - name: rs485
     transport: simulated
     framing: FRAMING
@@ -165,6 +181,17 @@ lines:
 """
 
 
+def frames_of(capture, device):
+    """How many frames a capture has so far, by their comments."""
+    return capture.read_bytes().count(device + b" | ") if capture.exists() else 0
+
+
+def median_gap(exchanges):
+    """The median of the ms between the reads."""
+    times = [datetime.datetime.fromisoformat(e["time"]) for e in exchanges if e["function"] == 3]
+    return statistics.median((b - a).total_seconds() * 1000 for a, b in zip(times, times[1:]))
+
+
 @pytest.mark.parametrize("framing", ["rtu", "ascii"])
 def test_a_capture_of_takt_run(tmp_path, project, framing):
     capture, plant, heard = tmp_path / "run.pcapng", project(CAPTURED.replace(
@@ -173,18 +200,20 @@ def test_a_capture_of_takt_run(tmp_path, project, framing):
         run.wait_event(lambda e: e.get("name") == "Level", "a value")
         run.send("write Level 7")
         run.wait_event(lambda e: e.get("outcome") == "done", "the outcome of the write")
-        time.sleep(0.3)
+        until(lambda: frames_of(capture, b"Boiler") >= 50, "25 exchanges")
         run.send("quit")
         run.finish()
     result = takt("listen", capture, "--json", "--project", plant, "--write", heard)
     lines = [json.loads(line) for line in result.lines]
     answered = [e for e in lines if e["event"] == "exchange" and e["outcome"] == "answered"]
     assert {(e["device"], e["unit"], e["function"]) for e in answered} == {("Boiler", 5, 3), ("Boiler", 5, 6)}
-    assert all(4 < e["response_ms"] < 30 and "Level" in e["values"] for e in answered)
+    longest = takt("latency", capture, "--json", code=None).json["total"]["max_ms"]
+    assert all(4 < e["response_ms"] <= longest + 0.01 and "Level" in e["values"] for e in answered)
     assert lines[-1]["framing"] == framing and lines[-1]["answered"] == len(answered) > 5
     assert (lines[-1]["damaged"], lines[-1]["strays"]) == (0, 0)
     assert takt("check", heard).code == 0
-    assert "poll_period: 50ms" in heard.read_text()
+    period = int(re.search(r"poll_period: (\d+)ms", heard.read_text())[1])
+    assert period == pytest.approx(median_gap(answered), rel=0.25), "50 ms, where the machine is not busy"
 
 
 def test_all_lines_of_a_capture_are_heard(tmp_path, project):
@@ -196,7 +225,10 @@ def test_all_lines_of_a_capture_are_heard(tmp_path, project):
                                                            "Pump").replace("Level",
                                                                            "Speed").replace("50ms", "30ms")
     plant = project("takt: 1\nlines:\n" + line + other)
-    takt("run", plant, "--for", "2s", "--quiet", "--capture", capture)
+    with start("run", plant, "--quiet", "--capture", capture) as run:
+        until(lambda: min(frames_of(capture, name) for name in (b"Boiler", b"Pump")) >= 50,
+              "25 exchanges on each line")
+        run.interrupt()
     result = takt("listen", capture, "--json", "--project", plant, "--write", heard)
     lines = [json.loads(text) for text in result.lines]
     summaries = {s["line"]: s for s in lines if s["event"] == "summary"}
@@ -222,14 +254,15 @@ def test_a_capture_of_takt_capture(tmp_path):
         until(lambda: any("listening on" in text for text in listener.err), "listening")
         with LibmodbusMaster(bus.ports["master"], 0.1, [(1, 0, 4)], [(2, 20)]) as master:
             until(lambda: master.cycles >= 10, "cycles")
-        time.sleep(0.2)
+        until(lambda: packets_in(capture) >= len(bus.frames), "the last frame")
         bus.send(b"\x01\x03\x55\xAA")
         until(lambda: b"dropped: " in capture.read_bytes(), "the damaged bytes")
         listener.interrupt()
     summary = json.loads(takt("listen", capture, "--json").lines[-1])
     assert summary["answered"] == summary["requests"] == len(bus.answers)
     assert summary["damaged"] == 1
-    assert sorted((d["unit"], d["answered"]) for d in summary["devices"]) == [(1, 10), (2, 10)]
+    cycles = master.cycles
+    assert sorted((d["unit"], d["answered"]) for d in summary["devices"]) == [(1, cycles), (2, cycles)]
 
 
 @pytest.mark.parametrize("link, code, words", [(101, 1, "no packet has a frame of a serial line"),
@@ -254,9 +287,8 @@ def test_exit_codes(tmp_path, project):
         assert "error" in takt("listen", port, "--project", project("takt: 2\n"), code=2).err
         assert "no serial line" in takt(
             "listen", port, "--project",
-            project(
-                "takt: 1\nlines: [{name: net, transport: tcp, host: 127.0.0.1, devices: [{name: D, address: 1, variables: []}]}]\n"
-            ), code=2).err
+            project("takt: 1\nlines: [{name: net, transport: tcp, host: 127.0.0.1, devices: [\n"
+                    "  {name: D, address: 1, variables: []}]}]\n"), code=2).err
     takt("listen", "/dev/takt-none", code=3)
     takt("listen", "tcp://127.0.0.1", code=2)
     unwritable = tmp_path / "there.yaml"

@@ -1,5 +1,6 @@
-"""`takt serve` with masters from npm, modbus-serial and jsmodbus: every function they have, over every transport that Takt speaks too.
-Their slaves stand in client_test.py; what they cannot do, in docs/interop.md."""
+"""`takt serve` with masters from npm, modbus-serial and jsmodbus: every function they have, over every
+transport that Takt speaks too. Their slaves stand in client_test.py; what they cannot do, in
+docs/interop.md."""
 import pytest
 
 import endpoints
@@ -260,7 +261,7 @@ def test_modbus_serial_over_rtu_over_tcp(project):
 def test_modbus_serial_does_not_know_how_long_some_answers_are(pair, transport):
     with served(pair, FRAMING[transport],
                 *DEVICE) as (endpoint, _), Client("modbus_serial", transport, endpoint,
-                                                  timeout_ms=2000) as client:
+                                                  timeout_ms=4000) as client:
         check(client, [("writeRegister", [30, 0x12], {"address": 30, "value": 0x12})])
         assert client.ask("maskWriteRegister", 30, 0xF2, 0x25)["error"]["text"] == "Timed out"
         check(client, [("readHoldingRegisters", [30, 1], {"data": [0x17]})])

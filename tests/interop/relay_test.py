@@ -12,7 +12,7 @@ import pytest
 import endpoints
 from fake_slave import SerialPeer
 from frames import crc16
-from program import PEERS, Running, start, takt, until
+from program import DEADLINE, PEERS, Running, start, takt, until
 
 PROJECT = """
 takt: 1
@@ -117,7 +117,7 @@ def ask(connection, unit, pdu, transaction=1):
 
 def receive(connection):
     """@returns transaction, unit, PDU"""
-    connection.settimeout(20)
+    connection.settimeout(DEADLINE)
     head = b""
     while len(head) < 7:
         got = connection.recv(7 - len(head))
@@ -140,8 +140,8 @@ def value(unit, register):
 
 def test_own_units_relayed_ones_and_none(gateway, pair):
     with Bus(pair.b) as bus:
-        running, port = gateway(options=", response_timeout: 1s")
-        client = ModbusTcpClient("127.0.0.1", port=port, timeout=10)
+        running, port = gateway(options=", response_timeout: 3s")
+        client = ModbusTcpClient("127.0.0.1", port=port, timeout=DEADLINE)
         assert client.connect()
         assert client.read_holding_registers(5, 2, slave=1).registers == [105, 106]
         assert client.read_holding_registers(5, 2, slave=100).registers == [105, 106]
@@ -168,13 +168,13 @@ def test_own_units_relayed_ones_and_none(gateway, pair):
 def test_many_clients_one_flooding_one_asking_a_dead_unit(gateway, pair):
     with Bus(pair.b) as bus:
         bus.dead = {3}
-        _, port = gateway(options=", response_timeout: 200ms")
+        _, port = gateway(options=", response_timeout: 2s")
         wrong, served, stop = [], {}, threading.Event()
 
         def work(number):
             unit = 3 if number == 0 else 1
             with socket.create_connection(("127.0.0.1", port)) as connection:
-                for i in range(8):
+                for i in range(3 if number == 0 else 8):
                     ask(connection, unit, read(unit, 10 * number + i), i)
                     got = receive(connection)
                     expected = (i, unit, b"\x83\x0b" if unit == 3 else value(unit, 10 * number + i))
@@ -198,9 +198,9 @@ def test_many_clients_one_flooding_one_asking_a_dead_unit(gateway, pair):
         for client in clients:
             client.start()
         for client in clients:
-            client.join(60)
+            client.join(DEADLINE)
         stop.set()
-        flooding.join(30)
+        flooding.join(DEADLINE)
         assert not wrong
         assert len(served) == 4
         # Between two requests of a client the flood has one; the rest of its own is what the clients leave.
@@ -218,7 +218,7 @@ SELDOM = "    relay_interval: 1h\n" + POLLED.replace("200ms", "1h")
 def test_pipelined_requests_are_sent_as_soon_as_the_line_is_free(gateway, pair, devices):
     """A request that waits for polling to wake the line, or for the interval, would get exception 6."""
     with Bus(pair.b):
-        _, port = gateway(devices=devices, own="", options=", response_timeout: 2s")
+        _, port = gateway(devices=devices, own="", options=", response_timeout: 20s")
         with socket.create_connection(("127.0.0.1", port)) as client:
             for number in range(12):
                 ask(client, 3, read(3, number), number)
@@ -228,10 +228,10 @@ def test_pipelined_requests_are_sent_as_soon_as_the_line_is_free(gateway, pair, 
 
 def test_a_late_answer_is_not_anothers(gateway, pair):
     with Bus(pair.b) as bus:
-        _, port = gateway(devices="", own="", options=", response_timeout: 1s")
+        _, port = gateway(devices="", own="", options=", response_timeout: 2s")
         with socket.create_connection(("127.0.0.1", port)) as first, socket.create_connection(
             ("127.0.0.1", port)) as second:
-            bus.late[3] = 1.3
+            bus.late[3] = 2.6
             ask(first, 3, read(3, 11), 7)
             until(lambda: bus.seen, "it is asked")
             ask(second, 3, read(3, 12), 8)
@@ -241,7 +241,7 @@ def test_a_late_answer_is_not_anothers(gateway, pair):
 
 def test_equal_reads_are_one_and_the_cache_answers(gateway, pair):
     with Bus(pair.b, delay=0.03) as bus:
-        _, port = gateway(devices="", own="", options=", cache: 1min, response_timeout: 2s")
+        _, port = gateway(devices="", own="", options=", cache: 1min, response_timeout: 20s")
         connections = [socket.create_connection(("127.0.0.1", port)) for _ in range(6)]
         for connection in connections:
             ask(connection, 3, read(3, 1))
@@ -350,7 +350,8 @@ takt: 1
 lines:
   - {{name: bus, transport: serial, port: {other.a}, framing: ascii, baud: 115200}}
 servers:
-  - {{name: converter, transport: serial, port: {pair.b}, relay: [{{line: bus, response_timeout: 2s, map: [{{from: 5, to: 17}}]}}]}}
+  - {{name: converter, transport: serial, port: {pair.b}, relay: [
+      {{line: bus, response_timeout: 20s, map: [{{from: 5, to: 17}}]}}]}}
 """)
         with start("serve", device) as serving, start("run", path, "--json") as running:
             target = f"rtu://{pair.a}?baud=19200&parity=even"
@@ -366,8 +367,8 @@ servers:
 def test_a_libmodbus_slave_and_a_broadcast(gateway, pair):
     with Running([PEERS / "libmodbus_server", "rtu", pair.b, 115200, "N", 5]) as slave:
         slave.wait_line(lambda line: line == "ready", "the slave is ready")
-        _, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 2s")
-        client = ModbusTcpClient("127.0.0.1", port=port, timeout=10)
+        _, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 20s")
+        client = ModbusTcpClient("127.0.0.1", port=port, timeout=DEADLINE)
         assert client.connect()
         assert client.read_holding_registers(100, 125, slave=5).registers == list(range(100, 225))
         assert client.read_coils(1, 8, slave=5).bits == [True, False] * 4
@@ -390,7 +391,7 @@ ACCESS = """
 
 def test_access_rules_and_the_audit_log_hold_for_relayed_units(gateway, pair, tmp_path):
     with Bus(pair.b) as bus:
-        running, port = gateway(devices="", options=", response_timeout: 2s", access=ACCESS)
+        running, port = gateway(devices="", options=", response_timeout: 20s", access=ACCESS)
 
         def exchange(unit, pdu):
             with socket.create_connection(("127.0.0.1", port)) as connection:
@@ -429,7 +430,7 @@ BYPASSES = """
 
 def test_what_the_rules_deny_never_reaches_the_line(gateway, pair):
     with Bus(pair.b) as bus:
-        _, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 2s",
+        _, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 20s",
                           access=BYPASSES)
         with socket.create_connection(("127.0.0.1", port)) as connection:
 
@@ -445,11 +446,13 @@ def test_what_the_rules_deny_never_reaches_the_line(gateway, pair):
                                                f"{int(pdu[:2], 16) | 0x80:02x}0a"), pdu
             assert not bus.seen
             assert exchange(100, "0300050001") == value(1, 5).hex()
+            begun = time.monotonic()
             answers = [exchange(3, "10000900020400010002") for _ in range(30)]
+            seconds = time.monotonic() - begun
         assert answers.count("9001") == sum(pdu[0] == 16
                                             for _, pdu in bus.seen), "the device knows no function 16"
-        assert answers[:5] == ["9001"
-                               ] * 5 and answers.count("9006") >= 20, "the rate of the second rule counts too"
+        assert answers[:5] == ["9001"] * 5 and set(answers) == {"9001", "9006"}
+        assert answers.count("9001") <= 5 + seconds, "the rate of the second rule counts too"
 
 
 def answered_meanwhile(port):
@@ -462,7 +465,7 @@ def answered_meanwhile(port):
 def test_the_audit_log_tells_what_became_of_relayed_writes(gateway, pair, tmp_path):
     with Bus(pair.b) as bus:
         bus.dead = {4}
-        running, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 200ms",
+        running, port = gateway(devices="", own="", units="0..20", options=", response_timeout: 2s",
                                 access="    audit: gate.audit\n")
         with socket.create_connection(("127.0.0.1", port)) as connection:
             for unit, pdu in ((3, "0600050007"), (3, "050004ff00"), (4, "0600050007"), (0, "0600050007"),

@@ -13,7 +13,7 @@ import serial as pyserial
 
 import endpoints
 from frames import crc16
-from program import start, takt, until
+from program import DEADLINE, start, takt, until
 
 LIVES = int(os.environ.get("TAKT_KILLS", "12"))  # thousands of them: TAKT_KILLS=2000
 SLICE = 8  # registers of each client: it writes the same number to all of them at once
@@ -32,7 +32,7 @@ def exchange(connection, transaction, pdu):
 
 
 def ask(port, pdu):
-    with socket.create_connection(("127.0.0.1", port), timeout=30) as connection:
+    with socket.create_connection(("127.0.0.1", port), timeout=DEADLINE) as connection:
         return exchange(connection, 1, bytes.fromhex(pdu) if isinstance(pdu, str) else pdu)
 
 
@@ -65,7 +65,7 @@ class Writer(threading.Thread):
 
     def run(self):
         with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", self.port),
-                                                                    timeout=30) as connection:
+                                                                    timeout=DEADLINE) as connection:
             while True:
                 self.sent += 1
                 answer = exchange(connection, self.sent, write_pdu(16, self.first,
@@ -94,7 +94,7 @@ def test_acknowledged_writes_survive_kills(tmp_path):
             time.sleep(chance.random() * 0.05)
             device.process.kill()
             for writer in writers:
-                writer.join(30)
+                writer.join(DEADLINE)
         with keeping(state, port=endpoint) as (port, device):
             for client, writer in enumerate(writers):
                 found = read(port, client * SLICE, SLICE)
@@ -112,8 +112,9 @@ def test_acknowledged_writes_survive_kills_on_a_serial_line(tmp_path):
     last = 0
     with endpoints.serial_pair(tmp_path) as pair:
         for _ in range(4):
-            with start("serve", "--port", f"rtu://{pair.b}?baud=115200", "--state", state, "--retain", "holding:0..9") as device, \
-                    pyserial.Serial(pair.a, 115200, timeout=10) as port:
+            with start("serve", "--port", f"rtu://{pair.b}?baud=115200", "--state", state, "--retain",
+                       "holding:0..9") as device, \
+                    pyserial.Serial(pair.a, 115200, timeout=DEADLINE) as port:
                 until(lambda: any("serving" in line for line in device.err), "that it serves")
                 body = bytes.fromhex("010300000001")
                 port.write(body + crc16(body))

@@ -8,7 +8,7 @@ import pytest
 import endpoints
 from frames import request, split_rtu
 from overheard import overheard
-from program import PEERS, start, takt
+from program import DEADLINE, PEERS, start, takt
 from projects import at, tcp
 
 BAUD = "19200"  # 19200 8E1, the field's default
@@ -16,7 +16,8 @@ BAUD = "19200"  # 19200 8E1, the field's default
 
 @contextlib.contextmanager
 def device(framing, pair, fill="ramp"):
-    """A blank device, unit 1; gives the endpoint a master opens: a TCP port or the near end of the serial pair."""
+    """A blank device, unit 1; gives the endpoint a master opens: a TCP port or the near end of the serial
+    pair."""
     if framing == "tcp":
         endpoint = endpoints.free_port()
         command = ["--listen", f"127.0.0.1:{endpoint}"]
@@ -44,7 +45,7 @@ def test_libmodbus_client(pair, framing):
     with device(framing, pair) as endpoint:
         arguments = ["tcp", "127.0.0.1", endpoint, 1] if framing == "tcp" else ["rtu", endpoint, BAUD, "E", 1]
         done = subprocess.run([str(PEERS / "libmodbus_client"), *map(str, arguments)], capture_output=True,
-                              timeout=60, text=True, check=False)
+                              timeout=DEADLINE, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -54,7 +55,7 @@ def test_units_0_and_255_address_the_tcp_server_itself(pair, unit):
     with device("tcp", pair) as endpoint:
         done = subprocess.run(
             [str(PEERS / "libmodbus_client"), "tcp", "127.0.0.1",
-             str(endpoint), str(unit)], capture_output=True, timeout=60, text=True, check=False)
+             str(endpoint), str(unit)], capture_output=True, timeout=DEADLINE, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -79,7 +80,7 @@ def mbpoll(framing, endpoint, *arguments):
     done = subprocess.run([
         "mbpoll", "-0", "-1", "-a", "1", "-o", "5", *where[:-1], *map(str, arguments[0]), where[-1],
         *map(str, arguments[1:])
-    ], capture_output=True, timeout=60, text=True, check=False)
+    ], capture_output=True, timeout=DEADLINE, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return {int(r): v for r, v in re.findall(r"^\[(\d+)\]:\s+(\S+)", done.stdout, re.MULTILINE)}
 
@@ -115,7 +116,7 @@ def test_mbpoll_reads_the_device_identification(pair):
     with device("rtu", pair) as endpoint:
         done = subprocess.run(
             ["mbpoll", "-m", "rtu", "-b", BAUD, "-P", "even", "-a", "1", "-o", "5", "-u", endpoint],
-            capture_output=True, timeout=60, text=True, check=False)
+            capture_output=True, timeout=DEADLINE, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert re.findall(r"^(Length|Id) *: (\S+)", done.stdout, re.MULTILINE) == [("Length", "6"),
                                                                                ("Id", "0x01")]
@@ -135,9 +136,9 @@ def pymodbus_client(framing, endpoint):
     from pymodbus.client import ModbusSerialClient, ModbusTcpClient
     from pymodbus.transaction import ModbusAsciiFramer, ModbusRtuFramer
     if framing == "tcp":
-        return ModbusTcpClient("127.0.0.1", port=endpoint, timeout=10)
+        return ModbusTcpClient("127.0.0.1", port=endpoint, timeout=DEADLINE)
     return ModbusSerialClient(endpoint, framer=ModbusRtuFramer if framing == "rtu" else ModbusAsciiFramer,
-                              baudrate=int(BAUD), timeout=10)  # no parity: see docs/interop.md, pyserial
+                              baudrate=int(BAUD), timeout=DEADLINE)  # no parity: docs/interop.md, pyserial
 
 
 @contextlib.contextmanager
@@ -202,7 +203,7 @@ def test_rtu_over_tcp(project):
             port).replace("framing: tcp", "framing: rtu"))
     with start("serve", path) as running:
         endpoints.wait_listening(port, running)
-        client = ModbusTcpClient("127.0.0.1", port=port, framer=ModbusRtuFramer, timeout=10)
+        client = ModbusTcpClient("127.0.0.1", port=port, framer=ModbusRtuFramer, timeout=DEADLINE)
         good(client.write_registers(0, [7, 8, 9], slave=1))
         assert len(good(client.read_holding_registers(0, 3, slave=1)).registers) == 3
         client.close()

@@ -79,7 +79,8 @@ def test_on_a_serial_line(project, pair):
     path = project(f"""
 takt: 1
 servers:
-  - {{name: s, transport: serial, port: {pair.b}, units: [{{address: 9, banks: [{{area: coil, items: [5]}}]}}]}}
+  - {{name: s, transport: serial, port: {pair.b}, units: [
+      {{address: 9, banks: [{{area: coil, items: [5]}}]}}]}}
 """)
     with start("serve", path) as running:
         endpoints.wait_slave(pair.a, 9, "rtu", running)

@@ -8,7 +8,7 @@ import pytest
 import endpoints
 from converter_test import Client
 from fake_slave import SerialPeer
-from program import start, takt, until
+from program import DEADLINE, start, takt, until
 from projects import TEN_REGISTERS
 
 HEAD = """
@@ -22,7 +22,8 @@ def served(project, variables, instruments=""):
     port = endpoints.free_port()
     text = HEAD.format(port=port, instruments=instruments)
     for register, kind, keys in variables:
-        text += f"          - {{name: V{register}, area: holding_register, register: {register}, type: {kind}, {keys}}}\n"
+        text += f"          - {{name: V{register}, area: holding_register, register: {register}, " \
+            f"type: {kind}, {keys}}}\n"
     return project(text), port
 
 
@@ -54,10 +55,11 @@ instruments:
     port: {port}
     baud: 9600
     every: 50ms
-    timeout: 300ms
+    timeout: 1s
     exchanges:
       - {{request: '?W\\r', answer: {{until: '\\r', pattern: '{{weight}} kg'}}}}
-      - {{request: '\\x05', answer: {{length: 4, begins: '\\x02', checksum: xor, fields: [{{name: flow, offset: 1, type: int16}}]}}}}
+      - {{request: '\\x05', answer: {{length: 4, begins: '\\x02', checksum: xor, fields: [
+           {{name: flow, offset: 1, type: int16}}]}}}}
 """
 
 
@@ -96,11 +98,12 @@ def test_an_instrument_with_text_and_binary_answers(project, pair):
 
 def test_an_instrument_that_talks_by_itself_over_tcp(project):
     listener = socket.create_server(("127.0.0.1", 0))
-    listener.settimeout(20)
+    listener.settimeout(DEADLINE)
     path, port = served(
         project, [(0, "int16", "source: {instrument: meter.v}, max_age: 2s")], f"""
 instruments:
-  - {{name: meter, transport: tcp, host: 127.0.0.1, tcp_port: {listener.getsockname()[1]}, timeout: 50ms, exchanges: [
+  - {{name: meter, transport: tcp, host: 127.0.0.1, tcp_port: {listener.getsockname()[1]}, timeout: 50ms,
+     exchanges: [
       {{answer: {{until: '\\n', pattern: 'V={{v}}'}}}}]}}
 """)
     with start("serve", path) as running:
@@ -183,10 +186,13 @@ def test_sources_that_takt_serve_lacks_are_reported(project, pair):
     path = project(f"""
 takt: 1
 lines:
-  - {{name: l, port: {pair.a}, devices: [{{name: D, address: 1, variables: [{{name: P, type: int, register: 0, read: 3, write: 6}}]}}]}}
+  - {{name: l, port: {pair.a}, devices: [{{name: D, address: 1, variables: [
+      {{name: P, type: int, register: 0, read: 3, write: 6}}]}}]}}
 servers:
-  - {{name: s, listen: 127.0.0.1, tcp_port: {port}, units: [{{address: 1, banks: [{{area: holding_register, items: [0]}}], variables: [
-      {{name: V, type: int, area: holding_register, register: 0, source: {{variable: P}}, writes_to: {{variable: P}}}}]}}]}}
+  - {{name: s, listen: 127.0.0.1, tcp_port: {port}, units: [
+      {{address: 1, banks: [{{area: holding_register, items: [0]}}], variables: [
+          {{name: V, type: int, area: holding_register, register: 0, source: {{variable: P}},
+           writes_to: {{variable: P}}}}]}}]}}
 """)
     with start("serve", path) as running:
         endpoints.wait_listening(port, running)

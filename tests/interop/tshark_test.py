@@ -6,7 +6,7 @@ import pytest
 import endpoints
 from frames import TcpCapture, pcap, request, traffic
 from overheard import MBAP, Tap, judge, rtu_connection
-from program import PEERS, start, takt, until
+from program import DEADLINE, PEERS, start, takt, until
 from projects import at, serial, tcp
 
 USER_0 = 147  # a link type without a meaning of its own, decoded below as Modbus RTU
@@ -22,15 +22,17 @@ def test_our_slave_over_tcp(blank_device, tmp_path):
     """A libmodbus master tries every function."""
     with Tap(blank_device("ramp")) as tap:
         subprocess.run([str(PEERS / "libmodbus_client"), "tcp", "127.0.0.1",
-                        str(tap.port), "1"], check=True, timeout=60, stdout=subprocess.DEVNULL)
+                        str(tap.port), "1"], check=True, timeout=DEADLINE, stdout=subprocess.DEVNULL)
         judge_tcp(tap, tmp_path / "tcp.pcap", 100)
 
 
 def test_our_master_over_tcp(project, blank_device, tmp_path):
-    variables = at(range(0, 20, 2), "type: float, read: 0x03") + at(range(30, 35), "type: int16, read: 0x04") \
+    variables = at(range(0, 20, 2), "type: float, read: 0x03") \
+        + at(range(30, 35), "type: int16, read: 0x04") \
         + [f"type: bool, coil: {c}, read: 0x01" for c in range(5)] \
         + ["name: Out, type: int16, register: 50, read: 0x03, write: 0x10, write_on_change: true",
-           "name: One, type: int16, register: 60, write: 0x06", "name: Lamp, type: bool, coil: 70, write: 0x05"]
+           "name: One, type: int16, register: 60, write: 0x06",
+           "name: Lamp, type: bool, coil: 70, write: 0x05"]
     with Tap(blank_device("ramp")) as tap:
         with start("run", project(tcp(variables, tap.port)), "--json", "--stdin") as run:
             for command, name in (("set", "Out"), ("write", "One"), ("write", "Lamp")):
@@ -52,7 +54,8 @@ def rtu_capture(path, frames):
 
 def test_rtu_frames_of_a_run(project, pair, tmp_path):
     """The frames of the traffic log: our master's and, as it received them, our slave's."""
-    variables = at(range(0, 20, 2), "type: float, read: 0x03") + at(range(30, 35), "type: int16, read: 0x04") \
+    variables = at(range(0, 20, 2), "type: float, read: 0x03") \
+        + at(range(30, 35), "type: int16, read: 0x04") \
         + [f"type: bool, register: 2, bit: {b}, read: 0x01" for b in range(5)] \
         + ["name: Out, type: int16, register: 50, read: 0x03, write: 0x10, write_on_change: true"]
     path, log = project(serial(variables, port=pair.a, address=1)), tmp_path / "traffic.log"
