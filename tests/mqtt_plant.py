@@ -1,4 +1,5 @@
 """A project with an MQTT output, its broker and a subscriber, for tests with real processes."""
+import contextlib
 import itertools
 import json
 import os
@@ -87,6 +88,15 @@ class Subscriber:
         self.process.kill()
         self.process.wait()
         self.log.close()
+
+
+@contextlib.contextmanager
+def stopped(program):
+    """The program does nothing for a while, so that it does not connect to a broker before the subscriber
+    does."""
+    program.send_signal(signal.SIGSTOP)
+    yield
+    program.send_signal(signal.SIGCONT)
 
 
 def wait_until(condition):

@@ -165,8 +165,8 @@ class Delivery:
 
 
 def check_history(ledger, rows, gaps):
-    """Every sample of the journal is in the history once, and nothing else. `rows`: (variable, time, value, quality);
-    `gaps`: (first, last time) of those with the cause restart."""
+    """Every sample of the journal is in the history once, and nothing else. `rows`: (variable, time, value,
+    quality); `gaps`: (first, last time) of those with the cause restart."""
     owed = Counter()
     for number in ledger.numbers():
         _, sample = ledger.sample(number)

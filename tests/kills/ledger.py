@@ -1,7 +1,7 @@
 """The records of a journal that count, and the rules for what is on the disk.
 
-A sample counts as soon as it is on the disk. It has a number, `seq`: its record's count of samples before it, and
-its place in the record.
+A sample counts as soon as it is on the disk. It has a number, `seq`: its record's count of samples before it,
+and its place in the record.
 """
 import bisect
 import struct

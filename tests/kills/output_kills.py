@@ -4,8 +4,9 @@
 usage: output_kills.py [--kills N] [--plant-kills N] [--seed S] [--jobs J] [--takt PROGRAM] [--kind KIND]
                        [--kept FOLDER]
 
-A plant has 50 kills. Plant number i has the seed S + i; the same seed repeats its plan, not the moments at which the
-operating system runs the program. Exit status 1: a rule was violated; the folder of the plant is kept.
+A plant has 50 kills. Plant number i has the seed S + i; the same seed repeats its plan, not the moments at
+which the operating system runs the program. Exit status 1: a rule was violated; the folder of the plant is
+kept.
 """
 import argparse
 import ctypes
@@ -60,7 +61,8 @@ def end_with_parent():
 
 
 def work(options, library, folder, plants, results, enough):
-    """Takes plants from the queue until it is empty. Each result: (seed, kills | counts | a text of a failure)."""
+    """Takes plants from the queue until it is empty. Each result: (seed, kills | counts | a text of a
+    failure)."""
     end_with_parent()
     while (task := plants.get()) is not None:
         seed, kills = task

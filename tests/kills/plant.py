@@ -19,7 +19,7 @@ from wire import Wire
 KINDS = ("plain", "broker", "link", "history", "broker", "link", "plain", "quota")
 CALLS = ("append", "append", "sync", "sync", "slot", "slot_sync", "create", "remove", "send", "receive")
 KILLS_BETWEEN_ENDS = 12
-LIMIT = 60.0  # only detects programs that hang
+LIMIT = 300.0  # only detects programs that hang
 
 
 def wait_for(condition, what, seconds=LIMIT):
@@ -312,7 +312,7 @@ class Plant:
         if self.history:
             self._check_history()
 
-    def _await_arrival(self, seconds=10, required=True):
+    def _await_arrival(self, seconds=LIMIT, required=True):
         end = time.monotonic() + seconds
         while True:
             self.delivery.check(self.wire)

@@ -1,7 +1,7 @@
 """The connections of a plant: a link between the program and the broker, and a subscriber.
 
-The link is the witness of what the program has published and what was acknowledged to it. It can hold or cut the
-data of either direction.
+The link is the witness of what the program has published and what was acknowledged to it. It can hold or cut
+the data of either direction.
 """
 import json
 import select
@@ -98,8 +98,8 @@ class Pair:
 
 
 class Wire(threading.Thread):
-    """One thread for both. `mode`: pass, hold_up, hold_down, away. `cut_after`: the connection is closed when so many
-    more bytes were passed on to the broker; None: never."""
+    """One thread for both. `mode`: pass, hold_up, hold_down, away. `cut_after`: the connection is closed when
+    so many more bytes were passed on to the broker; None: never."""
 
     def __init__(self, broker_port):
         super().__init__(daemon=True)
@@ -171,12 +171,12 @@ class Wire(threading.Thread):
         try:
             if self.mode == "away":
                 raise OSError
-            broker = socket.create_connection(("127.0.0.1", self.broker_port), timeout=5)
+            broker = socket.create_connection(("127.0.0.1", self.broker_port), timeout=100)
         except OSError:
             client.close()
             return
         broker.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        client.settimeout(5)
+        client.settimeout(100)
         self.pairs.append(Pair(self.run_number, client, broker))
         self.events.append(("connect", self.run_number, None))
 
@@ -250,7 +250,7 @@ class Wire(threading.Thread):
 
     def _connect_subscriber(self):
         try:
-            self._subscriber = socket.create_connection(("127.0.0.1", self.broker_port), timeout=5)
+            self._subscriber = socket.create_connection(("127.0.0.1", self.broker_port), timeout=100)
             name = b"subscriber"
             body = b"\0\4MQTT\4\2\0\0" + len(name).to_bytes(2, "big") + name
             filters = b"\0\1" + b"\0\1#\1"

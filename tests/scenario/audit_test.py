@@ -1,4 +1,5 @@
-"""docs/specification.md, sections 7 and 12, and docs/hostile-inputs.md against the running program, sentence by sentence."""
+"""docs/specification.md, sections 7 and 12, and docs/hostile-inputs.md against the running program, sentence
+by sentence."""
 import contextlib
 import random
 import socket
@@ -146,7 +147,7 @@ def test_default_or_last_value_while_a_device_does_not_answer_and_the_dead_band(
                 f"name: Band, register: 0, dead_band: 5, period: 20ms, {INT}",
                 f"name: Held, register: 1, hold_last: true, default: -1, period: 20ms, {INT}",
                 f"name: Default, register: 2, default: -2, period: 20ms, {INT}"
-            ], slave.port, response_timeout="50ms"))
+            ], slave.port, response_timeout="1s"))
         with start("run", path, "--json") as run:
             run.wait_event(value("Default", 9), "all are read")
             for number in (103, 96, 105, 95, 106):
@@ -222,7 +223,7 @@ class Nasty(RtuDevices):
 KINDS = {
     "right": lambda slave, asked, right: [right],
     "silence": lambda slave, asked, right: [],
-    "late": lambda slave, asked, right: [0.2, right],
+    "late": lambda slave, asked, right: [0.4, right],
     "twice": lambda slave, asked, right: [right, right],
     "foreign unit": lambda slave, asked, right: [request("rtu", 99, "03 02 7E7E"), 0.004, right],
     "other function": lambda slave, asked, right: [request("rtu", asked[0], "04 02 7E7E")],
@@ -239,9 +240,10 @@ KINDS = {
 
 
 def test_nothing_false_ever_becomes_a_value(project, pair):
-    """Late, double, foreign, oversized, cut and garbled answers: every good value is the one the device holds."""
+    """Late, double, foreign, oversized, cut and garbled answers: every good value is the one the device
+    holds."""
     registers = {0: 1000, 10: 1010, 20: 1020}
-    text = serial(at(registers, INT + ", period: 30ms"), port=pair.a, response_timeout="150ms", attempts=50,
+    text = serial(at(registers, INT + ", period: 30ms"), port=pair.a, response_timeout="300ms", attempts=50,
                   strategy="single", group_requests="false")
     with Nasty(pair.b, {16: Device(registers)}, seed=11) as slave, start("run", project(text),
                                                                          "--json") as run:
@@ -267,10 +269,10 @@ def test_one_late_answer_costs_one_request(project, pair):
             answer = request("rtu", frame[0], device(frame[1:-2]))
             if len(self.seen) == 4:
                 late.append(answer)
-                self._stop.wait(0.25)
+                self._stop.wait(2.5)
             self._line.write(answer)
 
-    path = project(serial([f"register: 0, {INT}, period: 50ms"], port=pair.a, response_timeout="200ms"))
+    path = project(serial([f"register: 0, {INT}, period: 50ms"], port=pair.a, response_timeout="2s"))
     with Late(pair.b, {}) as slave, start("run", path, "--json") as run:
         until(lambda: len(slave.seen) >= 24, "twenty requests after the late answer")
         summary = run.interrupt() and run.events()[-1]
@@ -313,13 +315,20 @@ def test_answers_of_another_transaction_are_passed_over(project):
 
 
 def test_unsolicited_bytes_cost_nothing_but_a_count(project, pair):
-    path = project(serial([f"register: 0, {INT}, period: 100ms"], port=pair.a))
-    with RtuDevices(pair.b, {16: Device({0: 7})}) as slave, start("run", path, "--json") as run:
+    path = project(
+        serial([f"register: 0, {INT}, period: 1h, read_trigger: go"], port=pair.a,
+               local=["name: go, type: bool"]))
+    noise = bytes(range(200)) + request("rtu", 16, "03 02 7E7E")
+    with RtuDevices(pair.b, {16: Device({0: 7})}) as slave, start("run", path, "--json", "--stdin") as run:
         run.wait_event(value("V1", 7), "a value")
-        asked = len(slave.seen)
-        for _ in range(20):
-            slave.send(bytes(range(200)) + request("rtu", 16, "03 02 7E7E"))
-        until(lambda: len(slave.seen) > asked + 5, "it goes on asking")
+        for turn in range(1, 6):
+            passed = len(pair.answered())
+            for _ in range(4):  # while the master waits for nothing
+                slave.send(noise)
+            until(lambda n=passed: len(pair.answered()) == n + 4 * len(noise), "the noise on the line")
+            run.send("set go 1")
+            until(lambda n=turn: len(slave.seen) > n, "it goes on asking")
+            run.send("set go 0")
         run.interrupt()
         assert {e["value"] for e in run.events() if value("V1")(e)} == {7}
         assert run.events()[-1]["lines"][0]["counters"]["unsolicited_bytes"] > 0
@@ -353,8 +362,8 @@ def test_writes_get_through_polling_without_pause(project):
                 slave.port))
         with start("run", path, "--json", "--stdin") as run:
             run.wait_event(value("V19", 0), "all are polled")
-            for number in range(1, 31):
-                run.send(f"write V{number % 20} {number}")
+            # At once, so that all wait.
+            run.send("\n".join(f"write V{number % 20} {number}" for number in range(1, 31)))
             until(lambda: len([e for e in run.events() if e["event"] == "outcome"]) == 30, "thirty outcomes")
             run.interrupt()
     written = [int(pdu[-5:].replace(" ", ""), 16) for pdu in device.writes()]

@@ -1,7 +1,10 @@
-"""docs/commands/run.md, "Late answers" and "Summary": devices slower than the project says, damaged answers, lost links."""
+"""docs/commands/run.md, "Late answers" and "Summary": devices slower than the project says, damaged answers,
+lost links."""
 import contextlib
 import re
 import time
+
+import pytest
 
 from fake_slave import SerialSlave, TcpSlave, rtu_answers, tcp_answer
 from program import start, takt, until
@@ -20,14 +23,15 @@ def is_late(e):
     return e["event"] == "delays"
 
 
-def late(seconds, answer):
+class Late:
     """Answers that come `seconds` after their request."""
 
-    def answers(request):
-        time.sleep(seconds)
-        return answer(request)
+    def __init__(self, seconds, answer):
+        self.seconds, self._answer = seconds, answer
 
-    return answers
+    def __call__(self, request):
+        time.sleep(self.seconds)
+        return self._answer(request)
 
 
 def summary(run):
@@ -45,20 +49,23 @@ def follow_advice(text, event):
     return written
 
 
-def expect_late(project, text, answers_here, delay, tmp_path):
-    """The late answers are named live, in the log, in the summary and in JSON; the advised value ends them."""
-    log = tmp_path / "takt.log"
+def expect_late(project, text, answers_here, late, tmp_path):
+    """The late answers are named live, in the log, in the summary and in JSON. The advised value ends them:
+    afterwards they are still later than the written time-out, and a busy machine delays them by less than
+    what is left."""
+    log, delay = tmp_path / "takt.log", late.seconds * 1000
     with answers_here(), start("run", project(text), "--json", "--log", log) as run:
         event = run.wait_event(is_late, "the late answer is named")
         line, device = summary(run)
-    assert event["device"] == "Node1" and event["delay_ms"] >= delay
+    assert event["device"] == "Node1" and event["delay_ms"] >= delay - 10
     assert re.fullmatch(
-        r"Device Node1 answered \d+ ms after its request; response_timeout is 500 ms: set \d+ms",
+        r"Device Node1 answered \d+ ms after its request; response_timeout is 2000 ms: set \d+ms",
         event["text"])
-    assert event["advised_ms"] >= 1.2 * event["delay_ms"] and event["limit_ms"] == 500
-    assert "device Node1" in log.read_text() and "response_timeout is 500 ms: set" in log.read_text()
+    assert event["advised_ms"] >= 1.2 * event["delay_ms"] and event["limit_ms"] == 2000
+    assert "device Node1" in log.read_text() and "response_timeout is 2000 ms: set" in log.read_text()
     assert device["late_answers"] >= 1 and device["delays"]["setting"] == "response_timeout"
     assert line["counters"]["late_answers"] >= 1 and line["counters"]["foreign_frames"] == 0
+    late.seconds = 2.4
     with answers_here(), start("run", project(follow_advice(text, event), "advised.yaml"), "--json") as run:
         run.wait_event(value("V1", 7), "a good value with the advised time-out")
         line, device = summary(run)
@@ -66,19 +73,20 @@ def expect_late(project, text, answers_here, delay, tmp_path):
 
 
 def test_a_late_answer_over_tcp_is_named_and_the_advice_works(project, tmp_path):
-    with TcpSlave(late(0.8, lambda adu: tcp_answer(adu, ANSWER))) as slave:
-        text = tcp([f"register: 0, {INT}, period: 1s"], slave.port, response_timeout="500ms")
-        expect_late(project, text, contextlib.nullcontext, 800, tmp_path)
+    late = Late(3.2, lambda adu: tcp_answer(adu, ANSWER))
+    with TcpSlave(late) as slave:
+        text = tcp([f"register: 0, {INT}, period: 1s"], slave.port, response_timeout="2s")
+        expect_late(project, text, contextlib.nullcontext, late, tmp_path)
 
 
 def test_a_late_answer_on_a_serial_line_is_named_and_the_advice_works(project, pair, tmp_path):
-    text = serial([f"register: 0, {INT}, period: 1s"], port=pair.a, response_timeout="500ms")
-    slave = lambda: SerialSlave(pair.b, late(0.8, rtu_answers({"03 0000 0001": ANSWER})))
-    expect_late(project, text, slave, 790, tmp_path)
+    text = serial([f"register: 0, {INT}, period: 1s"], port=pair.a, response_timeout="2s")
+    late = Late(3.2, rtu_answers({"03 0000 0001": ANSWER}))
+    expect_late(project, text, lambda: SerialSlave(pair.b, late), late, tmp_path)
 
 
 def test_a_late_answer_is_in_the_summary_as_text(project):
-    with TcpSlave(late(0.15, lambda adu: tcp_answer(adu, ANSWER))) as slave:
+    with TcpSlave(Late(0.15, lambda adu: tcp_answer(adu, ANSWER))) as slave:
         path = project(tcp([f"register: 0, {INT}, period: 500ms"], slave.port, response_timeout="100ms"))
         with start("run", path) as run:
             named = run.wait_line(lambda x: "Node1 answered" in x, "the late answer is named")
@@ -94,9 +102,10 @@ def test_a_late_answer_is_in_the_summary_as_text(project):
 
 
 def test_answers_later_than_the_turnaround_are_named(project, pair):
-    text = serial([f"register: 0, {INT}, period: 500ms"], port=pair.a, response_timeout="2s",
+    text = serial([f"register: 0, {INT}, period: 500ms"], port=pair.a, response_timeout="20s",
                   turnaround="20ms")
-    slave = lambda: SerialSlave(pair.b, late(0.2, rtu_answers({"03 0000 0001": ANSWER})))
+    late = Late(2.0, rtu_answers({"03 0000 0001": ANSWER}))
+    slave = lambda: SerialSlave(pair.b, late)
     with slave(), start("run", project(text), "--json") as run:
         event = run.wait_event(is_late, "the turnaround is named")
         line, device = summary(run)
@@ -105,6 +114,7 @@ def test_answers_later_than_the_turnaround_are_named(project, pair):
                         event["text"])
     assert device["late_answers"] == 0 and device["delays"]["setting"] == "turnaround"
     assert line["counters"]["timeouts"] == 0
+    late.seconds = 0.2
     with slave(), start("run", project(follow_advice(text, event), "advised.yaml"), "--json") as run:
         run.wait_event(value("V1", 7), "a good value")
         _, device = summary(run)
@@ -112,7 +122,8 @@ def test_answers_later_than_the_turnaround_are_named(project, pair):
 
 
 def test_the_real_period_is_that_of_answered_reads(project, pair):
-    """Two of five answers have a wrong checksum. The first one is good: a repetition follows a bad one at once."""
+    """Two of five answers have a wrong checksum. The first one is good: a repetition follows a bad one at
+    once."""
     count = [0]
     honest = rtu_answers({"03 0000 0001": ANSWER})
 
@@ -142,9 +153,9 @@ def test_a_bad_checksum_is_named_although_the_turnaround_is_short(project, pair)
 
     path = project(
         serial([f"register: 0, {INT}, period: 100ms"], port=pair.a, turnaround="15ms",
-               response_timeout="17ms"))
+               response_timeout="17ms", attempts=255))
     with SerialSlave(pair.b, answers), start("run", path, "--json") as run:
-        run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "bad", "a bad value")
+        run.wait_event(lambda e: e["event"] == "value" and "checksum" in e["reason"], "the reason")
         line, _ = summary(run)
     assert line["requests"][0]["counters"]["checksums"] > 0, line
 
@@ -182,8 +193,9 @@ def test_a_lost_connection_is_an_outage_of_its_devices(project):
         line, device = summary(run)
     assert device["outages"] == 1
     assert 0 < device["availability_percent"] < 100
-    assert abs(device["downtime_ms"] - (again["time_ms"] - lost["time_ms"])) < 50
-    assert abs(line["downtime_ms"] - device["downtime_ms"]) < 50
+    outage = again["time_ms"] - lost["time_ms"]
+    assert outage / 2 < device["downtime_ms"] < 2 * outage + 50, "by the program's own events"
+    assert line["downtime_ms"] == pytest.approx(device["downtime_ms"], rel=0.5, abs=50)
 
 
 def test_a_serial_port_that_is_gone_is_an_outage(project, pair):
@@ -200,9 +212,11 @@ def test_a_serial_port_that_is_gone_is_an_outage(project, pair):
 
 
 def test_a_single_command_names_the_delay_of_a_late_answer(project):
-    with TcpSlave(late(0.15, lambda adu: tcp_answer(adu, ANSWER))) as slave:
+    late = Late(1.5, lambda adu: tcp_answer(adu, ANSWER))
+    with TcpSlave(late) as slave:
         read = ["read", f"tcp://127.0.0.1:{slave.port}", "holding", "0", "--timeout"]
-        result = takt(*read, "100ms", code=4)
-        assert re.search(r"no answer within 100 ms; it came after \d+ ms", result.err)
+        result = takt(*read, "1s", code=4)
+        assert re.search(r"no answer within 1000 ms; it came after \d+ ms", result.err)
         advised = re.search(r"--timeout (\d+ms)", result.err)[1]
+        late.seconds = 1.2
         assert takt(*read, advised).out == "0 7\n"

@@ -24,7 +24,7 @@ def test_nothing_is_lost_by_kills(tmp_path):
         "--seed", "8", "--jobs", "4", "--kept",
         str(tmp_path)
     ]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=1200, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
 

@@ -1,4 +1,5 @@
-"""Faults of an output that a user must see: a broker that refuses, a wrong password, a journal that is removed."""
+"""Faults of an output that a user must see: a broker that refuses, a wrong password, a journal that is
+removed."""
 import json
 import shutil
 import signal
@@ -6,7 +7,8 @@ import subprocess
 
 import pytest
 
-from mqtt_plant import PLANT, TAKT, Broker, Subscriber, gaps, samples, wait_until
+from mqtt_plant import PLANT, TAKT, Broker, Subscriber, gaps, samples, stopped, wait_until
+from program import DEADLINE
 
 SECRET = "s3cret-word"
 
@@ -46,7 +48,7 @@ class Plant:
 
     def end(self):
         self.program.send_signal(signal.SIGINT)
-        assert self.program.wait(timeout=20) == 0
+        assert self.program.wait(timeout=DEADLINE) == 0
         return json.loads((self.folder / "out").read_text().splitlines()[-1])["outputs"][0]
 
     def stop(self):
@@ -120,8 +122,9 @@ def test_a_removed_journal_continues_with_its_numbers(plant):
     wait_until(lambda: list(journal.glob("cloud/segment-*")))
     assert any(output["journal"]["failure"] for output in plant.outputs()) or \
         "journal cannot be written" in (plant.folder / "log").read_text()
-    plant.broker.start()
-    subscriber = Subscriber(plant.broker, plant.folder / "sub")
+    with stopped(plant.program):
+        plant.broker.start()
+        subscriber = Subscriber(plant.broker, plant.folder / "sub")
     wait_until(lambda: len(samples(plant.folder / "sub")) >= 60)
     first = plant.end()
     plant.start()
@@ -129,6 +132,7 @@ def test_a_removed_journal_continues_with_its_numbers(plant):
     epoch = samples(plant.folder / "sub")[0]["epoch"] + 1
     wait_until(lambda: any(sample["epoch"] == epoch for sample in samples(plant.folder / "sub")))
     end = plant.end()
+    subscriber.catch_up()
     subscriber.stop()
     assert first["sampled"] == first["delivered"] + first["waiting"] + first["dropped"]
     # Each number was received, or is in a gap; none was used again.

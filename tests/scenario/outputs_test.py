@@ -5,7 +5,8 @@ import time
 
 import pytest
 
-from mqtt_plant import PLANT, TAKT, Broker, Subscriber, end, gaps, messages, run, samples, wait_until
+from mqtt_plant import PLANT, TAKT, Broker, Subscriber, end, gaps, messages, run, samples, stopped, \
+    wait_until
 
 
 @pytest.fixture
@@ -18,6 +19,11 @@ def plant(tmp_path):
         broker.kill()
 
 
+def journal_bytes(folder):
+    """How much the journal has; a sample takes about 20 bytes."""
+    return sum(file.stat().st_size for file in (folder / "plant.journal/cloud").glob("segment-*"))
+
+
 def test_values_arrive_with_birth_and_farewell(plant):
     folder, broker, project = plant
     broker.start()
@@ -25,7 +31,7 @@ def test_values_arrive_with_birth_and_farewell(plant):
     program = run(project)
     wait_until(lambda: len(samples(folder / "sub")) >= 40)
     output = end(program)
-    time.sleep(0.3)
+    subscriber.catch_up()
     subscriber.stop()
     received = messages(folder / "sub")
     states = [payload["state"] for topic, payload in received if topic == "takt/cloud/state"]
@@ -56,23 +62,26 @@ def test_a_killed_program_sends_its_will(plant):
 def test_nothing_is_lost_while_the_broker_is_away(plant):
     folder, broker, project = plant
     program = run(project)  # the broker is not there yet
-    time.sleep(2)
-    broker.start()
-    subscriber = Subscriber(broker, folder / "sub")
+    wait_until(lambda: journal_bytes(folder) > 1000)
+    with stopped(program):
+        broker.start()
+        subscriber = Subscriber(broker, folder / "sub")
     wait_until(lambda: len(samples(folder / "sub")) >= 60)
     subscriber.stop()
     broker.kill()
-    time.sleep(2)
-    broker.start()
-    subscriber = Subscriber(broker, folder / "sub2")
+    before = journal_bytes(folder)
+    wait_until(lambda: journal_bytes(folder) > before + 1000)
+    with stopped(program):
+        broker.start()
+        subscriber = Subscriber(broker, folder / "sub2")
     wait_until(lambda: len(samples(folder / "sub2")) >= 60)
     end(program)
-    time.sleep(0.3)
+    subscriber.catch_up()
     subscriber.stop()
     first = [sample["seq"] for sample in samples(folder / "sub")]
     second = [sample["seq"] for sample in samples(folder / "sub2")]
-    # The broker may have lost what it had acknowledged and not forwarded when it was killed: that is a replay's
-    # task. What it did not acknowledge comes again.
+    # The broker may have lost what it had acknowledged and not forwarded when it was killed: that is a
+    # replay's task. What it did not acknowledge comes again.
     assert first == list(range(1, len(first) + 1))
     assert second == list(range(second[0], second[0] + len(second)))
     assert second[0] <= first[-1] + 1 + 64
@@ -85,15 +94,16 @@ def test_a_killed_program_continues_where_it_was(plant, seed):
     broker.start()
     subscriber = Subscriber(broker, folder / "sub")
     for kill in range(6):
-        program = run(project)
-        time.sleep(0.35 + ((seed * 7 + kill * 13) % 10) * 0.061)
+        before, program = journal_bytes(folder), run(project)
+        wait_until(lambda: journal_bytes(folder) > before)  # its start is durable
+        time.sleep(((seed * 7 + kill * 13) % 10) * 0.061)
         program.kill()
         program.communicate()
     program = run(project)
     before = len(samples(folder / "sub"))
     wait_until(lambda: len(samples(folder / "sub")) >= before + 20)
     output = end(program)
-    time.sleep(0.3)
+    subscriber.catch_up()
     subscriber.stop()
     highest = 0
     for sample in samples(folder / "sub"):
@@ -108,7 +118,7 @@ def test_a_replay_delivers_again_what_the_broker_lost(plant):
     folder, broker, project = plant
     broker.start()
     program = run(project)
-    time.sleep(2)
+    wait_until(lambda: journal_bytes(folder) > 2000)
     busy = subprocess.run([TAKT, "replay", project, "--output", "cloud", "--from", "-1h"],
                           capture_output=True, text=True)
     assert busy.returncode == 3 and "takt run" in busy.stderr
@@ -122,7 +132,7 @@ def test_a_replay_delivers_again_what_the_broker_lost(plant):
     program = run(project)
     wait_until(lambda: len(samples(folder / "sub")) >= delivered + 4)
     output = end(program)
-    time.sleep(0.3)
+    subscriber.catch_up()
     subscriber.stop()
     found = [(sample["epoch"], sample["seq"]) for sample in samples(folder / "sub")]
     assert [seq for _, seq in found] == list(range(1, len(found) + 1))
@@ -228,7 +238,8 @@ def test_an_output_without_commands_is_read_only(plant):
     program = run(project)
     wait_until(lambda: len(samples(folder / "sub")) >= 4)
     command(broker, {"id": "no", "command": "write", "variable": "Power", "value": 1})
-    time.sleep(1)
+    later = len(samples(folder / "sub")) + 20
+    wait_until(lambda: len(samples(folder / "sub")) >= later)
     assert answers(folder / "sub") == {}
     assert end(program)["commands"] == 0
     subscriber.stop()

@@ -43,8 +43,9 @@ def project_text(line, devices, more_device=""):
         bits = "parity: even"
         data = ", data_bits: 7" if line.framing == "ascii" else ""
         head += [
-            f"  - {{name: l, transport: serial, port: /dev/ttyS9, framing: {line.framing}, baud: {line.baud}, "
-            f"{bits}{data}, request_gap: {line.request_gap_us}us, frame_gap: {line.frame_gap_us}us, devices: ["
+            f"  - {{name: l, transport: serial, port: /dev/ttyS9, framing: {line.framing}, "
+            f"baud: {line.baud}, {bits}{data}, request_gap: {line.request_gap_us}us, "
+            f"frame_gap: {line.frame_gap_us}us, devices: ["
         ]
     else:
         head += ["  - {name: l, transport: tcp, host: 127.0.0.1, devices: ["]
@@ -53,8 +54,8 @@ def project_text(line, devices, more_device=""):
         trip = "" if line.serial else f", round_trip: {line.round_trip_us}us"
         time_out = "" if line.derive else f", response_timeout: {line.response_timeout_us}us"
         head += [
-            f"     {{name: d{unit}, address: {unit}, group_requests: true, strategy: optimal{turnaround}{trip}"
-            f"{time_out}{settings}, variables: ["
+            f"     {{name: d{unit}, address: {unit}, group_requests: true, strategy: optimal"
+            f"{turnaround}{trip}{time_out}{settings}, variables: ["
         ]
         head += [
             f"        {{name: d{unit}_{name}, {what}, read: 0x0{function}, period: {period}ms}},"

@@ -1,5 +1,6 @@
-"""Plans judged from outside: bus time, least bus time, coverage and response times computed anew from the project,
-after docs/planning.md, "Bus time", and docs/guarantees.md, "Model". Nothing is shared with the planner."""
+"""Plans judged from outside: bus time, least bus time, coverage and response times computed anew from the
+project, after docs/planning.md, "Bus time", and docs/guarantees.md, "Model". Nothing is shared with the
+planner."""
 import math
 from fractions import Fraction as Fr
 
@@ -61,8 +62,8 @@ class Line:
 
 
 def least_cost(line, function, spans, limit, readable):
-    """Least bus time of requests that cover all spans (start, end): plain dynamic programme over every window.
-    `readable(item)`: may an item that is not requested be read."""
+    """Least bus time of requests that cover all spans (start, end): plain dynamic programme over every
+    window. `readable(item)`: may an item that is not requested be read."""
     spans = sorted(set(spans))
     if not spans:
         return Fr(0)
@@ -168,12 +169,13 @@ def with_dead_device(tasks, device, backoff):
     ]
 
 
-CHECK_US = 1_000_000  # each unit shows once in this time that it is in step (docs/decisions/0039-surplus-responses.md)
+# Each unit shows once in this time that it is in step (docs/decisions/0039-surplus-responses.md).
+CHECK_US = 1_000_000
 
 
 def hold_of(me, tasks):
-    """The time for which the only request of a unit is held back; nothing: it has long enough pauses. In half of the
-    time n transactions leave n + 1 pauses."""
+    """The time for which the only request of a unit is held back; nothing: it has long enough pauses. In half
+    of the time n transactions leave n + 1 pauses."""
     cost = sum(me["c"])
     n = me["b"] + (CHECK_US // 2 + me["J"]) // me["T"]
     if CHECK_US // 2 - n * cost >= (n + 1) * cost:
@@ -182,8 +184,8 @@ def hold_of(me, tasks):
 
 
 def with_holds(tasks, analyse):
-    """`analyse`: the responses of tasks. A hold is a task of the highest priority for the request that it holds back;
-    for the others that request comes up to so much later."""
+    """`analyse`: the responses of tasks. A hold is a task of the highest priority for the request that it
+    holds back; for the others that request comes up to so much later."""
     holds = [hold_of(k, tasks) for k in tasks]
     later = [dict(k, J=k["J"] + (hold or 0)) for k, hold in zip(tasks, holds)]
     responses = analyse(later)

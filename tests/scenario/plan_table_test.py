@@ -19,7 +19,8 @@ def request(function, start, quantity, write_function=None):
     return function, write_function, start, quantity
 
 
-# name: (project, requests as (read function, write function, start, quantity)). Section 5's rows, in its order.
+# name: (project, requests as (read function, write function, start, quantity)). Section 5's rows, in its
+# order.
 ROWS = {
     "two-register values in any order": (serial(at([2, 8, 6, 4, 10], FLOAT)), [request(3, 2, 10)]),
     "a gap and a limit of 5": (serial(at([0, 2, 6, 8], FLOAT),
@@ -82,7 +83,8 @@ ROWS = {
         at(range(125), WRITTEN_INT16), framing="ascii",
         registers_per_request=125), [request(None, 0, 123, 16),
                                      request(None, 123, 2, 16)]),
-    # Section 4: 0x05 and 0x06 never group, unused variables make no traffic, a write by command only makes no entry.
+    # Section 4: 0x05 and 0x06 never group, unused variables make no traffic, a write by command only makes no
+    # entry.
     "0x06 on change": (serial(at(range(3), "type: int16, write: 0x06, write_on_change: true")),
                        [request(None, i, 1, 6) for i in range(3)]),
     "an unused variable is a gap": (serial([
@@ -128,7 +130,8 @@ def test_requests(project, row):
     assert sorted(got, key=key) == sorted(expected, key=key)
 
 
-# (project, requests, requests without grouping): an entry with a period and a start-reading trigger counts twice.
+# (project, requests, requests without grouping): an entry with a period and a start-reading trigger counts
+# twice.
 @pytest.mark.parametrize("text, grouped, ungrouped", [
     (scenario_1(), 1, 10),
     (scenario_1(grouped=False), 10, 10),
@@ -235,7 +238,8 @@ def test_compare_sets_the_strategies_beside_each_other(project):
 
 def test_compare_shows_a_plan_of_mixed_strategies(project):
     text = serial(at([0, 1], INT16)) + """\
-      - {name: Alone, address: 17, group_requests: false, variables: [{name: W1, type: int16, register: 1, read: 0x03},
+      - {name: Alone, address: 17, group_requests: false, variables: [
+          {name: W1, type: int16, register: 1, read: 0x03},
           {name: W2, type: int16, register: 2, read: 0x03}]}
 """
     out = takt("plan", project(text), "--compare").out

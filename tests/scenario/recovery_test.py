@@ -1,4 +1,5 @@
-"""docs/specification.md, sections 7 and 12: what `takt run` reports and does on failures, and how it recovers."""
+"""docs/specification.md, sections 7 and 12: what `takt run` reports and does on failures, and how it
+recovers."""
 import threading
 
 import endpoints
@@ -60,7 +61,7 @@ def test_a_server_that_comes_and_goes(project):
 def test_a_serial_device_that_falls_silent(project, pair):
     """Default value and status while it does not answer; found again by its probes."""
     answers = {"03 0000 0001": "03 02 0007"}
-    path = project(serial(WITH_STATUS, port=pair.a, local=STATE, attempts=2))
+    path = project(serial(WITH_STATUS, port=pair.a, local=STATE, attempts=2, response_timeout="500ms"))
     with start("run", path, "--json") as run:
         run.wait_event(lambda e: status(100)(e) or status(105)(e), "no answer")
         with SerialSlave(pair.b, rtu_answers(answers)):
@@ -106,7 +107,8 @@ def test_poll_enable_stops_the_polling(project, pair):
 
 
 def test_a_late_response_is_never_taken_for_another_value(project, pair):
-    """docs/specification.md, section 12: register 0 is answered after the time-out; that must not become the value of register 10."""
+    """docs/specification.md, section 12: register 0 is answered after the time-out; that must not become the
+    value of register 10."""
     late = request("rtu", 16, "03 02 1111")
     timers = []
 
@@ -115,7 +117,7 @@ def test_a_late_response_is_never_taken_for_another_value(project, pair):
             return request("rtu", 16, "03 02 2222")
         if timers:
             return late
-        timers.append(threading.Timer(1.3, lambda: slave.send(late)))
+        timers.append(threading.Timer(2.6, lambda: slave.send(late)))
         timers[0].start()
         return None
 
@@ -123,7 +125,7 @@ def test_a_late_response_is_never_taken_for_another_value(project, pair):
         serial([
             "name: Asked, register: 0, type: uint16, read: 0x03",
             "name: Other, register: 10, type: uint16, read: 0x03"
-        ], port=pair.a, response_timeout="1s"))
+        ], port=pair.a, response_timeout="2s"))
     with SerialSlave(pair.b, answer) as slave, start("run", path, "--json") as run:
         run.wait_event(value("Other", 0x2222), "the right value")
         run.wait_event(value("Asked", 0x1111), "the right value")
@@ -157,7 +159,7 @@ def test_an_adapter_that_is_not_there_yet_ends_no_run_with_other_lines(project, 
 
 
 def test_a_dead_device_does_not_hold_up_its_line(project, pair):
-    text = serial(at([0], INT), port=pair.a, response_timeout="100ms") + """\
+    text = serial(at([0], INT), port=pair.a, response_timeout="2s") + """\
       - name: Dead
         address: 17
         response_timeout: 100ms
@@ -171,7 +173,7 @@ def test_a_dead_device_does_not_hold_up_its_line(project, pair):
             "the dead one is found out")
         dead = sum(f[0] == 17 for f in slave.seen)
         alive = sum(f[0] == 16 for f in slave.seen)
-        until(lambda: sum(f[0] == 16 for f in slave.seen) >= alive + 20,
-              "twenty more answers of the living one")
-        assert sum(f[0] == 17 for f in slave.seen) - dead <= 5, "only probed"
+        more = lambda: sum(f[0] == 16 for f in slave.seen) - alive
+        until(lambda: more() >= 20, "twenty more answers of the living one")
+        assert sum(f[0] == 17 for f in slave.seen) - dead <= 1 + more() / 4, "only probed"
         run.interrupt()

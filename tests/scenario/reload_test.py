@@ -7,7 +7,7 @@ import pytest
 
 import endpoints
 from fake_slave import TcpSlave, tcp_answer
-from program import TAKT, environment, start, takt, until
+from program import DEADLINE, TAKT, environment, start, takt, until
 from projects import tcp
 
 A = "name: A, register: 0, type: int16, read: 0x03, period: 50ms"
@@ -77,7 +77,7 @@ def test_a_closed_terminal_ends_the_program(project):
         until(lambda: slave.connections, "it runs")
         os.close(controller)
         run.send_signal(signal.SIGHUP)  # it has no controlling terminal
-        run.wait(10)
+        run.wait(DEADLINE)
 
 
 def test_serving_without_rules_goes_on():

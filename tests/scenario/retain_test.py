@@ -1,4 +1,5 @@
-"""docs/specification.md, section 2, retain: an acknowledged value survives every kind of end of the program."""
+"""docs/specification.md, section 2, retain: an acknowledged value survives every kind of end of the
+program."""
 import resource
 import subprocess
 
@@ -76,7 +77,8 @@ def test_a_write_only_variable_starts_with_its_kept_value(project, slave):
 
 def test_a_kept_variable_is_uncertain_until_it_is_read(project, slave):
     path = project(
-        tcp(["name: V1, register: 0, retain: true, " + READ, "name: V2, register: 1, " + READ], slave.port))
+        tcp(["name: V1, register: 0, retain: true, " + READ, "name: V2, register: 1, " + READ], slave.port,
+            response_timeout="1s"))
     with start("run", path, "--json") as run:
         run.wait_event(value_event(run, "V1"), "a value")
         run.interrupt()

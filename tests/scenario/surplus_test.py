@@ -1,12 +1,15 @@
-"""docs/commands/run.md, "Surplus answers": a device that serves one request after the other, and one of them twice."""
+"""docs/commands/run.md, "Surplus answers": a device that serves one request after the other, and one of them
+twice."""
 import time
 
 from fake_slave import SerialSlave
 from frames import request
-from program import start
+from program import start, until
 from projects import at, serial
 
 SERVICE = 0.012  # seconds: longer than three requests every 20 ms allow
+# The device is checked once a second. So many answers fit into two seconds, on a machine of any speed.
+MOST_WRONG = 2 / SERVICE
 REGISTERS = (0, 100, 200)
 
 
@@ -18,10 +21,9 @@ class Doubling(SerialSlave):
         self.doubled_at = None
 
     def _serve_once(self):
-        frame = self._line.read(8)
-        if len(frame) < 8:
+        frame = self._frame()
+        if not frame:
             return
-        self.seen.append(frame)
         register = int.from_bytes(frame[2:4], "big") + len(self.seen) % 100
         for again in (False, True):
             time.sleep(SERVICE)
@@ -34,10 +36,13 @@ class Doubling(SerialSlave):
 def test_values_behind_a_doubled_answer_are_marked_within_a_second(project, pair):
     path = project(
         serial(at(REGISTERS, "type: int16, read: 0x03, period: 20ms"), port=pair.a, group_requests="false",
-               response_timeout="100ms"))
+               response_timeout="2s"))
     with Doubling(pair.b), start("run", path, "--json") as run:
         found = run.wait_event(lambda e: e["event"] == "surplus", "the device is named")
-        time.sleep(2)
+        for name in ("V1", "V2", "V3"):
+            run.wait_event(
+                lambda e, n=name: e["event"] == "value" and e["name"] == n and e["quality"] == "good" and e[
+                    "time_ms"] > found["time_ms"], f"{name} is read again")
         run.interrupt()
         events = run.events()
     values = [e for e in events if e["event"] == "value"]
@@ -45,7 +50,7 @@ def test_values_behind_a_doubled_answer_are_marked_within_a_second(project, pair
     wrong = [e for e in values if e["quality"] == "good" and e["value"] // 100 != owner[e["name"]]]
     assert wrong, "nothing shows the first ones"
     assert wrong[-1]["time_ms"] <= found["time_ms"], "the device is in step again"
-    assert found["time_ms"] - wrong[0]["time_ms"] < 2000, "checked once a second, on a busy computer"
+    assert len(wrong) <= MOST_WRONG
     for name in {e["name"] for e in wrong}:
         after = [e for e in values if e["name"] == name and e["time_ms"] >= found["time_ms"]]
         assert after[0]["quality"] == "uncertain" and after[0]["reason"] == "ambiguous", after[0]
@@ -54,18 +59,26 @@ def test_values_behind_a_doubled_answer_are_marked_within_a_second(project, pair
     assert found["device"] == "Node1" and device["surplus_answers"] >= 1
 
 
+def good_after(run, found):
+    """The good values of registers that are read only, after that event."""
+    return [
+        e for e in run.events() if e["event"] == "value" and e["name"] != "W" and e["quality"] == "good"
+        and e["time_ms"] > found["time_ms"]
+    ]
+
+
 class Twofold(SerialSlave):
-    """Serves every request twice, and each of the two anew. The first register of a read is its own address."""
+    """Serves every request twice, and each of the two anew. The first register of a read is its own
+    address."""
 
     def __init__(self, port):
         super().__init__(port, None)
         self.written = 0
 
     def _serve_once(self):
-        frame = self._line.read(8)
-        if len(frame) < 8:
+        frame = self._frame()
+        if not frame:
             return
-        self.seen.append(frame)
         address, number = (int.from_bytes(frame[i:i + 2], "big") for i in (2, 4))
         if frame[1] == 6:
             self.written = number
@@ -82,12 +95,14 @@ def test_a_device_that_answers_everything_twice_is_read_and_written(project, pai
         serial(
             at(REGISTERS, "type: uint32, read: 0x03, period: 0ms") +
             ["name: W, register: 1000, type: uint16, read: 0x03, write: 0x06, verify: true, period: 0ms"],
-            port=pair.b, group_requests="false", response_timeout="200ms", high_register_first="true"))
+            port=pair.b, group_requests="false", response_timeout="2s", high_register_first="true"))
     with Twofold(pair.a) as slave, start("run", path, "--json", "--stdin") as run:
         found = run.wait_event(lambda e: e["event"] == "surplus", "the device is named")
+        outcomes = lambda: [e for e in run.events() if e["event"] == "outcome"]
         for number in range(1, 11):
             run.send(f"write W {number}")
-            time.sleep(0.3)
+            until(lambda n=number: len(outcomes()) == n, f"the outcome of write {number}")
+        until(lambda: len(good_after(run, found)) > MOST_WRONG + 5, "more good values")
         run.interrupt()
         assert slave.written == 10
         events = run.events()
@@ -95,5 +110,5 @@ def test_a_device_that_answers_everything_twice_is_read_and_written(project, pai
     good = [e for e in events if e["event"] == "value" and e["name"] != "W" and e["quality"] == "good"]
     owner = {f"V{i}": r for i, r in enumerate(REGISTERS, 1)}
     wrong = [e for e in good if e["value"] >> 16 != owner[e["name"]]]
-    assert all(e["time_ms"] < found["time_ms"] + 1500 for e in wrong), wrong
-    assert sum(e["time_ms"] > found["time_ms"] + 1500 for e in good) > 5
+    after = good_after(run, found)
+    assert not [e for e in after[int(MOST_WRONG):] if e in wrong], wrong

@@ -1,4 +1,5 @@
-"""examples/tank-farm.yaml: by itself, and with its devices behind a pair of ptys, polled faster than each minute."""
+"""examples/tank-farm.yaml: by itself, and with its devices behind a pair of ptys, polled faster than each
+minute."""
 import signal
 
 import pytest

@@ -1,11 +1,12 @@
-"""docs/specification.md, section 5, on the line: the frames of `takt run` in its own log and in a record of the line."""
+"""docs/specification.md, section 5, on the line: the frames of `takt run` in its own log and in a record of
+the line."""
 import contextlib
 
 import pytest
 
 import endpoints
 from fake_slave import SerialSlave, TcpSlave, rtu_answers, tcp_answer
-from frames import crc16, split_rtu, traffic
+from frames import crc16, split_rtu, traffic, without_checks
 from program import start, takt, until
 from projects import at, scenario_1, scenario_3, serial
 
@@ -26,8 +27,8 @@ def served(path, pair, framing="rtu"):
 
 
 def run_until(path, pair, tmp_path, requests):
-    """Runs the project until at least so many requests were answered; gives the frames of its traffic log, after comparing
-    them with what passed on the line."""
+    """Runs the project until at least so many requests were answered; gives the frames of its traffic log,
+    after comparing them with what passed on the line."""
     sent, answered = len(pair.sent()), len(pair.answered())
     log = tmp_path / "traffic.log"
     with start("run", path, "--traffic", log, "--json") as run:
@@ -77,7 +78,8 @@ def test_scenario_2_sends_the_ten_requests_of_the_source(project, pair, tmp_path
     path = project(scenario_1(grouped=False, port=pair.a))
     with served(path, pair):
         sent = requests_of(run_until(path, pair, tmp_path, 12))
-    assert list(dict.fromkeys(sent)) == UNGROUPED, "these ten, first by ascending address, and nothing else"
+    sent = list(dict.fromkeys(without_checks(sent)))
+    assert sent == UNGROUPED, "these ten, first by ascending address, and nothing else"
 
 
 def test_scenario_3_sends_two_requests(project, pair, tmp_path):
@@ -97,7 +99,9 @@ def test_scenario_3_ungrouped_sends_three_requests(project, pair, tmp_path):
         body + " " + crc16(bytes.fromhex(body)).hex(" ").upper()
         for body in ("10 03 01 F4 00 01", "10 03 01 F5 00 01")
     }
-    assert set(sent) == singles | {THIRD}
+    # Two that look alike are checked once a second, by a read of one more register.
+    assert set(sent) >= singles | {THIRD}
+    assert all(frame in singles | {THIRD} or frame.split()[5] == "02" for frame in sent), sent
 
 
 def test_a_trigger_puts_one_request_at_once(project, pair, tmp_path):

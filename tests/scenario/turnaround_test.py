@@ -1,6 +1,10 @@
-"""docs/planning.md, "Measured response times": the turnaround measured, learnt and kept; late responses kept."""
+"""docs/planning.md, "Measured response times": the turnaround measured, learnt and kept; late responses
+kept."""
 import json
+import re
 import time
+
+import pytest
 
 from fake_slave import SerialSlave, TcpSlave, rtu_answers, tcp_answer
 from program import start, takt, until
@@ -11,11 +15,12 @@ ANSWER = "03 02 0007"
 ENOUGH = 100
 
 
-def learning(text):
-    """The text without its response_timeout, and with turnaround: learn."""
-    written = "        response_timeout: 100ms\n"
-    assert written in text
-    return text.replace(written, "        turnaround: learn\n")
+def learning(text, lines="turnaround: learn"):
+    """The text with `lines` instead of its response_timeout."""
+    text, count = re.subn(r"(?m)^( +)response_timeout: \S+$",
+                          lambda found: found[1] + lines.replace("\n", "\n" + found[1]), text)
+    assert count == 1
+    return text
 
 
 def device_of(control):
@@ -27,10 +32,13 @@ def exchanges(control):
 
 
 def measure(path, control, count):
-    """Runs until so many exchanges were measured. Returns the summary of the device and the text of the run."""
+    """Runs until so many exchanges were measured. Returns the summary of the device and the text of the
+    run."""
     with start("run", path, "--json", "--control", control) as run:
         run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "good", "the first value")
-        until(lambda: exchanges(control) >= count, f"{count} exchanges")
+        # The summary tells how many there were. To ask more often would slow what is measured.
+        while exchanges(control) < count:
+            time.sleep(0.3)
         run.interrupt()
     return run.events()[-1]["lines"][0]["devices"][0]
 
@@ -57,14 +65,15 @@ def test_a_turnaround_is_measured_and_offered_and_leaves_no_file(project, pair, 
             result = run.interrupt()
     measured = device["turnaround"]
     assert measured["exchanges"] >= ENOUGH and not measured["learnt"], measured
-    assert 0 <= measured["p999_ms"] <= measured["longest_ms"] < 500, measured
+    assert 0 <= measured["p999_ms"] <= measured["longest_ms"], measured
     assert measured["advised"].endswith("ms") and device["late_responses"] is None
     assert "turnaround at most" in result.out or "0x03" in result.out
     assert not path.with_suffix(".learnt.json").exists(), "nobody asked to learn"
 
 
 def test_a_learnt_turnaround_is_kept_and_used(project, pair, tmp_path):
-    path = project(learning(serial([f"register: 0, {INT}, period: 10ms"], port=pair.a)))
+    text = serial([f"register: 0, {INT}, period: 10ms"], port=pair.a)
+    path = project(learning(text))
     first = takt("plan", path, "--json").json["lines"][0]
     assert "response_times" not in first and first["verdict"] == "response_unknown"
     with SerialSlave(pair.b, rtu_answers({"03 0000 0001": ANSWER})):
@@ -84,8 +93,14 @@ def test_a_learnt_turnaround_is_kept_and_used(project, pair, tmp_path):
             f"{note['value']} is the longest response time measured, late responses included")
         line = plan["lines"][0]
         assert line["response_times"][0]["turnaround"]["exchanges"] == times["exchanges"]
-        assert line["requests"][0]["c_us"] < first["requests"][0]["c_us"], "not the whole time-out"
-        assert line["requests"][0]["f_us"] < first["requests"][0]["f_us"]
+        # The same as with the longest time written into the file, and twice that as the time-out.
+        longest = times["longest_us"]
+        time_out = max(20_000, 2 * longest)
+        control = learning(text, f"turnaround: {longest:.0f}us\nresponse_timeout: {time_out:.0f}us")
+        written = takt("plan", project(control, "written.yaml"), "--json", code=None).json["lines"][0]
+        for figure in ("c_us", "f_us"):
+            assert line["requests"][0][figure] == pytest.approx(written["requests"][0][figure], abs=5), figure
+            assert line["requests"][0][figure] != first["requests"][0][figure], "not the whole time-out"
         known = takt("check", path, "--json", code=None).json["response_times"]
         assert [(d["line"], d["device"], d["turnaround"]["exchanges"])
                 for d in known] == [("rs485-1", "Node1", times["exchanges"])]
@@ -108,16 +123,17 @@ def test_a_learnt_time_out_grows_with_a_late_response(project, tmp_path):
 
 
 def test_lateness_is_kept_and_reported_until_the_time_out_is_long_enough(project, tmp_path):
-    answers = late_after(0.4, 2, lambda adu: tcp_answer(adu, ANSWER))
+    answers = late_after(2.5, 2, lambda adu: tcp_answer(adu, ANSWER))
     with TcpSlave(answers) as slave:
-        text = tcp([f"register: 0, {INT}, period: 200ms"], slave.port, response_timeout="150ms")
+        text = tcp([f"register: 0, {INT}, period: 200ms"], slave.port, response_timeout="1500ms")
         path = project(text)
         with start("run", path, "--json") as run:
             event = run.wait_event(lambda e: e["event"] == "delays", "the late response is named")
             run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "good", "a good value")
             run.interrupt()
             before = run.events()[-1]["lines"][0]["devices"][0]["late_responses"]
-        sentence = f"Device Node1 answered {event['text'].split()[3]} ms after its request; response_timeout is 150 ms: set "
+        sentence = f"Device Node1 answered {event['text'].split()[3]} ms after its request; " \
+            "response_timeout is 1500 ms: set "
         assert event["text"].startswith(sentence), event
         with start("run", path, "--json") as run:  # it is not late any more
             run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "good", "a good value")
@@ -125,11 +141,11 @@ def test_lateness_is_kept_and_reported_until_the_time_out_is_long_enough(project
         device = run.events()[-1]["lines"][0]["devices"][0]
         assert device["late_answers"] == 0 and device["delays"]["setting"] == "response_timeout"
         assert device["late_responses"]["count"] == before["count"] >= 1
-        assert device["late_responses"]["longest_ms"] >= 400
-        assert "response_timeout is 150 ms" in result.err, "a warning from the start"
+        assert device["late_responses"]["longest_ms"] >= 2490
+        assert "response_timeout is 1500 ms" in result.err, "a warning from the start"
     warning = next(f for f in takt("check", path, "--json").json["findings"] if f["code"] == "learnt.late")
     assert warning["severity"] == "warning" and warning["value"].endswith(" ms")
-    path.write_text(text.replace("response_timeout: 150ms", "response_timeout: 30s"))
+    path.write_text(text.replace("response_timeout: 1500ms", "response_timeout: 30s"))
     assert "learnt.late" not in [f["code"] for f in takt("check", path, "--json").json["findings"]]
 
 
