@@ -1,4 +1,5 @@
-"""Devices on the page: probes on request, learnt gaps, registers of the wire, scans and their way into the project, ages."""
+"""Devices on the page: probes on request, learnt gaps, registers of the wire, scans and their way into the
+project, ages."""
 import json
 import socket
 import time
@@ -7,7 +8,7 @@ import pytest
 
 from fake_slave import TcpSlave
 from page_test import Site
-from program import start, until
+from program import WITHOUT_WAITING, start, until
 
 LEARNING = """\
 takt: 1
@@ -21,9 +22,9 @@ lines:
       - name: Meter
         address: 1
         poll_period: 50ms
-        response_timeout: 100ms
+        response_timeout: 2s
         attempts: 1
-        backoff: 20s
+        backoff: 1h
         strategy: optimal
         gaps: learn
         variables:
@@ -41,7 +42,7 @@ class Meter:
         self.registers = {i: 1000 + i for i in range(20)}
         self.silent = False
         self.hole = set(hole)
-        self.seen = []
+        self.seen, self.answered_at = [], []
         self.slave = TcpSlave(self.answers)
 
     def answers(self, adu):
@@ -55,6 +56,7 @@ class Meter:
         wanted = range(first, first + count)
         if any(i in self.hole or i not in self.registers for i in wanted):
             return adu[:4] + bytes([0, 3, unit, 0x83, 2])
+        self.answered_at.append(time.time() * 1000)
         data = b"".join(self.registers[i].to_bytes(2, "big") for i in wanted)
         return adu[:4] + (3 + len(data)).to_bytes(2, "big") + bytes([unit, 3, len(data)]) + data
 
@@ -102,7 +104,7 @@ def test_a_device_that_does_not_answer_is_tried_now(site, meter):
     assert device(site)["back_off"]["next_probe_ms"] <= device(site)["back_off"]["pause_ms"]
     meter.silent = False
     assert post(site, "/devices/probe", {"line": "net", "device": "Meter"})["outcome"] in ("done", "refused")
-    until(lambda: device(site)["state"] == "answering", "an answer to the probe", deadline=5)
+    until(lambda: device(site)["state"] == "answering", "an answer to the probe")
     assert device(site)["back_off"] is None
     assert post(site, "/devices/probe", {"line": "net", "device": "Nobody"}, 404)["error"]["code"] == "device"
 
@@ -115,7 +117,7 @@ def test_learnt_gaps_are_those_that_the_device_answers_and_refuses(site):
         its = [g for g in lines[0]["learnt"] if g["function"] == 3]
         return its[0] if its and its[0]["refused"] else None
 
-    its = until(learnt, "a refused gap", deadline=60)
+    its = until(learnt, "a refused gap")
     assert any(r["first"] <= 1 and r["last"] >= 2 for r in its["confirmed"]), its
     refused = its["refused"][0]
     assert refused["first"] <= 5 <= refused["last"] and refused["exception"] == 2, its
@@ -137,14 +139,18 @@ def test_registers_are_those_of_the_wire(site, meter):
     assert site.get("/api/v1/registers?variable=Nothing")[0] == 404
 
 
-def test_ages_of_values_that_stay_the_same_are_right(site):
-    """The instant of the last good read that a browser knows is never older than 0.2 s and a period."""
-    good_at, seen = {}, 0
+def test_ages_of_values_that_stay_the_same_are_right(site, meter):
+    """The instant of the last good read that a browser knows is never older than 0.2 s and a period. The
+    reads that the device has answered since are counted: they stand still where the machine does. A period
+    has up to three."""
+    good_at, seen, missed = {}, 0, []
     with site.connect() as s:
         s.sendall(f"GET /api/v1/stream HTTP/1.1\r\nHost: 127.0.0.1:{site.port}\r\n\r\n".encode())
-        buffer, end, late = b"", time.monotonic() + 4, []
-        while time.monotonic() < end:
-            buffer += s.recv(65536)
+        buffer = b""
+        while seen < 40:
+            got = s.recv(65536)
+            assert got, "the stream goes on"
+            buffer += got
             *events, buffer = buffer.split(b"\n\n")
             for event in events:
                 name, _, data = event.partition(b"\ndata: ")
@@ -161,23 +167,21 @@ def test_ages_of_values_that_stay_the_same_are_right(site):
                     seen += 1
                     for at, first, last in body["reads"]:
                         good_at.update(dict.fromkeys(range(first, last + 1), at))
-                    late += [time.time() * 1000 - good_at[names.index(n)] for n in "ABCD"]
-    assert seen >= 20, "ten times a second"
-    late.sort()
-    # The machine of a test may be busy: one event in ten may be later.
-    assert late[len(late) * 9 // 10] < 250, late[-20:]
+                    oldest = min(good_at[names.index(n)] for n in "ABCD")
+                    missed.append(sum(answered > oldest for answered in meter.answered_at[-100:]))
+    missed.sort()
+    assert missed[len(missed) * 9 // 10] <= 3 * 250 / 50, missed
 
 
 def wait_for_end(site):
-    return until(lambda: s if not (s := get(site, "/search"))["running"] else None, "the end of the search",
-                 deadline=60)
+    return until(lambda: s if not (s := get(site, "/search"))["running"] else None, "the end of the search")
 
 
 def test_a_scan_of_hosts_becomes_a_device_of_the_project(site, meter):
     other = Meter()
     with other.slave:
         target = f"tcp://127.0.0.1:{other.slave.port}"
-        state = post(site, "/search/scan", {"targets": [target], "units": "1-3", "timeout_ms": 100})
+        state = post(site, "/search/scan", {"targets": [target], "units": "1-3", "timeout_ms": 500})
         assert state["kind"] == "scan" and state["id"] == 1
         state = wait_for_end(site)
         assert [d["unit"] for d in state["devices"]] == [1], state
@@ -186,7 +190,7 @@ def test_a_scan_of_hosts_becomes_a_device_of_the_project(site, meter):
         assert found["line_node"]["host"] == "127.0.0.1" and "$from" not in json.dumps(found)
         # The registers that a probe finds become variables of the device.
         assert found["device_node"]["address"] == "1"
-        post(site, "/search/probe", {"target": target, "unit": 1, "timeout_ms": 200, "to": 200})
+        post(site, "/search/probe", {"target": target, "unit": 1, "timeout_ms": 5000, "to": 200})
         state = wait_for_end(site)
         assert state["kind"] == "probe" and not state["error"], state["error"]
         assert "holding_register 0..19" in state["probed"][0]["text"]
@@ -212,7 +216,7 @@ def test_a_scan_of_hosts_becomes_a_device_of_the_project(site, meter):
 
 def test_a_polled_line_is_scanned_beside_polling(site, meter):
     before = len(site.run.out)
-    post(site, "/search/scan", {"targets": ["line:net"], "units": "1-4", "timeout_ms": 50})
+    post(site, "/search/scan", {"targets": ["line:net"], "units": "1-4", "timeout_ms": 500})
     state = wait_for_end(site)
     assert [(d["unit"], d["line"], d["known_as"]) for d in state["devices"]] == [(1, "net", "Meter")], state
     assert not state["troubles"], state
@@ -237,7 +241,8 @@ lines:
     framing: rtu
     baud: 115200
     devices:
-      - {name: Boiler, address: 16, poll_period: 200ms, response_timeout: 50ms, variables: [{name: L, type: uint16, register: 0, read: 0x03}]}
+      - {name: Boiler, address: 16, poll_period: 200ms, response_timeout: 50ms, variables: [
+          {name: L, type: uint16, register: 0, read: 0x03}]}
 """)
     with start("run", path, "--json", "--web", "127.0.0.1:0", "--allow-write") as run:
         site = Site(run)
@@ -278,10 +283,8 @@ def test_a_search_is_cancelled_and_one_at_a_time(site):
 def test_the_run_ends_during_a_search(site):
     silent = TcpSlave()
     with silent:
-        post(site, "/search/scan", {"targets": [f"tcp://127.0.0.1:{silent.port}"], "timeout_ms": 5000})
-        begin = time.monotonic()
-        site.run.interrupt()
-        assert time.monotonic() - begin < 5
+        post(site, "/search/scan", {"targets": [f"tcp://127.0.0.1:{silent.port}"], "timeout_ms": 10000})
+        site.run.interrupt(deadline=WITHOUT_WAITING)
 
 
 @pytest.mark.parametrize("path,body,status,code", [
@@ -364,7 +367,7 @@ def test_thousands_of_idle_connections_give_way(site):
                 IndexError):  # closed at once: none of the others has been idle for long enough
             return False
 
-    until(answered, "an answer", deadline=10)
+    until(answered, "an answer")
     for _ in range(20):
         assert site.get("/api/v1/info")[0] == 200
     for s in idle:

@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-from program import start, until
+from program import DEADLINE, start, until
 
 PROJECT = """\
 # The plant.
@@ -36,7 +36,7 @@ class Api:
         self.port = int(found[1])
 
     def __call__(self, method, path, body=None):
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=DEADLINE)
         try:
             headers = {"X-Takt": "1", "Content-Type": "application/json"} if method != "GET" else {}
             connection.request(method, f"/api/v1{path}", None if body is None else json.dumps(body), headers)

@@ -1,4 +1,5 @@
-"""Marks of the trends over the end of a program: a restart, a kill, a damaged file, and a folder that cannot be written."""
+"""Marks of the trends over the end of a program: a restart, a kill, a damaged file, and a folder that cannot
+be written."""
 import json
 import re
 import subprocess
