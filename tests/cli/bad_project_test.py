@@ -1,4 +1,5 @@
-"""Files that are no project: exit code 2, a clear message with the file's name, and never a crash or a hang."""
+"""Files that are no project: exit code 2, a clear message with the file's name, and never a crash or a
+hang."""
 import os
 import random
 

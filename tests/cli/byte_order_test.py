@@ -96,26 +96,36 @@ NAMES = [("ABCD", "4321"), ("CDAB", "2143"), ("BADC", "3412"), ("DCBA", "1234"),
 
 
 @pytest.mark.parametrize("letters, digits", NAMES, ids=[n for n, _ in NAMES])
-def test_a_name_is_its_permutation_everywhere(project, tmp_path, letters, digits):
-    """In a project, in a table, and for the values on the command line."""
-    kind = {2: "int", 4: "float", 8: "double"}[len(digits)]
-    shown = []
-    for order in (letters, digits, letters.lower()):
-        path = project(
-            PROJECT.replace("{name: F, type: float, register: 0, read: 3}",
-                            f"{{name: F, type: {kind}, register: 20, read: 3, byte_order: {order}}}"))
-        requests = takt("plan", path, "--json").json["lines"][0]["requests"]
-        shown += [
-            o for r in requests for n, o in zip(r["variables"], r["byte_orders"], strict=True) if n == "F"
-        ]
-        table = tmp_path / "t.csv"
-        table.write_text(f"name,type,register,read,byte_order\nF,{kind},0,3,{order}\n")
-        whole = tmp_path / "whole.yaml"
-        takt("convert", table, "-o", whole, "--force")
-        shown += [
-            o for r in takt("plan", whole, "--json").json["lines"][0]["requests"] for o in r["byte_orders"]
-        ]
-    assert shown == [digits] * 6
+def test_a_name_is_its_permutation_everywhere(planned_orders, letters, digits):
+    """In a project and in a table."""
+    for orders in planned_orders:
+        assert [orders[f"{letters}_{form}"] for form in ("letters", "digits", "small")] == [digits] * 3
+
+
+@pytest.fixture(scope="module")
+def planned_orders(tmp_path_factory):
+    """The order of a variable for each name, in each form, planned from a project and from a table of all of
+    them."""
+    folder = tmp_path_factory.mktemp("orders")
+    rows = []
+    for letters, digits in NAMES:
+        kind = {2: "int", 4: "float", 8: "double"}[len(digits)]
+        for form, order in (("letters", letters), ("digits", digits), ("small", letters.lower())):
+            rows.append((f"{letters}_{form}", kind, 20 + 4 * len(rows), order))
+    project, table, whole = folder / "project.yaml", folder / "t.csv", folder / "whole.yaml"
+    entries = "".join(f"          - {{name: {name}, type: {kind}, register: {at}, read: 3, "
+                      f"byte_order: {order}}}\n" for name, kind, at, order in rows)
+    own = "          - {name: F, type: float, register: 0, read: 3}\n"
+    assert own in PROJECT
+    project.write_text(PROJECT.replace(own, own + entries))
+    table.write_text("name,type,register,read,byte_order\n" +
+                     "".join(f"{name},{kind},{at},3,{order}\n" for name, kind, at, order in rows))
+    takt("convert", table, "-o", whole)
+    return [{
+        name: order
+        for line in takt("plan", path, "--json").json["lines"] for r in line["requests"]
+        for name, order in zip(r["variables"], r["byte_orders"], strict=True)
+    } for path in (project, whole)]
 
 
 def test_the_plan_names_the_orders(project):
@@ -134,13 +144,18 @@ def test_a_range_in_every_type_and_order():
         shown = {(v["address"], v["type"], v["order"]): v["value"] for v in result["values"]}
         assert shown[10, "float", "ABCD"] == 21.5 and shown[12, "int32", "ABCD"] == -70000
         assert result["registers"][0] == {"address": 10, "hex": "41AC", "binary": "0100000110101100"}
-        for value in result["values"]:
-            if value["type"] in ("string", "double", "float"):
-                continue  # NaN differs from itself; the whole numbers show every order
+        # NaN differs from itself; the whole numbers show every order.
+        whole = [v for v in result["values"] if v["type"] not in ("string", "double", "float")]
+        assert all(v["byte_order"] == dict(NAMES)[v["order"]] for v in whole)
+        named = [f"holding:{v['address']}:1:{v['type']}:{v['order']}" for v in whole]
+        watched = takt("read", url, "holding", 0, "--watch", "--for", "1ms", "--json",
+                       *(part for each in named for part in ("--also", each)))
+        sample = json.loads(watched.lines[0])["values"][1:]
+        assert [v["value"] for v in sample] == [v["value"] for v in whole], "as alone"
+        for value in {v["type"]: v for v in whole}.values():  # one of each type
             alone = takt("read", url, "holding", value["address"], "--type", value["type"], "--order",
                          value["order"], "--json")
-            assert alone.json["values"] == [value["value"]
-                                            ] and value["byte_order"] == dict(NAMES)[value["order"]]
+            assert alone.json["values"] == [value["value"]]
         text = takt("read", url, "holding", 10, "--type", "all")
         assert max(map(len, text.lines)) <= 80 and "21.5" in text.out and "ABCD 4321" in text.out
         for other in (["--watch"], ["--order", "ABCD"], ["--length", 4]):

@@ -1,5 +1,6 @@
 """Captures of takt: run and serve --capture, opened by tshark and measured by takt latency."""
 import json
+import os
 import shutil
 import signal
 import socket
@@ -8,13 +9,11 @@ import subprocess
 
 import pytest
 
-from captures import adu
+from captures import adu, blocks, packets_in
 from endpoints import free_port, wait_listening
 from frames import crc16
 from peer_base import PtyPeer
-from program import TAKT, environment, start, takt, until
-
-pytestmark = pytest.mark.skipif(not shutil.which("tshark"), reason="tshark is not installed")
+from program import DEADLINE, TAKT, environment, start, takt, until
 
 LINE = """  - name: {name}
     transport: {transport}
@@ -43,23 +42,26 @@ def project(tmp_path, *lines):
 
 def tshark(path, *options):
     done = subprocess.run(["tshark", "-n", "-r", str(path), *options], capture_output=True, text=True,
-                          timeout=60, check=True)
+                          timeout=DEADLINE, check=True)
     warnings = [w for w in done.stderr.splitlines() if "Running as user" not in w]
     assert not warnings, warnings
     return done.stdout
 
 
 def fields(path, *names):
-    rows = tshark(path, "-T", "fields", "-E", "occurrence=f",
-                  *(part for name in names for part in ("-e", name))).splitlines()
-    return [row.split("\t") for row in rows]
-
-
-def expect_clean(path):
-    """Wireshark has nothing to say but the comments: no warning, error or note, also about checksums."""
+    """The first value of each field in each packet. Fails if Wireshark reports a warning, an error or a
+    note, also about checksums. A comment is less than a note."""
     checks = ("-o", "ip.check_checksum:TRUE", "-o", "tcp.check_checksum:TRUE")
-    assert tshark(path, *checks, "-Y", "_ws.expert.severity >= 0x400000") == ""
-    assert tshark(path, *checks, "-Y", "_ws.malformed or tcp.analysis.flags") == ""
+    judged = ("_ws.expert.severity", "_ws.malformed", "tcp.analysis.flags")
+    options = (part for name in (*judged, *names) for part in ("-e", name))
+    rows = tshark(path, *checks, "-T", "fields", "-E", "occurrence=a", "-E", "aggregator=\x1f", *options)
+    found = []
+    for row in rows.splitlines():
+        severities, *others = row.split("\t")
+        assert all(int(s, 0) < 0x400000 for s in severities.split("\x1f") if s), row
+        assert others[:2] == ["", ""], row
+        found.append([value.split("\x1f")[0] for value in others[2:]])
+    return found
 
 
 @pytest.mark.parametrize("framing, more", [("rtu", ""), ("ascii", "data_bits: 7")])
@@ -72,7 +74,6 @@ def test_a_serial_line_is_decoded_and_measured(tmp_path, framing, more):
         run.wait_event(lambda e: e.get("outcome") == "done", "the outcome of the write")
         run.send("quit")
         run.finish()
-    expect_clean(capture)
     rows = fields(capture, "frame.interface_name", "modbus.func_code", "mbtcp.unit_id",
                   "modbus.response_time", "frame.comment", "frame.packet_flags_direction")
     assert {(r[0], r[2]) for r in rows} == {("rs485-1", "16")}
@@ -103,9 +104,9 @@ def test_the_clients_of_a_server_are_connections_of_their_own(tmp_path):
         for client in clients:
             client.close()
         serve.interrupt()
-    expect_clean(capture)
-    assert {int(r[0]) for r in fields(capture, "tcp.srcport") if r[0] != "502"} == ports
-    assert {tuple(r) for r in fields(capture, "ip.src", "ip.dst")} == {("127.0.0.1", "127.0.0.1")}
+    rows = fields(capture, "tcp.srcport", "ip.src", "ip.dst")
+    assert {int(r[0]) for r in rows if r[0] != "502"} == ports
+    assert {tuple(r[1:]) for r in rows} == {("127.0.0.1", "127.0.0.1")}
     report = takt("latency", capture, "--json").json
     assert (report["total"]["requests"], report["total"]["answered"]) == (60, 60)
     assert report["total"]["max_ms"] > 0
@@ -113,27 +114,28 @@ def test_the_clients_of_a_server_are_connections_of_their_own(tmp_path):
 
 
 class Noisy(PtyPeer):
-    """Answers each second request with a damaged checksum."""
+    """Answers every other request with a damaged checksum."""
+
+    asked = 0
 
     def _run(self):
-        import os
-        count = 0
         while not self._stop.is_set():
             if not self._readable(0.02):
                 continue
             request = os.read(self._master, 300)
             answer = bytes([request[0], 3, 2, 0, 7])
-            count += 1
-            os.write(self._master, answer + (b"\xEE\xEE" if count % 2 else crc16(answer)))
+            self.asked += 1
+            os.write(self._master, answer + (b"\xEE\xEE" if self.asked % 2 else crc16(answer)))
 
 
 def test_damaged_bytes_are_in_the_capture(tmp_path):
     capture = tmp_path / "run.pcapng"
     with Noisy() as slave:
-        path = project(tmp_path,
-                       line("field", "Pump", 5, transport="serial", more=f"port: {slave.port}; baud: 115200"))
-        takt("run", path, "--for", "1s", "--quiet", "--capture", capture)
-    expect_clean(capture)
+        text = line("field", "Pump", 5, transport="serial", more=f"port: {slave.port}; baud: 115200")
+        path = project(tmp_path, text.replace("turnaround: 2ms", "response_timeout: 1s"))
+        with start("run", path, "--quiet", "--capture", capture) as run:
+            until(lambda: slave.asked >= 6, "six requests")
+            run.interrupt()
     rows = fields(capture, "_ws.col.Protocol", "frame.comment", "data.data", "exported_pdu.exported_pdu")
     damaged = [r for r in rows if "dropped: checksum" in r[1]]
     assert damaged and all(r[2] == "0503020007eeee" for r in damaged), rows[:8]
@@ -147,22 +149,25 @@ def test_files_are_rotated_and_bounded(tmp_path):
     lines = [
         line(f"line-{n}", f"Device{n}", n + 1, more="baud: 115200").replace("50ms", "5ms") for n in range(4)
     ]
-    takt("run", project(tmp_path, *lines), "--for", "2s", "--quiet", "--capture", capture, "--capture-size",
-         "20k", "--capture-files", 3)
+    with start("run", project(tmp_path, *lines), "--quiet", "--capture", capture, "--capture-size", "20k",
+               "--capture-files", 3) as run:
+        oldest = tmp_path / "run.2.pcapng"
+        until(oldest.exists, "a third file")
+        first = oldest.stat().st_ino
+        until(lambda: oldest.exists() and oldest.stat().st_ino != first, "the next rotation")
+        run.interrupt()
     files = sorted(tmp_path.glob("*.pcapng"))
     assert [f.name for f in files] == ["run.1.pcapng", "run.2.pcapng", "run.pcapng"]
     assert all(f.stat().st_size <= 20_000 for f in files)
-    for file in files:
-        expect_clean(file)
-    newest, oldest = fields(files[2], "frame.time_epoch"), fields(files[1], "frame.time_epoch")
+    _, oldest, newest = (fields(file, "frame.time_epoch") for file in files)
     assert float(oldest[-1][0]) <= float(newest[0][0])
 
 
 def test_a_full_disk_ends_in_an_error_and_polling_goes_on(tmp_path):
-    result = takt("run", project(tmp_path, line("rs485-1", "Boiler", 16)), "--for", "400ms", "--capture",
-                  "/dev/full", code=None)
-    assert "Boiler: answering" in result.out
-    assert result.code == 3 and "/dev/full" in result.err, result
+    with start("run", project(tmp_path, line("rs485-1", "Boiler", 16)), "--capture", "/dev/full") as run:
+        run.wait_line(lambda text: "Boiler: answering" in text, "an answer")
+        result = run.interrupt(code=3)
+    assert "/dev/full" in result.err, result
 
 
 @pytest.mark.parametrize("option", ["--capture", "--traffic"])
@@ -187,8 +192,9 @@ def test_a_file_of_frames_is_of_one_program(tmp_path, option):
             assert f"{file}: used by another program" in result.err and "Boiler" not in result.out, result
         assert kept is True or file.read_bytes() == kept
         first.interrupt()
-    takt("run", path, "--for", "200ms", "--quiet", option, file)
-    assert b"Boiler" in file.read_bytes()
+    with start("run", path, "--quiet", option, file) as run:
+        until(lambda: b"Boiler" in file.read_bytes(), "a frame in the file")
+        run.interrupt()
 
 
 @pytest.mark.parametrize("options, words", [(["--capture", "/none/a.pcapng"], "/none/a.pcapng"),
@@ -210,21 +216,20 @@ def test_a_line_of_others_is_overheard_without_a_byte(tmp_path, framing):
                          for n in range(5)), (frame(1, f"03 02 00 0{n}", framing) for n in range(5))
     with Bus() as bus, start("capture", f"{framing}://{bus.port}?baud=115200", "-o", capture) as listener:
         until(lambda: any("listening on" in text for text in listener.err), "listening")
-        for request, answer in zip(requests, answers):
-            bus.pass_on(request)
-            bus.pass_on(answer)
-        bus.pass_on(frame(1, "06 00 05 12 34", framing))
-        bus.pass_on(frame(1, "06 00 05 12 34", framing))
-        last = b"01 06 00 05 12 34" if framing == "rtu" else b":010600051234"
-        until(lambda: capture.read_bytes().count(last) == 2, "the frames in the file")
+        written = frame(1, "06 00 05 12 34", framing)
+        passed = [*(data for pair in zip(requests, answers) for data in pair), written, written]
+        for number, data in enumerate(passed, 1):
+            bus.pass_on(data)
+            # The next frame follows when this one was recorded: a busy program would receive both without a
+            # silence.
+            until(lambda n=number: packets_in(capture) == n, f"frame {number} in the file")
         listener.interrupt()
         assert bus.heard() == b""
-    expect_clean(capture)
     rows = fields(capture, "modbus.func_code", "modbus.response_time", "frame.packet_flags_direction")
     assert [r[0] for r in rows] == ["3"] * 10 + ["6"] * 2
     assert [bool(r[1]) for r in rows] == [False, True] * 6
     assert not any(int(r[2] or "0", 0) & 3 for r in rows)
-    assert takt("latency", capture, "--json").json["total"]["answered"] == 6
+    assert takt("latency", capture, "--json", "--timeout", "1min").json["total"]["answered"] == 6
 
 
 class Bus(PtyPeer):
@@ -234,13 +239,9 @@ class Bus(PtyPeer):
         self._stop.wait()
 
     def pass_on(self, data):
-        import os
-        import time
         os.write(self._master, data)
-        time.sleep(0.03)  # the silence between frames of real lines
 
     def heard(self):
-        import os
         return os.read(self._master, 100) if self._readable(0) else b""
 
 
@@ -269,15 +270,6 @@ def test_an_interface_is_recorded(tmp_path, blank_device):
     assert len(mine) == 40
     report = takt("latency", capture, "--port", port, "--json", code=None).json
     assert [s["answered"] for s in report["series"] if s["server"] == f"127.0.0.1:{port}"] == [20]
-
-
-def blocks(path):
-    """Type and body of each block of a pcapng file in the order of this machine."""
-    data, at = path.read_bytes(), 0
-    while at < len(data):
-        kind, size = struct.unpack_from("=II", data, at)
-        yield kind, data[at + 8:at + size - 4]
-        at += size
 
 
 def test_each_file_of_an_interface_has_its_own_statistics(tmp_path):
@@ -319,7 +311,7 @@ def test_standard_output_is_a_capture(tmp_path):
             assert piece, "it ended"
             data += piece
         listener.send_signal(signal.SIGINT)
-        (tmp_path / "a.pcapng").write_bytes(data + listener.communicate(timeout=30)[0])
+        (tmp_path / "a.pcapng").write_bytes(data + listener.communicate(timeout=DEADLINE)[0])
     assert [r[0] for r in fields(tmp_path / "a.pcapng", "modbus.func_code")] == ["3"]
 
 
@@ -328,12 +320,11 @@ def listening(tmp_path):
     """takt latency --interface lo, listening."""
     listener = start("latency", "--interface", "lo", "--json", "--port", "502", "--port", str(free_port()))
     with listener:
-        try:
-            until(lambda: any("listening on lo" in text for text in listener.err), "listening", 10)
-        except AssertionError:
-            if any("CAP_NET_RAW" in text for text in listener.err):
-                pytest.skip("needs CAP_NET_RAW")
-            raise
+        until(
+            lambda: any("listening on lo" in text
+                        for text in listener.err) or listener.process.poll() is not None, "listening")
+        if any("CAP_NET_RAW" in text for text in listener.err):
+            pytest.skip("needs CAP_NET_RAW")
         yield listener
 
 
@@ -347,7 +338,7 @@ def test_an_interface_is_measured_until_ctrl_c(listening, blank_device):
     report = result.json
     mine = [s for s in report["series"] if s["server"] == f"127.0.0.1:{port}"]
     assert len(mine) == 1 and (mine[0]["requests"], mine[0]["answered"]) == (50, 50), report["series"]
-    assert 0 < mine[0]["min_ms"] <= mine[0]["max_ms"] < 30000
+    assert 0 < mine[0]["min_ms"] <= mine[0]["max_ms"]
     assert report["file"] == "lo" and report["capture"]["dropped_packets"] == 0
 
 
@@ -368,7 +359,7 @@ def test_a_port_that_is_lost_is_reported(tmp_path):
         until(lambda: any("the connection is lost" in text for text in listener.err), "the loss")
         result = listener.interrupt(code=3)
     assert f"{capture}: 1 packets" in result.err, result
-    expect_clean(capture)
+    assert len(fields(capture, "frame.number")) == 1
 
 
 def test_a_port_that_cannot_be_opened_leaves_the_file(tmp_path):
@@ -380,18 +371,18 @@ def test_a_port_that_cannot_be_opened_leaves_the_file(tmp_path):
 
 def test_only_a_serial_line_is_overheard(tmp_path):
     result = takt("capture", "tcp://127.0.0.1", "-o", tmp_path / "a.pcapng", code=2)
-    assert "tcp://127.0.0.1" in result.err and "--interface" in result.err and "rtu:///dev" in result.err, result
+    for part in ("tcp://127.0.0.1", "--interface", "rtu:///dev"):
+        assert part in result.err, result
 
 
 def test_without_the_right_it_says_so(tmp_path):
     copy = tmp_path / "takt"
-    shutil.copy(shutil.os.environ.get("TAKT", "build/dev/bin/takt"), copy)
+    shutil.copy(TAKT, copy)
     copy.chmod(0o755)
     tmp_path.chmod(0o755)
     for parent in list(tmp_path.parents)[:3]:
         parent.chmod(0o755) if str(parent).startswith("/tmp/pytest") else None
-    done = subprocess.run([
-        "setpriv", "--reuid", "65534", "--clear-groups", "--inh-caps=-all",
-        str(copy), "latency", "--interface", "lo"
-    ], capture_output=True, text=True, timeout=60, check=False)
+    nobody = ["setpriv", "--reuid", "65534", "--clear-groups", "--inh-caps=-all"] if os.geteuid() == 0 else []
+    done = subprocess.run([*nobody, str(copy), "latency", "--interface", "lo"], capture_output=True,
+                          text=True, timeout=DEADLINE, check=False)
     assert done.returncode == 3 and "CAP_NET_RAW" in done.stderr and "1024" not in done.stderr, done

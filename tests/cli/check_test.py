@@ -1,4 +1,9 @@
 """`takt check`: all findings at once, with their locations, in three languages."""
+import functools
+import json
+import pathlib
+import tempfile
+
 import pytest
 
 from program import takt
@@ -129,7 +134,8 @@ def test_a_missing_space_in_a_list_of_lines(project, key, value):
 ])
 def test_two_columns_for_the_register(project, tmp_path, heading, code, words):
     (tmp_path / "t.csv").write_text(f"name,type,register,read,{heading}\nA,int,1,3,40002\nB,int,2,3,40003\n")
-    text = "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, variables: t.csv}]}\n"
+    text = "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [\n" \
+        "  {name: D, address: 1, variables: t.csv}]}\n"
     finding, = findings(project(text))
     assert finding["code"] == code
     for word in words:
@@ -139,7 +145,8 @@ def test_two_columns_for_the_register(project, tmp_path, heading, code, words):
 
 
 def test_a_key_of_another_tool_beside_its_own(project):
-    text = "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, slave_id: 1, variables: []}]}\n"
+    text = "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [\n" \
+        "  {name: D, address: 1, slave_id: 1, variables: []}]}\n"
     finding, = findings(project(text))
     assert finding["code"] == "key.twice" and "`address`" in finding["message"]
 
@@ -158,6 +165,15 @@ lines:
         variables:
           - {name: V, type: int16, register: 0, read: 0x03, scale: 0.1}
 """
+
+
+@functools.cache
+def findings_of_good(text):
+    """Several tests begin with the same project."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "project.yaml"
+        path.write_text(text, encoding="utf-8")
+        return json.dumps(takt("check", path, "--json").json["findings"])
 
 
 @pytest.mark.parametrize("language", ["en", "ru", "uk"])
@@ -180,7 +196,7 @@ lines:
 ])
 def test_the_advice_followed_literally_removes_the_finding(project, language, right, wrong):
     good = GOOD.replace("register: 0", right) if right.startswith("reference") else GOOD
-    assert takt("check", project(good), "--json").json["findings"] == []
+    assert findings_of_good(good) == "[]"
     result = takt("check", project(good.replace(right, wrong)), "--json", "--lang", language, code=None)
     assert result.code in (1, 2)
     finding = result.json["findings"][0]
@@ -206,8 +222,8 @@ def test_an_unknown_key_names_the_nearest(project, wrong, near):
     key = wrong.split(":")[0]
     entry = good.replace(f"{near}: " + good.split(f"{near}: ")[1].split(",")[0], wrong) if near in good \
         else f"{good}, {wrong}"
-    text = TEN_MISTAKES[:TEN_MISTAKES.index("    bauds")] + "    devices:\n      - name: D\n        address: 1\n" \
-        f"        variables:\n          - {{{entry}}}\n"
+    text = TEN_MISTAKES[:TEN_MISTAKES.index("    bauds")] + "    devices:\n      - name: D\n" \
+        f"        address: 1\n        variables:\n          - {{{entry}}}\n"
     finding = next(f for f in findings(project(text)) if key in f"{f['path']} {f['value']} {f['message']}")
     assert near in f"{finding['allowed']} {finding['message']} {finding['advice']}"
 

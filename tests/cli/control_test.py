@@ -1,4 +1,5 @@
 """The commands of a running project: `run --stdin`, `run --control PATH` and `takt ctl`."""
+import contextlib
 import json
 import socket
 import stat
@@ -6,7 +7,7 @@ import stat
 import pytest
 
 import endpoints
-from program import start, takt, until
+from program import DEADLINE, start, takt, until
 from projects import tcp
 
 READ, WRITTEN = "type: int16, read: 0x03", "type: int16, read: 0x03, write: 0x10, write_on_change: true"
@@ -22,14 +23,28 @@ VARIABLES = [
 LOCALS = ["name: go, type: bool", "name: count, type: int"]
 
 
-@pytest.fixture
-def run(project, blank_device, tmp_path):
-    """A project that runs against a blank device, with every way in open; `run.target` is the device."""
-    port = blank_device()
-    path = project(tcp(VARIABLES, port, local=LOCALS))
-    with start("run", path, "--stdin", "--control", tmp_path / "control") as running:
-        running.target, running.control = f"tcp://127.0.0.1:{port}", tmp_path / "control"
+@contextlib.contextmanager
+def running_in(folder, port):
+    """A project that runs against a blank device, with every way in open; `target` is the device."""
+    path = folder / "project.yaml"
+    path.write_text(tcp(VARIABLES, port, local=LOCALS))
+    with start("run", path, "--stdin", "--control", folder / "control") as running:
+        running.target, running.control = f"tcp://127.0.0.1:{port}", folder / "control"
         yield running
+
+
+@pytest.fixture
+def run(blank_device, tmp_path):
+    with running_in(tmp_path, blank_device()) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def lasting(shared_device, tmp_path_factory):
+    """The same run for all tests that leave it as it was, but for the value of `count` and of registers."""
+    with running_in(tmp_path_factory.mktemp("lasting"), shared_device()) as running:
+        yield running
+        running.interrupt()
 
 
 ANSWERS = ("ok", "error", "done", "refused", "unknown", "expired")
@@ -47,17 +62,20 @@ def held(run, area, address, *more):
     return takt("read", run.target, area, address, *more, "--json").json["values"][0]
 
 
-def test_get(run):
+def test_get(lasting):
+    run = lasting
     until(lambda: answer(run, "get Level") == "ok Level 0", "the value of the device")
 
 
-def test_set_a_local(run):
+def test_set_a_local(lasting):
+    run = lasting
     assert answer(run, "set count 42") == "ok count 42"
     assert answer(run, "get count") == "ok count 42"
     assert answer(run, "set go true").startswith("ok go ")
 
 
-def test_set_of_a_variable_written_on_change(run):
+def test_set_of_a_variable_written_on_change(lasting):
+    run = lasting
     assert answer(run, "set Wanted -7").startswith("ok Wanted -7")
     until(lambda: held(run, "holding", 1, "--type", "int16") == -7, "the value in the device")
     until(lambda: answer(run, "get Wanted") == "ok Wanted -7", "the value read back")
@@ -68,12 +86,13 @@ def test_set_of_a_variable_written_on_change(run):
     ("Ordered", "-1", "holding", 2, "int16", -1),
     ("Ratio", "2.5", "holding", 4, "float", 2.5),
 ])
-def test_write(run, name, value, area, address, kind, expected):
-    assert "done" in answer(run, f"write {name} {value}")
-    assert held(run, area, address, "--type", kind) == expected
+def test_write(lasting, name, value, area, address, kind, expected):
+    assert "done" in answer(lasting, f"write {name} {value}")
+    assert held(lasting, area, address, "--type", kind) == expected
 
 
-def test_rounding_is_said(run):
+def test_rounding_is_said(lasting):
+    run = lasting
     assert answer(run, "write Scaled 1.26") == "done Scaled rounded"
     assert held(run, "holding", 20, "--type", "int16") == 13
     assert answer(run, "write Scaled 1.2") == "done Scaled"
@@ -81,7 +100,8 @@ def test_rounding_is_said(run):
     assert answer(run, "write Scaled 4000").startswith("error overflow ")
 
 
-def test_write_a_coil(run):
+def test_write_a_coil(lasting):
+    run = lasting
     assert "done" in answer(run, "write Lamp 1")
     assert held(run, "coils", 5) in (1, True)
     assert "done" in answer(run, "write Lamp false")
@@ -111,16 +131,16 @@ def test_write_a_coil(run):
     "quit now please",
     "set count -32769",
 ], ids=lambda c: c.replace(" ", "-").replace("\x00", "NUL"))
-def test_bad_commands(run, command):
-    said = answer(run, command).split(" ", 2)
+def test_bad_commands(lasting, command):
+    said = answer(lasting, command).split(" ", 2)
     assert said[0] == "error" and len(said) == 3, "a code and a text"
-    assert answer(run, "set count 3") == "ok count 3", "and it goes on"
+    assert answer(lasting, "set count 3") == "ok count 3", "and it goes on"
 
 
-def test_an_empty_line_is_no_command(run):
-    run.send("")
-    run.send("   ")
-    assert answer(run, "set count 1") == "ok count 1"
+def test_an_empty_line_is_no_command(lasting):
+    lasting.send("")
+    lasting.send("   ")
+    assert answer(lasting, "set count 1") == "ok count 1"
 
 
 def test_a_megabyte_without_a_line_end(run):
@@ -205,7 +225,7 @@ def test_a_write_to_a_host_that_is_not_there_expires(project):
 def connection(path):
     """A connection to the control socket, once it is there and listens."""
     client = socket.socket(socket.AF_UNIX)
-    client.settimeout(30)
+    client.settimeout(DEADLINE)
     until(lambda: client.connect_ex(str(path)) == 0, "the control socket")
     return client
 

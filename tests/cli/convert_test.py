@@ -17,7 +17,8 @@ lines:
         address: 16
         poll_period: 2s
         variables:
-          - {name: T1, type: float, register: 0, read: 0x03, write: 0x10, write_trigger: go, comment: "a; \\"b\\""}
+          - {name: T1, type: float, register: 0, read: 0x03, write: 0x10, write_trigger: go,
+             comment: "a; \\"b\\""}
           - {name: Насос, type: bool, coil: 7, read: 0x01}
       - name: Meter
         address: 17
@@ -62,25 +63,41 @@ def test_a_project_may_name_the_table_of_the_ide(project, tmp_path, encoding):
                                                                 encoding.replace("-sig", "")).out
 
 
+@pytest.fixture(scope="module")
+def plain_table(tmp_path_factory):
+    """The device of the project as a table in the form that none asked for."""
+    folder = tmp_path_factory.mktemp("plain")
+    (folder / "project.yaml").write_text(PROJECT, encoding="utf-8")
+    takt("convert", folder / "project.yaml", "-o", folder / "first.csv", "--device", "Boiler")
+    takt("convert", folder / "first.csv", "-o", folder / "plain.csv")
+    return folder / "plain.csv"
+
+
 @pytest.mark.parametrize("headings, first", [("en", "Variable name"), ("ru", "Имя переменной"),
                                              ("uk", "Ім'я змінної"), ("keys", "name")])
 @pytest.mark.parametrize("separator", ["comma", "semicolon", "tab"])
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-bom", "cp1251"])
-def test_there_and_back(project, tmp_path, headings, first, separator, encoding):
+def test_there_and_back(project, tmp_path, plain_table, headings, first, separator, encoding):
     path, table = project(PROJECT), tmp_path / "t.csv"
     takt("convert", path, "-o", table, "--device", "Boiler", "--headings", headings, "--separator", separator,
          "--encoding", encoding)
     text = table.read_bytes().decode(encoding.replace("-bom", "-sig"))
     assert text.startswith(first) and text.count("\r\n") == text.count("\n") == 3
-    back = takt("convert", table).out
+    again = tmp_path / "again.csv"
+    takt("convert", table, "-o", again)
+    assert again.read_bytes() == plain_table.read_bytes(), "whatever its form was"
+
+
+def test_a_table_becomes_a_project_and_itself(plain_table, tmp_path):
+    back = takt("convert", plain_table).out
     assert variables(back)[0] == ('- {name: T1, type: float, read: 0x03, write: 0x10, register: 0, '
                                   'comment: "a; \\"b\\"", write_trigger: go, period: 2s}')
     assert variables(back)[1] == "- {name: Насос, type: bool, read: 0x01, coil: 7, period: 2s}"
     again = tmp_path / "again.csv"
-    takt("convert", table, "-o", again)
+    takt("convert", plain_table, "-o", again)
     once = again.read_bytes()
     takt("convert", again, "-o", again, "--force")
-    assert again.read_bytes() == once
+    assert again.read_bytes() == once == plain_table.read_bytes()
 
 
 def test_all_devices_in_one_table(project, tmp_path):
@@ -185,7 +202,7 @@ def test_a_project_a_table_and_a_conversion_warn_alike_of_40001(tmp_path):
 
 def test_errors_name_unrepresentable_characters(project, tmp_path):
     result = takt("convert", project(PROJECT.replace("кВт", "中")), "--encoding", "cp1251", code=1)
-    assert result.out == "" and "中" in result.err and "unit" in result.err and ":15:" in result.err
+    assert result.out == "" and "中" in result.err and "unit" in result.err and ":16:" in result.err
     texts = {
         language: takt("convert", project(PROJECT.replace("кВт", "中")), "--encoding", "cp1251", "--lang",
                        language, code=1).err

@@ -1,4 +1,5 @@
-"""Errors are reported on the right stream, with the right exit code: interrupted clients, full disks, time-outs, invalid options."""
+"""Errors are reported on the right stream, with the right exit code: interrupted clients, full disks,
+time-outs, invalid options."""
 import contextlib
 import json
 import pathlib
@@ -12,7 +13,7 @@ import pytest
 import endpoints
 from fake_slave import TcpSlave, tcp_answer
 from peer_base import TcpPeer
-from program import TAKT, environment, start, takt, until
+from program import DEADLINE, TAKT, environment, start, takt, until
 from projects import at, tcp
 
 INT = "type: int16, read: 0x03"
@@ -43,7 +44,7 @@ def test_a_full_disk(project, blank_device, arguments):
     names = {"PROJECT": project(tcp(at([0], INT), port)), "TARGET": f"tcp://127.0.0.1:{port}"}
     with FULL.open("wb") as full:
         done = subprocess.run([TAKT, *(str(names.get(a, a)) for a in arguments)], stdout=full,
-                              stderr=subprocess.PIPE, env=environment(), timeout=60, check=False)
+                              stderr=subprocess.PIPE, env=environment(), timeout=DEADLINE, check=False)
     assert done.returncode == 3, done.stderr.decode()
     assert "stdout: " in done.stderr.decode() and "no space left" in done.stderr.decode()
 
@@ -61,7 +62,7 @@ def test_a_reader_that_has_enough_is_no_failure(project, blank_device):
         ):  # the value never changes: this is all there is to print
             pass
         run.stdout.close()
-        assert run.wait(30) == 0
+        assert run.wait(DEADLINE) == 0
         assert run.stderr.read() == b""
 
 
@@ -188,11 +189,15 @@ def test_an_interrupted_write_says_that_it_may_be_done():
 
 def test_the_troubles_of_a_watch_are_no_data():
     with TcpSlave() as slave:
-        result = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for",
-                      "300ms", "--timeout", "50ms", code=4)
-        assert result.out == "" and "0x03 0..0: " in result.err and "–" in result.err
-        result = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for",
-                      "300ms", "--timeout", "50ms", "--json", code=4)
+        target = f"tcp://127.0.0.1:{slave.port}"
+        command = ["read", target, "holding", 0, "--watch", "10ms", "--timeout", "50ms"]
+        with start(*command) as watch:
+            until(lambda: any("0x03 0..0: " in line for line in watch.err), "a trouble")
+            result = watch.interrupt(code=4)
+        assert result.out == "" and "–" in result.err
+        with start(*command, "--json") as watch:
+            watch.wait_event(lambda e: e["event"] == "sample", "a sample")
+            result = watch.interrupt(code=4)
         summary = json.loads(result.lines[-1])
         assert summary["answers"] == 0 and summary["min_ms"] is None and summary["errors"] == summary[
             "samples"]
@@ -238,23 +243,29 @@ class Greeter(TcpPeer):
 
 
 @pytest.mark.parametrize(
-    "command", [["read", "holding", 0], ["read", "holding", 0, "--watch", "100ms", "--for", "1s"], ["probe"]],
+    "command",
+    [["read", "holding", 0], ["read", "holding", 0, "--watch", "100ms", "--for", "1s"], ["probe"]],
     ids=lambda c: "-".join(map(str, c))[:24])
 def test_a_peer_that_is_not_modbus(command):
     with Greeter(b"SSH-2.0-OpenSSH_9.2\r\n") as peer:
-        result = takt(command[0], f"tcp://127.0.0.1:{peer.port}", *command[1:], code=6)
-        assert f"127.0.0.1:{peer.port}: the peer does not speak Modbus TCP: received 53 53 48 2D 32 2E 30 2D (SSH-2.0-)" in " ".join(
-            result.err.split())
-        assert "Check the host and the port" in " ".join(result.err.split())
+        result = takt(command[0], f"tcp://127.0.0.1:{peer.port}", *command[1:], "--timeout", "20s", code=6)
+        message = " ".join(result.err.split())
+        assert f"127.0.0.1:{peer.port}: the peer does not speak Modbus TCP: " \
+            "received 53 53 48 2D 32 2E 30 2D (SSH-2.0-)" in message
+        assert "Check the host and the port" in message
 
 
 def test_a_project_with_a_peer_that_is_not_modbus(project):
     with Greeter(b"220 mail ready\r\n") as peer:
-        run = takt("run", project(tcp(at([0], INT), peer.port)), "--for", "3s", "--json")
-        links = [json.loads(line) for line in run.lines if '"event":"link"' in line]
-        down = [link for link in links if not link["up"]]
-        assert down and all("received 32 32 30 20 6D 61 69 6C (220 mail)" in link["text"] for link in down)
-        assert len(down) <= 5, "0.25 s, 0.5 s, 1 s, 2 s, each up to a quarter less"
+        with start("run", project(tcp(at([0], INT), peer.port)), "--json") as run:
+            down = lambda: [e for e in run.events() if e["event"] == "link" and not e["up"]]
+            until(lambda: len(down()) >= 4, "four attempts")
+            run.interrupt()
+        assert all("received 32 32 30 20 6D 61 69 6C (220 mail)" in link["text"] for link in down())
+        times = [link["time_ms"] for link in down()]
+        pauses = [b - a for a, b in zip(times, times[1:4])]
+        assert all(pause >= 0.74 * wanted for pause, wanted in zip(pauses, (250, 500, 1000))), \
+            "0.25 s, 0.5 s, 1 s, each up to a quarter less"
 
 
 @pytest.mark.parametrize("arguments, words", [

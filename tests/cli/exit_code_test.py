@@ -7,7 +7,7 @@ import pytest
 import endpoints
 from fake_slave import SerialSlave, TcpSlave, tcp_answer
 from frames import request
-from program import TAKT, environment, start, takt
+from program import DEADLINE, TAKT, environment, start, takt
 from projects import at, serial, tcp
 
 BROKEN = serial(at([70000], "type: int16, read: 0x03"))
@@ -169,7 +169,7 @@ def test_more_lines_than_descriptors(tmp_path, language, word):
                             f"devices: [{{name: D{n}, address: 1}}]}}\n" for n in range(50)))
     run = subprocess.run(
         ["sh", "-c", 'ulimit -n 90 && exec "$0" run "$1" --for 1s --lang "$2"', TAKT, file, language],
-        capture_output=True, env=environment(), timeout=30, check=False)
+        capture_output=True, env=environment(), timeout=DEADLINE, check=False)
     message = run.stderr.decode()
     assert run.returncode == 3, message
     assert "114" in message and "90" in message and word in message
@@ -228,7 +228,7 @@ GOOD = request("rtu", 1, "03 02 00 07")
 ], ids=["checksum", "cut", "noise", "wrong-byte-count"])
 def test_a_bad_frame_on_a_serial_line(pair, answer):
     with serial_slave(pair, lambda _: answer) as target:
-        refused(takt("read", target, "--timeout", "200ms", "holding", 0, code=6))
+        refused(takt("read", target, "--timeout", "3s", "holding", 0, code=6))
 
 
 @pytest.mark.parametrize("answer", [
@@ -238,7 +238,7 @@ def test_a_bad_frame_on_a_serial_line(pair, answer):
 ], ids=["protocol", "wrong-byte-count", "http"])
 def test_a_bad_frame_over_tcp(answer):
     with TcpSlave(answer) as slave:
-        refused(takt("read", f"tcp://127.0.0.1:{slave.port}", "--timeout", "300ms", "holding", 0, code=6))
+        refused(takt("read", f"tcp://127.0.0.1:{slave.port}", "--timeout", "3s", "holding", 0, code=6))
 
 
 def test_an_answer_to_another_request_is_not_taken():

@@ -8,18 +8,18 @@ import serial as pyserial
 
 import endpoints
 from frames import crc16, request
-from program import start, takt
+from program import DEADLINE, start, takt
 
 
 class Raw:
-    """A master that sees the bytes: `ask()` gives what came within `patience` seconds."""
+    """A master that sees the bytes: `ask()` gives what came within so many seconds."""
 
     def __init__(self, port):
         self._socket = socket.create_connection(("127.0.0.1", port))
 
-    def ask(self, patience=5.0):
+    def ask(self, seconds=DEADLINE):
         self._socket.sendall(bytes.fromhex("0001 0000 0006 01 03 0000 0001"))
-        self._socket.settimeout(patience)
+        self._socket.settimeout(seconds)
         try:
             return self._socket.recv(100)
         except TimeoutError:
@@ -48,7 +48,7 @@ def serve(*options):
 def test_over_tcp(fault, answer):
     running, port = serve("--fault", fault)
     with running:
-        assert Raw(port).ask(0.3 if fault == "silence" else 5.0) == bytes.fromhex(answer)
+        assert Raw(port).ask(0.3 if fault == "silence" else DEADLINE) == bytes.fromhex(answer)
         running.interrupt()
 
 
@@ -74,7 +74,7 @@ def test_on_a_serial_line(pair, fault, change):
         good = request("rtu", 9, "03 02 00 00")
         assert good[-2:] == crc16(good[:-2])
         wanted = change(good)
-        with pyserial.Serial(pair.a, timeout=20) as line:
+        with pyserial.Serial(pair.a, timeout=DEADLINE) as line:
             line.write(request("rtu", 9, "03 0000 0001"))
             assert line.read(len(wanted)) == wanted
             line.timeout = 0.1
@@ -132,7 +132,7 @@ lines:
 
 @pytest.fixture
 def plant(project, tmp_path):
-    """`takt serve` as the devices of two lines, with commands from its standard input and a control socket."""
+    """`takt serve` as the devices of two lines, with commands from its standard input and a socket."""
     ports = endpoints.free_port(), endpoints.free_port()
     path = project(PLANT.format(first=ports[0], second=ports[1]))
     control = tmp_path / "control"
@@ -153,7 +153,8 @@ def ask(running, command):
 
 def read(port, unit, start=0, *options, code=0):
     """The JSON of a read of one value."""
-    return takt("read", f"tcp://127.0.0.1:{port}", "--unit", unit, "holding", start, "--timeout", "300ms",
+    timeout = "300ms" if code == 4 else "20s"
+    return takt("read", f"tcp://127.0.0.1:{port}", "--unit", unit, "holding", start, "--timeout", timeout,
                 "--json", *options, code=code).json
 
 
@@ -216,7 +217,7 @@ lines:
         ask(running, "set G 4711")
         url = f"{framing}://{pair.a}?baud=19200&parity=none" + ("&stop_bits=2" if framing == "ascii" else "")
         assert takt("read", url, "--unit", 17, "holding", 0, "--json", "--timeout",
-                    "5s").json["values"] == [4711]
+                    "20s").json["values"] == [4711]
         takt("read", url, "--unit", 27, "holding", 0, "--timeout", "5s", code=6)
         running.interrupt()
 

@@ -185,7 +185,8 @@ def written(text, changes):
     return yaml.safe_dump(document, sort_keys=False)
 
 
-# A line that holds can be late with a dead device. That is the next finding, not the one that a measure removes.
+# A line that holds can be late with a dead device. That is the next finding, not the one that a measure
+# removes.
 WITHOUT_FAILURES = {
     "guarantee.late", "guarantee.unbounded", "guarantee.overload", "guarantee.response_unknown"
 }

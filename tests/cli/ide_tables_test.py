@@ -1,4 +1,5 @@
-"""The four tables of the IDE, typed as their source prints them: to one project, and back in the same words."""
+"""The four tables of the IDE, typed as their source prints them: to one project, and back in the same
+words."""
 import pytest
 
 from program import takt
@@ -193,7 +194,8 @@ lines:
         poll_enable: "‹ не выбрана ›"
         byte_order: "Float: 2 1 4 3"
         variables:
-          - {name: V, type: float, register: 0, read: 0x03, write: "< не выбрана >", status: "< не выбр...", read_trigger: "<не выбрана>"}
+          - {name: V, type: float, register: 0, read: 0x03, write: "< не выбрана >", status: "< не выбр...",
+             read_trigger: "<не выбрана>"}
           - {name: "< не выбрана >", type: float, register: 2, read: 0x03}
 """, encoding="utf-8")
     result = takt("check", project)
@@ -204,7 +206,8 @@ lines:
 
 def test_a_comment_that_is_cut_is_reported(tmp_path):
     long = "я" * 1100
-    text = f"Имя;Тип;Регистр;Функция чтения;Цвет\nA;Целочисленное;0;0x03;{long}Ъ\nB;Целочисленное;1;0x03;{long}\n"
+    text = "Имя;Тип;Регистр;Функция чтения;Цвет\n" \
+        f"A;Целочисленное;0;0x03;{long}Ъ\nB;Целочисленное;1;0x03;{long}\n"
     result = converted(tmp_path, text)
     assert result.err.count("longer than 1000 characters") == 1 and "the comments of 2 rows" in result.err
     assert ":2:" in result.err and "яяя" in result.err
@@ -234,7 +237,8 @@ lines:
         address: 16
         turnaround: 5ms
         variables:
-          - {name: A, type: float, area: holding_register, register: 0, high_byte_first: true, high_register_first: false}
+          - {name: A, type: float, area: holding_register, register: 0, high_byte_first: true,
+             high_register_first: false}
           - {name: B, type: bool, reference: "10001"}
           - {name: C, type: int, register: 4, write: 0x10, write_on_change: true, used: false}
 """, encoding="utf-8")
@@ -311,8 +315,8 @@ def test_the_window_of_a_variable_is_a_variable(tmp_path):
     result = converted(
         tmp_path, "Имя;V1\nТип;Целочисленное\nРегистр;5\nБит;0\nФункция чтения;0x03\nФункция записи;0x10\n"
         "Запись по изменению;☑\nКоличество регистров;2\nЗапуск чтения;go\nСтатус;< не выбрана >\n")
-    assert "{name: V1, type: int32, register: 5, read: 0x03, write: 0x10, write_on_change: true, read_trigger: go}" \
-        in result.out
+    assert "{name: V1, type: int32, register: 5, read: 0x03, write: 0x10, write_on_change: true, " \
+        "read_trigger: go}" in result.out
 
 
 def test_columns_of_the_device_are_its_settings(tmp_path):

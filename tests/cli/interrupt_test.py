@@ -14,16 +14,14 @@ import pytest
 
 import endpoints
 from fake_slave import SerialSlave, TcpSlave
-from program import TAKT, environment, start, takt, until
+from program import DEADLINE, TAKT, WITHOUT_WAITING, environment, start, takt, until
 from projects import at, serial, tcp
 
-# A second is promised; a busy machine with sanitizers gets three before the test calls it late.
-LATE = 3.0
 INT = "type: int16, read: 0x03"
 
 
 def end(running, with_signal=signal.SIGINT):
-    return running.interrupt(with_signal, deadline=LATE)
+    return running.interrupt(with_signal, deadline=WITHOUT_WAITING)
 
 
 @pytest.mark.parametrize("with_signal", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "terminate"])
@@ -38,7 +36,7 @@ def test_demo_at_its_very_start():
     """Before anything is printed: the signal may even come before the program can take it."""
     with start("demo") as demo:
         demo.process.send_signal(signal.SIGINT)
-        demo.process.wait(LATE)
+        demo.process.wait(WITHOUT_WAITING)
         assert demo.process.returncode in (0, -signal.SIGINT)
 
 
@@ -64,7 +62,7 @@ def test_demo_on_a_terminal():
     try:
         until(drawn, "values on the terminal")
         os.write(terminal, b"\x03")
-        until(lambda: show() or process.poll() is not None, "the end", LATE)
+        until(lambda: show() or process.poll() is not None, "the end", WITHOUT_WAITING)
         show()
         assert process.returncode == 0
         assert b"\x1b[" in shown and b"cycle planned" in shown
@@ -142,14 +140,14 @@ def test_read_from_a_silent_host():
                                     0) as read:
         until(lambda: len(slave._threads) > 1, "the connection")
         read.process.send_signal(signal.SIGINT)
-        read.finish(code=None, deadline=LATE)
+        read.finish(code=None, deadline=WITHOUT_WAITING)
 
 
 def test_read_from_a_silent_line(pair):
     with start("read", f"rtu://{pair.a}", "--timeout", "60s", "holding", 0) as read:
         until(pair.sent, "the request")
         read.process.send_signal(signal.SIGINT)
-        read.finish(code=None, deadline=LATE)
+        read.finish(code=None, deadline=WITHOUT_WAITING)
 
 
 def settings(path):
@@ -181,7 +179,7 @@ def test_the_port_s_settings_are_restored(project, pair, command):
             until(pair.sent, "the first request")
         assert termios.tcgetattr(line) != before, "its own settings while it runs"
         running.process.send_signal(signal.SIGINT)
-        running.finish(code=None, deadline=LATE)
+        running.finish(code=None, deadline=WITHOUT_WAITING)
     assert termios.tcgetattr(line) == before
     os.close(line)
 
@@ -218,7 +216,7 @@ def test_a_reader_that_goes_away(arguments):
     assert process.stdout.readline()
     process.stdout.close()
     err = process.stderr.read().decode()
-    assert process.wait(30) in (0, 1, -signal.SIGPIPE), err
+    assert process.wait(DEADLINE) in (0, 1, -signal.SIGPIPE), err
     assert "Sanitizer" not in err and "terminate called" not in err
 
 
@@ -228,7 +226,7 @@ def test_a_reader_that_is_gone_from_the_start(project):
         reader, writer = os.pipe()
         os.close(reader)
         done = subprocess.run([TAKT, *map(str, arguments)], stdout=writer, stderr=subprocess.PIPE,
-                              env=environment(), timeout=30, check=False)
+                              env=environment(), timeout=DEADLINE, check=False)
         os.close(writer)
         assert "Sanitizer" not in done.stderr.decode() and "terminate called" not in done.stderr.decode()
         assert done.returncode in (0, 1, -signal.SIGPIPE)
@@ -239,7 +237,7 @@ def test_a_full_disk(project):
     path = project(serial(at([0], INT)))
     with open("/dev/full", "w") as full:
         done = subprocess.run([TAKT, "plan", str(path), "--json"], stdout=full, stderr=subprocess.PIPE,
-                              timeout=30, env=environment(), check=False)
+                              timeout=DEADLINE, env=environment(), check=False)
     assert done.returncode > 0 and done.stderr
 
 
@@ -271,7 +269,7 @@ def test_a_reader_that_stalls_at_the_end(project, arguments):
         with pytest.raises(subprocess.TimeoutExpired):
             process.wait(2.5)
         process.send_signal(signal.SIGTERM)
-        process.wait(5 + LATE)
+        process.wait(WITHOUT_WAITING)
         assert process.returncode in (0, -signal.SIGTERM)
     finally:
         process.kill()

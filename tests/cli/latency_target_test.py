@@ -13,6 +13,10 @@ from fake_slave import SerialSlave, TcpSlave, rtu_answers, tcp_answer
 from program import start, takt, until
 
 
+# Only what the server holds back is late, also on a busy machine.
+TIMEOUT, LATE = "1500ms", 2.0
+
+
 def target(port):
     return f"tcp://127.0.0.1:{port}"
 
@@ -22,13 +26,13 @@ def measured(port, *options, code=0):
 
 
 def test_a_rate_is_kept_and_both_times_are_stated(blank_device):
-    report = measured(blank_device("ramp"), "holding", 10, 20, "--rate", "500/s", "--for", "1s",
-                      "--same-content", "--limit", "500ms")
+    report = measured(blank_device("ramp"), "holding", 10, 20, "--rate", "500/s", "--requests", 500,
+                      "--same-content", "--timeout", "1min", "--limit", "1min")
     total, load = report["total"], report["load"]
     assert (total["requests"], total["answered"], load["sent"], load["different"]) == (500, 500, 500, 0)
     assert (load["rate_per_s"], load["coordinated_omission"]) == (500, "avoided")
     assert (load["function"], load["start"], load["quantity"]) == (3, 10, 20)
-    assert abs(load["elapsed_ms"] - 1000) < 1
+    assert load["elapsed_ms"] >= 998, "the last request is due then"
     for percentile in ("min_ms", "p50_ms", "p99_ms", "max_ms"):
         assert load["from_sending"][percentile] <= total[percentile]
     assert abs(total["period_ms"] - 2) < 0.1
@@ -52,7 +56,8 @@ def test_a_stalled_server_delays_every_request_that_was_due():
         return tcp_answer(adu, "03 02 0001")
 
     with TcpSlave(stall) as slave:
-        report = measured(slave.port, "--rate", "200/s", "--for", "1s", "--limit", "100ms", code=1)
+        report = measured(slave.port, "--rate", "200/s", "--requests", 200, "--timeout", "1min", "--limit",
+                          "100ms", code=1)
     assert report["total"]["answered"] == 200
     assert report["verdict"]["exceeded"] >= 35, "the requests due in the first 200 ms of the pause"
     assert report["load"]["from_sending"]["p90_ms"] < report["total"]["p90_ms"]
@@ -71,12 +76,12 @@ def test_late_exceptions_and_answers_to_nothing():
     def answer(adu, numbers=itertools.count()):
         number = next(numbers)
         if number == 3:
-            time.sleep(0.15)
+            time.sleep(LATE)
             return tcp_answer(adu, "83 06")
         return tcp_answer(adu, "03 02 0001", transaction=0xFFFF if number == 6 else None)
 
     with TcpSlave(answer) as slave:
-        report = measured(slave.port, "--timeout", "100ms", "--requests", 20, code=1)
+        report = measured(slave.port, "--timeout", TIMEOUT, "--requests", 20, code=1)
     total, load = report["total"], report["load"]
     assert (total["exceptions"], total["late"]) == ({"6": 1}, 1)
     assert (load["unexpected"], total["unanswered"]) == (1, 1)
@@ -87,13 +92,13 @@ def test_late_and_unanswered_requests_and_lost_connections():
     def answer(adu, numbers=itertools.count()):
         number = next(numbers)
         if number == 3:
-            time.sleep(0.15)
+            time.sleep(LATE)
         if number == 6:
             return "close"
         return tcp_answer(adu, "03 02 0001")
 
     with TcpSlave(answer) as slave:
-        report = measured(slave.port, "--timeout", "100ms", "--requests", 20, "--for", "20s")
+        report = measured(slave.port, "--timeout", TIMEOUT, "--requests", 20, "--for", "5min")
     total, load = report["total"], report["load"]
     assert (total["requests"], load["timed_out"], total["late"]) == (20, 1, 1)
     assert load["lost"] == total["unanswered"] and load["lost"] >= 1 and load["disconnections"] >= 1
@@ -109,7 +114,7 @@ def test_a_device_that_never_answers():
 def test_a_serial_line(pair):
     with SerialSlave(pair.b, rtu_answers({"04 0005 0002": "04 04 0001 0002"})):
         report = takt("latency", f"rtu://{pair.a}?baud=115200&parity=none", "input", 5, 2, "--requests", 10,
-                      "--json").json
+                      "--timeout", "20s", "--json").json
         assert report["total"]["answered"] == 10
         for option in ("--connections", "--in-flight"):
             refused = takt("latency", f"rtu://{pair.a}", option, 2, code=2)
@@ -121,7 +126,8 @@ def test_a_signal_ends_with_the_report(blank_device):
     with start("latency", target(port), "--rate", "100/s", "--for", "1h", "--json") as running:
         until(lambda: any("last second" in line for line in running.err), "the progress of a second")
         result = running.interrupt(signal.SIGINT, code=7)
-    assert result.json["total"]["answered"] >= 90
+    total = result.json["total"]
+    assert total["answered"] >= 1 and total["requests"] - total["answered"] <= 1, "what is in flight is open"
 
 
 def test_forms_of_the_output(blank_device, tmp_path):

@@ -180,6 +180,7 @@ def test_quiet_prints_changes_of_state_only(project, blank_device):
 def test_quiet_reports_a_missing_host_once(project):
     with start("run", project(tcp(MANY, endpoints.free_port())), "--quiet", "--json") as run, \
             start("run", project(tcp(MANY, endpoints.free_port()), "other.yaml"), "--json") as loud:
+        run.wait_event(lambda e: e["event"] == "link", "the missing host")
         until(lambda: sum(e["event"] == "link" for e in loud.events()) > 3, "several attempts")
         assert sum(e["event"] == "link" for e in run.events()) == 1
         assert not any(e["event"] == "value" for e in run.events())

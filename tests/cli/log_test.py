@@ -3,7 +3,7 @@ import re
 
 from endpoints import free_port
 from fake_slave import TcpSlave
-from program import start, until
+from program import DEADLINE, start, until
 
 PROJECT = """
 takt: 1
@@ -16,7 +16,7 @@ lines:
       - name: Boiler
         address: 16
         poll_period: 100ms
-        response_timeout: 50ms
+        response_timeout: {timeout}
         backoff: 100ms
         attempts: 3
         variables:
@@ -24,13 +24,13 @@ lines:
 """
 
 
-def logged(folder, port, condition, *options):
+def logged(folder, port, condition, *options, timeout="10s"):
     path, log = folder / "plant.yaml", folder / "takt.log"
-    path.write_text(PROJECT.format(port=port))
+    path.write_text(PROJECT.format(port=port, timeout=timeout))
     with start("run", path, "--json", "--log", log, *options) as running:
         until(lambda: log.exists() and condition(log.read_text()), "the line in the log")
         running.process.terminate()
-        assert running.process.wait(10) == 0, running
+        assert running.process.wait(DEADLINE) == 0, running
     return log.read_text().splitlines()
 
 
@@ -45,9 +45,10 @@ def test_a_host_that_refuses_connections(tmp_path):
 def test_a_silent_device(tmp_path):
     with TcpSlave(lambda request: None) as slave:
         lines = logged(tmp_path, slave.port,
-                       lambda text: text.count("attempt") > 5 or "not answering" in text)
+                       lambda text: text.count("attempt") > 5 or "not answering" in text, timeout="50ms")
     failed = [line for line in lines if "read holding registers 500..501" in line]
-    pattern = r"info host: line plant, device Boiler \(unit 16\): read holding registers 500\.\.501: no response, after \d+(\.\d)? ms, attempt {} of 3$"
+    pattern = r"info host: line plant, device Boiler \(unit 16\): " \
+        r"read holding registers 500\.\.501: no response, after \d+(\.\d)? ms, attempt {} of 3$"
     for attempt in (1, 2, 3):
         assert any(re.search(pattern.format(attempt), line) for line in failed), lines
     assert any(line.endswith("line plant, device Boiler: not answering") for line in lines), lines

@@ -87,7 +87,8 @@ def test_types(device, kind, value, registers):
                                               ("CDAB", [0x5678, 0x1234]), ("DCBA", [0x7856, 0x3412]),
                                               ("ABCD", [0x1234, 0x5678]), ("badc", [0x3412, 0x7856])])
 def test_orders(device, order, registers):
-    """Bytes numbered from the least significant, in the order they are sent: 2143 sends 56 78 12 34 of 0x12345678."""
+    """Bytes numbered from the least significant, in the order they are sent: 2143 sends 56 78 12 34 of
+    0x12345678."""
     target = device("zero")
     takt("write", target, "--type", "uint32", "--order", order, "holding", 0, 0x12345678)
     assert takt("read", target, "holding", 0, 2, "--json").json["values"] == registers

@@ -9,7 +9,7 @@ import tty
 
 import pytest
 
-from program import start, takt, until
+from program import start, until
 
 SOURCE = pathlib.Path(__file__).parent.parent / "support" / "uart_driver.cpp"
 DONE = "{port}: low latency: done"
@@ -23,7 +23,8 @@ lines:
     transport: serial
     port: {port}
     baud: 19200
-    devices: [{{name: Pump, address: 1, poll_period: 50ms, variables: [{{name: level, type: int, register: 0, read: 0x03}}]}}]
+    devices: [{{name: Pump, address: 1, poll_period: 50ms, variables: [
+      {{name: level, type: int, register: 0, read: 0x03}}]}}]
 """
 
 
@@ -57,11 +58,12 @@ def plant(tmp_path, port):
 @pytest.mark.parametrize("kind, text, why", DRIVERS)
 def test_the_result_is_reported(driver, plant, port, kind, text, why):
     expected = text.format(port=port, why=why)
-    result = takt("run", plant, "--for", "300ms", "--quiet", **driver(kind))
-    assert result.err.count(expected) == 1, result
-    event = next(
-        json.loads(line) for line in takt("run", plant, "--for", "300ms", "--json", **driver(kind)).lines
-        if "low_latency" in line)
+    with start("run", plant, "--quiet", env=driver(kind)) as run:
+        until(lambda: any(expected in line for line in run.err), "the report")
+        assert run.interrupt().err.count(expected) == 1
+    with start("run", plant, "--json", env=driver(kind)) as run:
+        event = run.wait_event(lambda e: "low_latency" in json.dumps(e), "the notice")
+        run.interrupt()
     assert event["event"] == "notice" and event["severity"] == "status" and event["text"].startswith(expected)
     with start("serve", "--port", port, env=driver(kind)) as serve:
         until(lambda: any(expected in line for line in serve.err), "the report")
@@ -83,10 +85,11 @@ def test_the_echo_of_a_real_port_stays_off(driver, plant, port):
     settings[3] |= termios.ECHO
     termios.tcsetattr(fd, termios.TCSANOW, settings)
     os.close(fd)
-    takt("run", plant, "--for", "100ms", "--quiet")
-    assert echo_of(port)
-    takt("run", plant, "--for", "100ms", "--quiet", **driver("accepts"))
-    assert not echo_of(port)
+    for more, stays in (({}, True), (driver("accepts"), False)):
+        with start("run", plant, "--json", env=more) as run:
+            run.wait_event(lambda e: e["event"] == "link" and e["up"], "the open port")
+            run.interrupt()
+        assert echo_of(port) == stays
 
 
 def test_serve_reports_a_lost_port_and_its_return(tmp_path):
@@ -109,4 +112,7 @@ def test_serve_reports_a_lost_port_and_its_return(tmp_path):
 
 
 def test_a_pseudo_terminal_has_no_such_step(plant):
-    assert "low latency" not in takt("run", plant, "--for", "300ms", "--quiet").err
+    with start("run", plant, "--json") as run:
+        run.wait_event(lambda e: e["event"] == "link" and e["up"], "the open port")
+        result = run.interrupt()
+    assert "low_latency" not in result.out and "low latency" not in result.err

@@ -1,12 +1,14 @@
-"""Service variables: registers that mirror the health of a line, triggers by time, `get`, and the findings of mistakes."""
+"""Service variables: registers that mirror the health of a line, triggers by time, `get`, and the findings of
+mistakes."""
 import datetime
 import struct
+import time
 
 import pytest
 from pymodbus.client import ModbusTcpClient
 
 from endpoints import free_port, wait_listening
-from program import ROOT, start, takt, until
+from program import DEADLINE, ROOT, start, takt, until
 
 SLAVE = """
 takt: 1
@@ -30,12 +32,13 @@ lines:
       - name: Boiler
         address: 16
         poll_period: 50ms
-        response_timeout: 200ms
+        response_timeout: 10s
         backoff: 100ms
         variables:
           - {{name: T, type: float, register: 0, read: 0x03}}
           - {{name: Count, type: uint16, register: 5, read: 0x03, period: 24h, read_trigger: system.pulse_1s}}
-          - {{name: Setting, type: uint16, register: 6, write: 0x06, write_trigger: system.device.Boiler.answering, default: 77}}
+          - {{name: Setting, type: uint16, register: 6, write: 0x06, default: 77,
+              write_trigger: system.device.Boiler.answering}}
 servers:
   - name: health
     listen: 127.0.0.1
@@ -44,15 +47,24 @@ servers:
       - address: 1
         banks: [{{area: input_register, items: [0..19]}}, {{area: holding_register, items: [0..9]}}]
         variables:
-          - {{name: state, type: uint16, area: input_register, register: 0, source: {{variable: system.device.Boiler.state}}}}
-          - {{name: errors, type: uint32, area: input_register, register: 1, source: {{variable: system.device.Boiler.errors}}}}
-          - {{name: response time, type: float, area: input_register, register: 3, source: {{variable: system.device.Boiler.response_time}}}}
-          - {{name: load, type: float, area: input_register, register: 5, source: {{variable: system.line.bus.load}}}}
-          - {{name: up, type: uint16, area: input_register, register: 7, source: {{variable: system.line.bus.up}}}}
-          - {{name: outages, type: uint32, area: input_register, register: 8, source: {{variable: system.device.Boiler.outages}}}}
-          - {{name: time, type: uint32, area: input_register, register: 10, source: {{variable: system.time}}}}
-          - {{name: uptime, type: uint32, area: input_register, register: 12, source: {{variable: system.uptime}}, max_age: 5s}}
-          - {{name: requests, type: uint32, area: holding_register, register: 0, source: {{variable: system.device.Boiler.requests}}}}
+          - {{name: state, type: uint16, area: input_register, register: 0,
+             source: {{variable: system.device.Boiler.state}}}}
+          - {{name: errors, type: uint32, area: input_register, register: 1,
+             source: {{variable: system.device.Boiler.errors}}}}
+          - {{name: response time, type: float, area: input_register, register: 3,
+             source: {{variable: system.device.Boiler.response_time}}}}
+          - {{name: load, type: float, area: input_register, register: 5,
+             source: {{variable: system.line.bus.load}}}}
+          - {{name: up, type: uint16, area: input_register, register: 7,
+             source: {{variable: system.line.bus.up}}}}
+          - {{name: outages, type: uint32, area: input_register, register: 8,
+             source: {{variable: system.device.Boiler.outages}}}}
+          - {{name: time, type: uint32, area: input_register, register: 10,
+             source: {{variable: system.time}}}}
+          - {{name: uptime, type: uint32, area: input_register, register: 12,
+             source: {{variable: system.uptime}}, max_age: 5s}}
+          - {{name: requests, type: uint32, area: holding_register, register: 0,
+             source: {{variable: system.device.Boiler.requests}}}}
 """
 
 
@@ -99,6 +111,7 @@ def answer(run, command):
 
 
 def test_a_client_reads_the_health_of_a_line_while_its_device_stops_and_starts(plant):
+    begun = time.monotonic()
     with plant.master() as run:
         wait_listening(plant.server, run)
         client = ModbusTcpClient("127.0.0.1", port=plant.server)
@@ -110,7 +123,7 @@ def test_a_client_reads_the_health_of_a_line_while_its_device_stops_and_starts(p
             health = until(lambda: (h := plant.health(client))["load"] > 0 and h["response_time"] > 0 and h,
                            "a load")
             assert health["up"] == 1
-            assert 0 < health["response_time"] < 200
+            assert 0 < health["response_time"] < 10_000, "in ms, and at most the time-out"
             assert health["load"] <= 100
             outages = health["outages"]  # a starting server may accept the connection before it can answer
             assert outages <= 1
@@ -125,9 +138,9 @@ def test_a_client_reads_the_health_of_a_line_while_its_device_stops_and_starts(p
             until(
                 lambda: takt("read", f"tcp://127.0.0.1:{plant.line}", "--unit", "16", "holding", "6").out ==
                 "6 77\n", "the setting again")
-        now = datetime.datetime.now(datetime.timezone.utc).timestamp()
-        assert abs(plant.health(client)["time"] - now) < 5
-        assert plant.health(client)["uptime"] < 60
+        before, health, after = time.time(), plant.health(client), time.time()
+        assert before - DEADLINE < health["time"] <= after, "of the last update"
+        assert health["uptime"] <= time.monotonic() - begun
         assert client.write_register(0, 1, slave=1).exception_code == 2, "a service variable is read-only"
         client.close()
 
@@ -137,12 +150,15 @@ def test_a_pulse_triggers_a_read_each_second(plant):
         wait_listening(plant.line, slave)
         with plant.master("--traffic", "-") as run:
             pulses = lambda: [e for e in run.events() if e.get("name") == "system.pulse_1s" and e["value"]]
-            until(lambda: len(pulses()) >= 4, "pulses")
-            times = [e["time_ms"] for e in pulses()]
-            assert all(abs(t % 1000) < 400 for t in times), times
+            times = lambda: [e["time_ms"] for e in pulses()]
+            # A pulse may be late, and never early: the first part of a second has the punctual ones.
+            until(lambda: len(pulses()) >= 4 and any(t % 1000 < 400 for t in times()), "pulses")
+            seconds = [t // 1000 for t in times()]
+            assert all(b - seconds[0] >= n - 1 for n, b in enumerate(seconds)), "at most one each second"
             reads = lambda: [x for x in run.err if "Tx" in x and "03 00 05 00 01" in x]
             until(lambda: len(reads()) >= 4, "a read for each pulse")
-            assert len(reads()) <= len(pulses()) + 2
+            seen = len(reads())
+            until(lambda: len(pulses()) + 2 >= seen, "a pulse for each read")
 
 
 def test_get_knows_every_one_and_writing_is_refused(plant):
@@ -150,9 +166,9 @@ def test_get_knows_every_one_and_writing_is_refused(plant):
         wait_listening(plant.line, slave)
         with plant.master() as run:
             run.wait_event(lambda e: e["event"] == "device" and e["state"] == "answering", "the device")
-            time = answer(run, "get system.time")
-            assert time["utc"] == datetime.datetime.fromtimestamp(int(
-                time["value"]), datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
+            clock = answer(run, "get system.time")
+            assert clock["utc"] == datetime.datetime.fromtimestamp(int(
+                clock["value"]), datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
             assert answer(run, "get system.line.bus.cycle")["name"] == "system.line.bus.cycle"
             by_line, by_name = (answer(run, f"get system.device.{name}.timeouts")
                                 for name in ("bus/Boiler", "Boiler"))

@@ -24,7 +24,8 @@ lines:
     transport: tcp
     host: 192.0.2.2
     devices:
-      - {name: W, address: 1, variables: [{name: W1, type: int16, register: 1, write: 0x06, write_on_change: true}]}
+      - {name: W, address: 1, variables: [
+          {name: W1, type: int16, register: 1, write: 0x06, write_on_change: true}]}
 """
 EXAMPLES = ["demo", "scenario-1", "scenario-2", "scenario-3", "boiler", "meters"]
 
@@ -38,7 +39,7 @@ def texts(root):
 
 
 def strips(root):
-    """The bars of each strip in time: (request, start, end, lengths of the parts, (left, right) in pixels)."""
+    """The bars of each strip in time: (request, start, end, part lengths, (left, right) in pixels)."""
     for strip in root.iter(SVG + "g"):
         if strip.get("class") != "strip":
             continue

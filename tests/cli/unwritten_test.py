@@ -1,4 +1,5 @@
-"""A write that failed, or whose outcome is unknown, is reported in the stream, in the log, and to its client."""
+"""A write that failed, or whose outcome is unknown, is reported in the stream, in the log, and to its
+client."""
 import re
 import socket
 
@@ -59,7 +60,7 @@ def slave(device):
 
 @pytest.fixture
 def path(project, slave):
-    return project(tcp(VARIABLES, slave.port, response_timeout="200ms", poll_period="50ms"))
+    return project(tcp(VARIABLES, slave.port, response_timeout="1s", poll_period="50ms"))
 
 
 @pytest.fixture
@@ -90,7 +91,8 @@ def test_a_refused_set_is_answered_and_reported_in_the_stream(run):
             }
     assert event["id"] == 1
     run.interrupt()
-    words = r"warning host: line net, device Node1 \(unit 1\): Wanted: 9 was not written \(command `set`\): exception 2: "
+    words = r"warning host: line net, device Node1 \(unit 1\): Wanted: 9 was not written " \
+        r"\(command `set`\): exception 2: "
     assert re.search(words, run.log.read_text()), run.log.read_text()
 
 

@@ -14,10 +14,10 @@ def samples(result):
 
 def test_samples_as_json(blank_device):
     port = blank_device("ramp")
-    result = takt("read", f"tcp://127.0.0.1:{port}", "holding", 10, 3, "--watch", "20ms", "--for", "200ms",
-                  "--json")
+    with start("read", f"tcp://127.0.0.1:{port}", "holding", 10, 3, "--watch", "20ms", "--json") as running:
+        until(lambda: sum(e["event"] == "sample" for e in running.events()) >= 2, "two samples")
+        result = running.interrupt()
     taken = samples(result)
-    assert len(taken) >= 2
     for sample in taken:
         assert [(v["area"], v["address"], v["value"]) for v in sample["values"]] == \
             [("holding", 10, 10), ("holding", 11, 11), ("holding", 12, 12)]
@@ -86,7 +86,7 @@ def test_the_server_comes_back():
 
 def test_nothing_ever_answered():
     with TcpSlave() as slave:
-        takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for", "200ms",
+        takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", 0, "--watch", "10ms", "--for", "1s",
              "--timeout", "50ms", code=4)
 
 
