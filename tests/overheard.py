@@ -28,8 +28,9 @@ def packets(capture, *options):
     """The FIELDS of each packet: a list for each field, as a packet may hold several frames, each with a PDU.
     One run of tshark, which takes a second to start."""
     wanted = (part for field in FIELDS for part in ("-e", field))
-    command = ["tshark", "-n", "-r", str(capture), *OPTIONS, *options, "-T", "fields", "-E", "aggregator=\x1f"]
-    done = subprocess.run([*command, *wanted], capture_output=True, timeout=DEADLINE, text=True, check=False)
+    command = ["tshark", "-n", "-r", str(capture), *OPTIONS, *options, "-T", "fields"]
+    done = subprocess.run([*command, "-E", "aggregator=\x1f", *wanted], capture_output=True, timeout=DEADLINE,
+                          text=True, check=False)
     assert done.returncode == 0, done.stderr
     for line in done.stdout.splitlines():
         values = line.split("\t")
@@ -41,7 +42,7 @@ def judge(capture, units, *options):
     frames = pdus = 0
     for number, packet in enumerate(packets(capture, *options), 1):
         known = {"modbus", "mbtcp", "mbrtu"} & set(packet["frame.protocols"][0].split(":"))
-        assert "modbus" in known or packet["tcp.len"] in ([], ["0"]), f"no Modbus in packet {number}: {packet}"
+        assert "modbus" in known or packet["tcp.len"] in ([], ["0"]), f"not Modbus: {number}, {packet}"
         frames += len(packet["mbtcp.unit_id"]) + len(packet["mbrtu.unit_id"])
         pdus += len(packet["modbus.func_code"])
         assert not (known and (packet["_ws.malformed"] or packet["_ws.expert"])), f"packet {number}: {packet}"

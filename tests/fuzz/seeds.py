@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""Writes the first inputs of the fuzz targets into tests/fuzz/corpus: golden frames (docs/specification.md, section 8) as the scripts of
-slave.hpp and master.hpp take them, the examples' projects and tables. Run it again when a target's script changes."""
+"""Writes the first inputs of the fuzz targets into tests/fuzz/corpus: golden frames (docs/specification.md,
+section 8) as the scripts of slave.hpp and master.hpp take them, the examples' projects and tables. Run it
+again when a target's script changes."""
 import pathlib
 import random
 import struct
@@ -109,9 +110,11 @@ def seed_instruments():
                                                                          (b"ST,1F,xx;abc \r", b"ST,,;\r"))):
             write("instrument", f"text-{talks}-{template[0]}",
                   bytes([talks, len(template)]) + template + said(*answers))
-        # A start that is confirmed, a measurement, commands: confirmed, refused, interrupted by a restart or a new link.
+        # A start that is confirmed, a measurement, commands: confirmed, refused, interrupted by a restart or
+        # a new link.
         template, wrote = b"{w} kg", b"\x7f\0" + said(b"OK\r", b"T5\r")
-        steps = said(b"OK\r", b"1 kg\r") + wrote + b"\x7f\1" + said(b"E7\r") + b"\x7f\0" + said(b"READY\r", b"OK\r") + wrote + \
+        steps = said(b"OK\r", b"1 kg\r") + wrote + b"\x7f\1" + said(b"E7\r") + b"\x7f\0" + \
+            said(b"READY\r", b"OK\r") + wrote + \
             b"\x7f\1\x7e" + said(b"OK\r", b"OK\r", b"T5\r", b"2 kg\r") + said(b"") * 30
         write("instrument", f"commands-{talks}", bytes([16 | talks, len(template)]) + template + steps)
         for checksum in range(4):
@@ -128,7 +131,8 @@ def seed_rules():
 
 
 def seed_captures():
-    """The size of the pieces, then a file: a connection with cut, repeated and missing segments; frames of a serial line."""
+    """The size of the pieces, then a file: a connection with cut, repeated and missing segments; frames of a
+    serial line."""
     from captures import LINKS, Capture, Connection, adu
     from frames import pcap, request
     capture = Capture()

@@ -13,12 +13,15 @@ const master = new client[kind.toUpperCase()](socket, Number(unit), Number(timeo
 
 async function ask(method, args) {
     const { body } = (await master[method](...args)).response;
-    if (body.objects) return Object.fromEntries(body.objects.map((object) => [object.id, object.value.toString()]));
-    return body.valuesAsArray ? Array.from(body.valuesAsArray) : { address: body.address ?? body.start, value: body.value ?? body.quantity };
+    if (body.objects)
+        return Object.fromEntries(body.objects.map((object) => [object.id, object.value.toString()]));
+    if (body.valuesAsArray) return Array.from(body.valuesAsArray);
+    return { address: body.address ?? body.start, value: body.value ?? body.quantity };
 }
 
 function error_json(error) {
-    return { exception: error.err === "ModbusException" ? error.response.body.code : undefined, text: error.message };
+    const exception = error.err === "ModbusException" ? error.response.body.code : undefined;
+    return { exception, text: error.message };
 }
 
 socket.on(kind === "tcp" ? "connect" : "open", () => talk(ask, error_json));

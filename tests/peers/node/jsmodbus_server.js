@@ -1,4 +1,5 @@
-// A jsmodbus slave with 10000 of each area, filled with the ramp (register a holds a, bit a holds a & 1). It has no unit of its own.
+// A jsmodbus slave with 10000 of each area, filled with the ramp (register a holds a, bit a holds a & 1). It has no
+// unit of its own.
 // Prints "ready" when it can be asked; runs until it is killed.
 //
 // usage: jsmodbus_server.js tcp PORT | jsmodbus_server.js rtu DEVICE
@@ -14,11 +15,15 @@ const registers = () => Buffer.from(Uint16Array.from({ length: COUNT }, (_, a) =
 const ready = () => console.log("ready");
 
 const socket = kind === "tcp" ? net.createServer() : new SerialPort({ path: endpoint, baudRate: 19200 }, ready);
-const slave = new server[kind.toUpperCase()](socket, { coils: bits(), discrete: bits(), holding: registers(), input: registers() });
+const areas = { coils: bits(), discrete: bits(), holding: registers(), input: registers() };
+const slave = new server[kind.toUpperCase()](socket, areas);
 
-const OBJECTS = Object.entries({ 0: "Acme", 1: "T1", 2: "1.0", 5: "Model M" }).map(([id, text]) => ({ id: Number(id), value: Buffer.from(text) }));
+const TEXTS = { 0: "Acme", 1: "T1", 2: "1.0", 5: "Model M" };
+const OBJECTS = Object.entries(TEXTS).map(([id, text]) => ({ id: Number(id), value: Buffer.from(text) }));
 slave.on("readDeviceIdentification", (request, answer) => {
-    const body = new responses.ReadDeviceIdentificationResponseBody(request.body.readDeviceIdCode, 0x82, 0, 0, OBJECTS);
-    answer((kind === "tcp" ? ModbusTCPResponse : ModbusRTUResponse).fromRequest(request, body).createPayload());
+    const code = request.body.readDeviceIdCode;
+    const body = new responses.ReadDeviceIdentificationResponseBody(code, 0x82, 0, 0, OBJECTS);
+    const response = kind === "tcp" ? ModbusTCPResponse : ModbusRTUResponse;
+    answer(response.fromRequest(request, body).createPayload());
 });
 if (kind === "tcp") socket.listen(Number(endpoint), "127.0.0.1", ready);

@@ -1,6 +1,7 @@
 // A modbus-serial master that asks what it is asked (talk.js): its methods by their names.
 //
-// usage: modbus_serial_client.js tcp|telnet PORT UNIT TIMEOUT_MS | modbus_serial_client.js rtu|buffered|ascii DEVICE UNIT TIMEOUT_MS
+// usage: modbus_serial_client.js tcp|telnet PORT UNIT TIMEOUT_MS
+//        modbus_serial_client.js rtu|buffered|ascii DEVICE UNIT TIMEOUT_MS
 "use strict";
 const ModbusRTU = require("modbus-serial");
 const talk = require("./talk");

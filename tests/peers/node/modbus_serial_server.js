@@ -8,7 +8,9 @@ const { ServerSerial, ServerTCP } = require("modbus-serial");
 const [kind, endpoint, unit] = process.argv.slice(2);
 const COUNT = 10000;
 const ramp = (of) => Array.from({ length: COUNT }, (_, a) => of(a));
-const areas = { coils: ramp((a) => (a & 1) === 1), discrete: ramp((a) => (a & 1) === 1), holding: ramp((a) => a), input: ramp((a) => a) };
+const odd = (a) => (a & 1) === 1;
+const same = (a) => a;
+const areas = { coils: ramp(odd), discrete: ramp(odd), holding: ramp(same), input: ramp(same) };
 
 function there(address) {
     if (address >= COUNT) throw Object.assign(new Error("no such item"), { modbusErrorCode: 2 });

@@ -1,5 +1,6 @@
-// A peer's conversation with a test: requests as JSON lines on standard input, [method, argument…], one at a time; for each a line
-// on standard output, {"result": …} or {"error": …}. "ready" comes first; the end of the input ends the peer.
+// A peer's conversation with a test: requests as JSON lines on standard input, [method, argument…], one at a
+// time; for each a line on standard output, {"result": …} or {"error": …}. "ready" comes first; the end of
+// the input ends the peer.
 "use strict";
 const readline = require("readline");
 
