@@ -28,8 +28,7 @@ def request(framing, unit, pdu):
 TRAFFIC = re.compile(
     r"^\[\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}[+-]\d\d:\d\d\] TRA : "
     r"(?P<line>.*?)::(?P<device>.*?):\((?P<port>.*?)\) (?P<way>Tx|Rx): \[(?P<length>\d{4})\] "
-    r"(?P<bytes>[0-9A-F]{2}(?: [0-9A-F]{2})*|:[0-9A-F]+)(?: \| (?P<words>.+))?$"
-)
+    r"(?P<bytes>[0-9A-F]{2}(?: [0-9A-F]{2})*|:[0-9A-F]+)(?: \| (?P<words>.+))?$")
 
 
 class Frame:

@@ -19,7 +19,6 @@ OPTIONS = ["-o", f"mbtcp.tcp.port:{MBAP}", "-o", f"mbrtu.tcp.port:{RTU}", "-o", 
 _clients = itertools.count(10000)
 _kept = []
 
-
 FIELDS = ("tcp.len", "frame.protocols", "mbtcp.unit_id", "mbrtu.unit_id", "modbus.func_code", "modbus.data",
           "_ws.malformed", "_ws.expert")
 

@@ -9,7 +9,6 @@ def quick(runs):
     return {"poll_period": "100ms", "response_timeout": "10s" if runs else "100ms"}
 
 
-
 # A server of ten holding registers; its variables follow. For str.format(port=…).
 TEN_REGISTERS = """servers:
   - name: s

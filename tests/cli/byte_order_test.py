@@ -118,8 +118,8 @@ def planned_orders(tmp_path_factory):
     own = "          - {name: F, type: float, register: 0, read: 3}\n"
     assert own in PROJECT
     project.write_text(PROJECT.replace(own, own + entries))
-    table.write_text("name,type,register,read,byte_order\n" +
-                     "".join(f"{name},{kind},{at},3,{order}\n" for name, kind, at, order in rows))
+    table.write_text("name,type,register,read,byte_order\n" + "".join(f"{name},{kind},{at},3,{order}\n"
+                                                                      for name, kind, at, order in rows))
     takt("convert", table, "-o", whole)
     return [{
         name: order

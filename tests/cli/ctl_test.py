@@ -194,8 +194,8 @@ def test_a_lost_connection(project, tmp_path):
 ], ids=["time-out", "exception", "bad frame"])
 def test_a_bad_value(project, tmp_path, answer, code, words):
     """Also when the device counts as not answering: the cause decides."""
-    with TcpSlave(answer) as slave, running(
-            project, tmp_path, slave.port, attempts=2, response_timeout="500ms") as control:
+    with TcpSlave(answer) as slave, running(project, tmp_path, slave.port, attempts=2,
+                                            response_timeout="500ms") as control:
         until_code(control, "Level", code, words)
         if code != 5:
             until(lambda: ctl_json(control, "status")["lines"][0]["devices"][0]["state"] == "not_answering",

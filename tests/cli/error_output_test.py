@@ -243,8 +243,7 @@ class Greeter(TcpPeer):
 
 
 @pytest.mark.parametrize(
-    "command",
-    [["read", "holding", 0], ["read", "holding", 0, "--watch", "100ms", "--for", "1s"], ["probe"]],
+    "command", [["read", "holding", 0], ["read", "holding", 0, "--watch", "100ms", "--for", "1s"], ["probe"]],
     ids=lambda c: "-".join(map(str, c))[:24])
 def test_a_peer_that_is_not_modbus(command):
     with Greeter(b"SSH-2.0-OpenSSH_9.2\r\n") as peer:

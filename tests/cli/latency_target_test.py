@@ -12,7 +12,6 @@ import endpoints
 from fake_slave import SerialSlave, TcpSlave, rtu_answers, tcp_answer
 from program import start, takt, until
 
-
 # Only what the server holds back is late, also on a busy machine.
 TIMEOUT, LATE = "1500ms", 2.0
 

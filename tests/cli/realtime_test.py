@@ -89,8 +89,7 @@ def test_every_step_is_reported(plant):
 
 
 def test_without_rights_it_goes_on_and_names_them(plant, without_rights):
-    with Running(
-            without_rights("run", plant, "--quiet", "--realtime", "--cpu", 0, "--spin", "50us")) as run:
+    with Running(without_rights("run", plant, "--quiet", "--realtime", "--cpu", 0, "--spin", "50us")) as run:
         result = answering(run)
     steps = steps_of(result.err)
     assert list(steps) == STEPS

@@ -167,8 +167,7 @@ def median_pause(traffic):
 
 
 def test_a_host_is_scanned_in_seconds(tmp_path):
-    """A silent unit is waited for as long as the answers so far let expect: not for the whole time-out, as where that
-    was written."""
+    """A silent unit is waited for as long as the answers so far let expect. A written time-out is waited for."""
     with only(1) as slave:
         command = ["scan", f"tcp://127.0.0.1:{slave.port}", "--json", "--traffic"]
         result = takt(*command, tmp_path / "quick", deadline=500).json

@@ -58,7 +58,6 @@ instruments:
 """
 
 
-
 def text(line, port, timeout="1s", expires="8s"):
     """The project. Its instrument answers at once, so that only what it holds back takes that long."""
     return PROJECT.format(line=line, port=port, timeout=timeout, expires=expires)

@@ -65,8 +65,8 @@ def hear_two_masters(cycles, *options):
                 LibmodbusMaster(bus.ports["two"], 0.33, [(3, 0, 10)], [(1, 20)]) as two:
             until(lambda: one.cycles >= cycles and two.cycles >= cycles, "the cycles of both masters")
         last = len(bus.answers)
-        until(lambda: len(listening.events("exchange")) >= last if "--json" in options else listening.said(),
-              "the last exchange")
+        until(lambda: len(listening.events("exchange")) >= last
+              if "--json" in options else listening.said(), "the last exchange")
         return bus, listening.finish()
 
 
@@ -218,7 +218,7 @@ def test_a_capture_of_takt_run(tmp_path, project, framing):
 
 def test_all_lines_of_a_capture_are_heard(tmp_path, project):
     capture, heard = tmp_path / "run.pcapng", tmp_path / "heard.yaml"
-    line = CAPTURED.replace("FRAMING", "rtu").split("\n", 3)[3]
+    line = CAPTURED.replace("FRAMING", "rtu").split("\n", 4)[4]
     other = line.replace("rs485",
                          "other").replace("rtu",
                                           "ascii").replace("Boiler",

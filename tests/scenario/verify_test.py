@@ -28,8 +28,7 @@ def lowered(device):
 @pytest.mark.parametrize("more", ["", ", write_on_change: true"])
 def test_on_a_serial_line(project, pair, more):
     device = Device({0: 7})
-    path = project(serial(["name: V, register: 0, " + VERIFIED + more], port=pair.a,
-                          response_timeout="1s"))
+    path = project(serial(["name: V, register: 0, " + VERIFIED + more], port=pair.a, response_timeout="1s"))
     with RtuDevices(pair.b, {16: device}), start("run", path, "--json", "--stdin") as run:
         run.wait_event(lambda e: e.get("value") == 7, "the first value")
         assert outcome(run, "write V 30")["outcome"] == "done"

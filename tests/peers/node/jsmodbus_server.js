@@ -1,5 +1,5 @@
-// A jsmodbus slave with 10000 of each area, filled with the ramp (register a holds a, bit a holds a & 1). It has no
-// unit of its own.
+// A jsmodbus slave with 10000 of each area, filled with the ramp (register a holds a, bit a holds a & 1). It has
+// no unit of its own.
 // Prints "ready" when it can be asked; runs until it is killed.
 //
 // usage: jsmodbus_server.js tcp PORT | jsmodbus_server.js rtu DEVICE
@@ -14,7 +14,8 @@ const bits = () => Buffer.alloc(COUNT / 8, 0xaa);
 const registers = () => Buffer.from(Uint16Array.from({ length: COUNT }, (_, a) => a).buffer).swap16();
 const ready = () => console.log("ready");
 
-const socket = kind === "tcp" ? net.createServer() : new SerialPort({ path: endpoint, baudRate: 19200 }, ready);
+const serial_port = () => new SerialPort({ path: endpoint, baudRate: 19200 }, ready);
+const socket = kind === "tcp" ? net.createServer() : serial_port();
 const areas = { coils: bits(), discrete: bits(), holding: registers(), input: registers() };
 const slave = new server[kind.toUpperCase()](socket, areas);
 

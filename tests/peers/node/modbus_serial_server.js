@@ -1,4 +1,4 @@
-// A modbus-serial slave with 10000 of each area, filled with the ramp (register a holds a, bit a holds a & 1).
+// A modbus-serial slave with 10000 of each area, filled with the ramp: register a has a, bit a has a & 1.
 // Prints "ready" when it can be asked; runs until it is killed.
 //
 // usage: modbus_serial_server.js tcp PORT UNIT | modbus_serial_server.js rtu DEVICE UNIT
