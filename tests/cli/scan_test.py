@@ -167,7 +167,7 @@ def median_pause(traffic):
 
 
 def test_a_host_is_scanned_in_seconds(tmp_path):
-    """A silent unit is waited for as long as the answers so far let expect. A written time-out is waited for."""
+    """The wait for a silent unit adapts to the answers so far. A written time-out is waited for."""
     with only(1) as slave:
         command = ["scan", f"tcp://127.0.0.1:{slave.port}", "--json", "--traffic"]
         result = takt(*command, tmp_path / "quick", deadline=500).json

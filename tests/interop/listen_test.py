@@ -1,4 +1,5 @@
 """takt listen on a bus with foreign masters, libmodbus and pymodbus, against the record of the bus itself."""
+import contextlib
 import datetime
 import json
 import re
@@ -61,8 +62,8 @@ class Listening:
 def hear_two_masters(cycles, *options):
     """Both masters work for that many cycles; the bus, and what was heard."""
     with Bus(["one", "two", "listener"]) as bus, Listening(bus, *options) as listening:
-        with LibmodbusMaster(bus.ports["one"], 0.25, [(1, 0, 4), (2, 10, 2)]) as one, \
-                LibmodbusMaster(bus.ports["two"], 0.33, [(3, 0, 10)], [(1, 20)]) as two:
+        with LibmodbusMaster(bus.ports["one"], 0.6, [(1, 0, 4), (2, 10, 2)]) as one, \
+                LibmodbusMaster(bus.ports["two"], 0.8, [(3, 0, 10)], [(1, 20)]) as two:
             until(lambda: one.cycles >= cycles and two.cycles >= cycles, "the cycles of both masters")
         last = len(bus.answers)
         until(lambda: len(listening.events("exchange")) >= last
@@ -310,8 +311,12 @@ def test_a_port_that_is_lost_ends_with_the_summary():
     bus = Bus(["listener"])
     with bus:
         listening = Listening(bus, "--json")
-        bus.send(frame("rtu", 5, b"\x03\0\0\0\x01") + frame("rtu", 5, b"\x03\x02\0\x07"))
-        until(lambda: listening.events("exchange"), "the exchange")
+        for _ in range(50):  # what comes before the port is open is lost
+            bus.send(frame("rtu", 5, b"\x03\0\0\0\x01") + frame("rtu", 5, b"\x03\x02\0\x07"))
+            with contextlib.suppress(AssertionError):
+                until(lambda: listening.events("exchange"), "the exchange", deadline=2)
+                break
+        exchanges = len(listening.events("exchange"))
     with listening:
         result = listening.program.finish(code=3)
-    assert json.loads(result.lines[-1])["answered"] == 1
+    assert json.loads(result.lines[-1])["answered"] >= exchanges >= 1

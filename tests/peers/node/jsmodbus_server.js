@@ -1,4 +1,4 @@
-// A jsmodbus slave with 10000 of each area, filled with the ramp (register a holds a, bit a holds a & 1). It has
+// A jsmodbus slave with 10000 of each area, filled with the ramp (register a has a, bit a has a & 1). It has
 // no unit of its own.
 // Prints "ready" when it can be asked; runs until it is killed.
 //

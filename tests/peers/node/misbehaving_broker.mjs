@@ -1,8 +1,8 @@
 // An MQTT 3.1.1 broker (aedes) behind a relay that misbehaves on purpose.
 //
 // usage: misbehaving_broker.mjs PORT
-// Prints "ready", then a line "message PAYLOAD" for each message on the topic "data" that the broker accepted,
-// and "cut" for each connection that it cut. Commands are lines on the standard input:
+// Prints "ready", then a line "message PAYLOAD" for each message on the topic "data" that the broker
+// accepted, and "cut" for each connection that it cut. Commands are lines on the standard input:
 //   cut N        the next connection ends after N bytes in both directions together
 //   drop N       each Nth PUBACK is dropped
 //   duplicate N  each Nth PUBACK is sent twice
