@@ -37,9 +37,13 @@ export function CellEditor(props: {
   onCancel: () => void;
 }) {
   const element = useRef<HTMLInputElement & HTMLSelectElement>(null);
+  const choices = cellChoices(props.column);
+  const value = props.column.kind === 'type' ? plainType(props.text) : props.text;
   const done = useRef(false);
-  // The next key already belongs to the editor.
+  // The next key already belongs to the editor. Its value is set once and is no property: each evaluation draws
+  // the table again, which must not undo what was typed or chosen meanwhile.
   useLayoutEffect(() => {
+    element.current!.value = value;
     element.current?.focus();
     const end = props.text.length;
     if (element.current instanceof HTMLInputElement) element.current.setSelectionRange(end, end);
@@ -59,7 +63,6 @@ export function CellEditor(props: {
     event.preventDefault();
     event.stopPropagation();
   };
-  const choices = cellChoices(props.column);
   const common = {
     ref: element,
     class: 'cell-editor',
@@ -67,11 +70,9 @@ export function CellEditor(props: {
     onKeyDown,
     onBlur: () => commit('stay'),
   };
-  if (!choices)
-    return <input type="text" spellcheck={false} autocomplete="off" value={props.text} {...common} />;
-  const value = props.column.kind === 'type' ? plainType(props.text) : props.text;
+  if (!choices) return <input type="text" spellcheck={false} autocomplete="off" {...common} />;
   return (
-    <select value={value} {...common}>
+    <select {...common}>
       {props.column.kind !== 'type' && <option value="">{t.value.project.notSet('')}</option>}
       {value !== '' && !choices.some(([word]) => word === value) && <option value={value}>{value}</option>}
       {choices.map(([word, text]) => (
