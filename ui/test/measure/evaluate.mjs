@@ -1,4 +1,5 @@
-// From a keystroke in a project of 1,000 variables to the drawn requests that follow from it, in milliseconds.
+// From a keystroke in a project of 1,000 variables to the drawn requests that follow from it,
+// in milliseconds.
 //
 //   TAKT=<program> node ui/test/measure/evaluate.mjs [EDITS] [FILE]
 //

@@ -38,7 +38,14 @@ export function fieldProject(count, port) {
         banks: [{area: holding_register, items: [0..${2 * PER_DEVICE - 1}]}]
         variables:\n${rows.join('\n')}`;
   });
-  return `takt: 1\nservers:\n  - name: field\n    listen: 127.0.0.1\n    tcp_port: ${port}\n    units:\n${units.join('\n')}\n`;
+  return `takt: 1
+servers:
+  - name: field
+    listen: 127.0.0.1
+    tcp_port: ${port}
+    units:
+${units.join('\n')}
+`;
 }
 
 /** @param line  the keys of the line that the devices are on */

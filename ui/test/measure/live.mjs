@@ -1,5 +1,5 @@
-// What a view costs with 1,000 values that change ten times a second: processor time of the page, memory of the
-// page (after garbage collection) and of the program, once a minute.
+// What a view costs with 1,000 values that change ten times a second: processor time of the page, memory of
+// the page (after garbage collection) and of the program, once a minute.
 //
 //   TAKT=<program> node ui/test/measure/live.mjs [MINUTES] [live|trends|traffic] [VARIABLES]
 import { browser } from '../page/program.mjs';
