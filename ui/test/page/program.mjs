@@ -1,7 +1,10 @@
-// Starts `takt run` with the page on a free port, and a browser.
+// `takt run` with the page on a port that the kernel chose, a browser, and pages whose errors fail the test.
+//
+// No program outlives a test file, not even a killed one: the kernel kills the programs with the process that
+// started them, and the browser ends with the pipe that it gets its commands from.
 import { spawn } from 'node:child_process';
-import { connect, createServer } from 'node:net';
-import { cpSync, mkdtempSync, appendFileSync, rmSync } from 'node:fs';
+import { appendFileSync, cpSync, existsSync, mkdtempSync, rmSync } from 'node:fs';
+import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -9,42 +12,85 @@ import { chromium } from 'playwright-core';
 
 const ROOT = fileURLToPath(new URL('../../..', import.meta.url));
 const TAKT = process.env.TAKT ?? join(ROOT, 'build/takt');
+// The shell is Chromium without windows: it takes a third less processor time.
+const SHELL = '/usr/lib/chromium/chromium-headless-shell';
+const CHROMIUM = process.env.CHROMIUM ?? (existsSync(SHELL) ? SHELL : '/usr/bin/chromium');
 const HISTORY = '\noutputs:\n  - name: history\n    transport: history\n';
+
+/** The longest wait for a condition. It detects what hangs, and measures nothing. */
+export const PATIENCE = 120_000;
+
+/** A running program; `ended` resolves with its exit code. */
+function start(options) {
+  const child = spawn('setpriv', ['--pdeathsig', 'KILL', '--', TAKT, ...options]);
+  const ended = new Promise((done) => {
+    child.on('exit', done);
+    child.on('error', done);
+  });
+  let text = '';
+  const listeners = new Set();
+  for (const stream of [child.stdout, child.stderr])
+    stream.on('data', (data) => {
+      text += data;
+      for (const look of listeners) look();
+    });
+  return {
+    child,
+    ended,
+    /** The match of `pattern` in the output, as soon as it is there. */
+    prints(pattern) {
+      return new Promise((found, failed) => {
+        const timer = setTimeout(() => {
+          child.kill('SIGKILL'); // a program that nobody ends would keep this process
+          finish(() => failed(new Error(`no ${pattern} in: ${text}`)));
+        }, PATIENCE);
+        const finish = (act) => {
+          clearTimeout(timer);
+          listeners.delete(look);
+          act();
+        };
+        const look = () => {
+          const match = text.match(pattern);
+          if (match) finish(() => found(match));
+        };
+        listeners.add(look);
+        look();
+        ended.then((code) => finish(() => failed(new Error(`the program ended (${code}): ${text}`))));
+      });
+    },
+    /** @returns the exit code; null if the program had to be killed */
+    async end() {
+      child.kill('SIGINT');
+      const timer = setTimeout(() => child.kill('SIGKILL'), PATIENCE);
+      const code = await ended;
+      clearTimeout(timer);
+      return code;
+    },
+  };
+}
 
 /** A copy of an example with a history, served by the program. */
 export class Plant {
-  static async start(example = 'demo.yaml', options = ['--allow-write'], change = () => {}) {
+  /** @param change  called with the path of the copy before the program starts */
+  static async start(change = () => {}) {
     const plant = new Plant();
     plant.folder = mkdtempSync(join(tmpdir(), 'takt-page-'));
     plant.file = join(plant.folder, 'plant.yaml');
-    cpSync(join(ROOT, 'examples', example), plant.file);
+    cpSync(join(ROOT, 'examples/demo.yaml'), plant.file);
     appendFileSync(plant.file, HISTORY);
     change(plant.file);
-    plant.options = options;
     await plant.run();
     return plant;
   }
 
   async run() {
-    this.process = spawn(TAKT, ['run', this.file, '--web', '127.0.0.1:0', '--quiet', ...this.options]);
-    this.url = await new Promise((found, failed) => {
-      let text = '';
-      const look = (data) => {
-        text += data;
-        const match = text.match(/http:\/\/127\.0\.0\.1:\d+\//);
-        if (match) found(match[0]);
-      };
-      this.process.stdout.on('data', look);
-      this.process.stderr.on('data', look);
-      this.process.on('exit', () => failed(new Error(`the program ended: ${text}`)));
-      setTimeout(() => failed(new Error(`no address: ${text}`)), 30_000).unref();
-    });
+    this.program = start(['run', this.file, '--web', '127.0.0.1:0', '--quiet', '--allow-write']);
+    this.url = (await this.program.prints(/http:\/\/127\.0\.0\.1:\d+\//))[0];
   }
 
-  async end() {
-    const ended = new Promise((done) => this.process.on('exit', done));
-    this.process.kill('SIGINT');
-    return ended;
+  /** @returns the exit code */
+  end() {
+    return this.program.end();
   }
 
   async stop() {
@@ -54,36 +100,38 @@ export class Plant {
   }
 }
 
-/** A device with the address 7 on a TCP port of its own. */
-export async function serve() {
-  const port = await new Promise((found) => {
+const freePort = () =>
+  new Promise((found) => {
     const probe = createServer().listen(0, '127.0.0.1', () => {
       const { port } = probe.address();
       probe.close(() => found(port));
     });
   });
-  const process = spawn(TAKT, ['serve', '--listen', `127.0.0.1:${port}`, '--unit', '7']);
-  const ended = new Promise((done) => process.on('exit', done));
-  const connects = () =>
-    new Promise((done) => {
-      const socket = connect(port, '127.0.0.1', () => {
-        socket.destroy();
-        done(true);
-      }).on('error', () => done(false));
-    });
-  while (!(await connects())) await new Promise((done) => setTimeout(done, 20));
-  return {
-    port,
-    async stop() {
-      process.kill('SIGINT');
-      await ended;
-    },
-  };
+
+/** A device with the address 7 on a TCP port of its own. */
+export async function serve() {
+  // Another program may take a port between the probe and the start.
+  for (let attempt = 1; ; ++attempt) {
+    const port = await freePort();
+    const program = start(['serve', '--listen', `127.0.0.1:${port}`, '--unit', '7']);
+    try {
+      await program.prints(/serving tcp:/);
+      return { port, stop: () => program.end() };
+    } catch (failure) {
+      await program.end();
+      if (attempt === 5) throw failure;
+    }
+  }
 }
 
-export const browser = () =>
-  chromium.launch({
-    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+/** Chromium's window draws suggestions of its address bar, as pages that cost more than the page under test. */
+const WINDOW = ['WebUIOmniboxPopup', 'WebUIOmniboxAimPopup', 'WebUIOmniboxFullPopup'];
+
+export async function browser() {
+  if (!existsSync(CHROMIUM)) throw new Error(`${CHROMIUM} is missing. Run: tools/setup test`);
+  return chromium.launch({
+    executablePath: CHROMIUM,
+    timeout: PATIENCE,
     args: [
       '--no-sandbox',
       '--disable-gpu',
@@ -92,16 +140,50 @@ export const browser = () =>
       '--disable-background-networking',
       '--disable-component-update',
       '--disable-sync',
+      // Instead of the list of playwright-core: the last one counts.
+      `--disable-features=${[...WINDOW, 'Translate', 'PaintHolding'].join(',')}`,
     ],
   });
+}
+
+/** Runs in the page before its scripts: the texts of all toasts, which the page removes after some seconds. */
+function recordToasts() {
+  globalThis.toasts = [];
+  new MutationObserver((changes) => {
+    for (const { addedNodes } of changes)
+      for (const node of addedNodes)
+        if (node instanceof Element && node.matches('.toast')) globalThis.toasts.push(node.textContent);
+  }).observe(document, { subtree: true, childList: true });
+}
+
+/** A context of the browser for all tests of a file: a page loads much sooner than in a new one. */
+export async function newContext(chromium, options) {
+  const context = await chromium.newContext(options);
+  context.setDefaultTimeout(PATIENCE);
+  await context.addInitScript(recordToasts);
+  return context;
+}
+
+/** Returns as soon as the page has shown a toast with this text. */
+export const toast = (page, text) =>
+  page.waitForFunction((its) => globalThis.toasts.some((one) => one.includes(its)), text, { polling: 100 });
 
 /** A page whose errors fail the test. */
-export async function openPage(context, url, errors) {
+export async function openPage(context, url, errors, viewport) {
   const page = await context.newPage();
+  if (viewport) await page.setViewportSize(viewport);
   page.on('pageerror', (error) => errors.push(String(error)));
   page.on('console', (message) => {
     if (message.type() === 'error') errors.push(message.text());
   });
   await page.goto(url);
   return page;
+}
+
+/** Closes the pages of a test, and forgets what they stored in the browser. */
+export async function closePages(context) {
+  for (const page of context.pages()) {
+    await page.evaluate(() => localStorage.clear()).catch(() => {}); // a blank page has no storage
+    await page.close();
+  }
 }
