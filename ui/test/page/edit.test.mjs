@@ -291,13 +291,14 @@ async function act({ what, turn }) {
 }
 
 /**
- * What each act costs in a project whose first device has 100 variables: milliseconds of processor time of the
- * page's thread, so that other programs on this computer do not count. The median of several turns, because the
- * page does other things in some of them.
+ * What each act costs in a project whose first device has 100 variables: milliseconds of processor time of
+ * the page's thread, so that other programs on this computer do not count. The median of several turns,
+ * because the page does other things in some of them.
  */
 async function costs(variables) {
   plant = await startWith(plantProject(variables, { transport: 'simulated', baud: 115200 }, '10s'));
-  const evaluated = context.waitForEvent('response', (its) => its.url().includes('measures=1')); // the last one
+  // The last evaluation of a project that was opened.
+  const evaluated = context.waitForEvent('response', (its) => its.url().includes('measures=1'));
   const page = await open();
   await page.getByRole('treeitem', { name: /Device 1, 1/ }).click();
   await page.getByRole('tab', { name: /^Variables/ }).click();

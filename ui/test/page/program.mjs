@@ -124,7 +124,7 @@ export async function serve() {
   }
 }
 
-/** Chromium's window draws suggestions of its address bar, as pages that cost more than the page under test. */
+/** Chromium draws suggestions of its address bar as pages, which cost more than the page under test. */
 const WINDOW = ['WebUIOmniboxPopup', 'WebUIOmniboxAimPopup', 'WebUIOmniboxFullPopup'];
 
 export async function browser() {
@@ -146,7 +146,7 @@ export async function browser() {
   });
 }
 
-/** Runs in the page before its scripts: the texts of all toasts, which the page removes after some seconds. */
+/** Runs in the page before its scripts: keeps the texts of toasts, which the page removes after some time. */
 function recordToasts() {
   globalThis.toasts = [];
   new MutationObserver((changes) => {

@@ -104,8 +104,8 @@ for (const [language, titles] of Object.entries(TITLES))
   for (const theme of ['light', 'dark'])
     for (const [size, viewport] of Object.entries(SIZES))
       test(`${language}, ${theme}, ${size}`, async () => {
-        // A theme changes colours alone, and a language texts alone (tokens.css, i18n): the rules about colours
-        // see both themes in one language, the others see all languages in one theme.
+        // A theme changes colours alone, and a language texts alone (tokens.css, i18n): the rules about
+        // colours see both themes in one language, the others see all languages in one theme.
         const rules = { colours: language === 'en', others: theme === 'light' };
         const errors = [];
         const page = await openPage(
