@@ -7,6 +7,7 @@
 
 #include "interpretation.hpp"
 #include "output_parts.hpp"
+#include "takt/base/ascii.hpp"
 #include "takt/model/nearest.hpp"
 
 namespace takt::model {

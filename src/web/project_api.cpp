@@ -23,6 +23,23 @@
 #include "unified_diff.hpp"
 
 namespace takt::web {
+
+/// The body of a request.
+struct SentProject {
+    file::Json object;
+    model::Node document;  ///< with the origins of items
+
+    [[nodiscard]] std::string text(std::string_view key) const {
+        const auto* const value = object.find(key);
+        const auto* const found = value == nullptr ? nullptr : std::get_if<std::string>(&value->value());
+        return found == nullptr ? std::string() : *found;
+    }
+    [[nodiscard]] bool flag(std::string_view key) const {
+        const auto* const value = object.find(key);
+        return value != nullptr && *value == Json(true);
+    }
+};
+
 namespace {
 
 using file::EditError;
@@ -52,23 +69,6 @@ ApiResponse project_failure(const ApiRequest& request, const EditError& error) {
     return project_refusal(request, 422, kCodes[static_cast<std::size_t>(error.kind)],
                            {{"subject", error.subject}});
 }
-
-/// The body of a request.
-
-struct SentProject {
-    Json object;
-    Node document;  ///< with the origins of items
-
-    [[nodiscard]] std::string text(std::string_view key) const {
-        const auto* const value = object.find(key);
-        const auto* const found = value == nullptr ? nullptr : std::get_if<std::string>(&value->value());
-        return found == nullptr ? std::string() : *found;
-    }
-    [[nodiscard]] bool flag(std::string_view key) const {
-        const auto* const value = object.find(key);
-        return value != nullptr && *value == Json(true);
-    }
-};
 
 std::expected<SentProject, ApiResponse> sent_in(const ApiRequest& request, const Node* original) {
     auto object = Json::parse(request.body, kMostBodyBytes);
