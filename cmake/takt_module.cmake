@@ -1,16 +1,22 @@
 # One module: a folder of src/, a namespace, a target takt::<module>, a test executable, a log category.
 #
 #   takt_module(<name>
-#     SOURCES <cpp...>        its own sources
+#     SOURCES [<batch>: <cpp...>]...  its own sources
 #     HEADERS <hpp...>        its public headers, below include/
 #     LIBRARIES <target...>   libraries whose only home this module is (PRIVATE)
 #     TESTS <cpp...>          tests, below test/
-#     ALL_SANITIZERS          the tests instantiate what the headers define, and are compiled with the module's flags
+#     ALL_SANITIZERS          the tests instantiate what the headers define: compile them with the
+#                             flags of the module
 #     TEST_MODULES <name...>) modules that only the tests use
 #
-# src/modules.json lists the modules and what each may include; the links follow that table (PUBLIC: what an included
-# module may include is allowed too). A module that is "bare" there is also compiled without exceptions and RTTI, and a
-# test rejects the heap's symbols in it.
+# The compiler reads the sources of a batch as one file (a unity build), because most of its time goes to
+# headers. A batch is one part of the module and takes about 4 s at most, so that an edit is built quickly.
+# Each source still includes what it uses and compiles alone: `./dev check` builds without batches.
+# Names in anonymous namespaces are therefore unique in a module.
+#
+# src/modules.json lists the modules and what each may include; the links follow that table (PUBLIC: what an
+# included module may include is allowed too). A module that is "bare" there is also compiled without
+# exceptions and RTTI, and a test rejects the heap's symbols in it. A "hot" one is compiled for speed.
 
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/modules.json)
 file(READ ${CMAKE_SOURCE_DIR}/src/modules.json TAKT_MODULE_TABLE)
@@ -29,7 +35,8 @@ function(takt_json_list variable)
   set(${variable} ${items} PARENT_SCOPE)
 endfunction()
 
-# TAKT_MODULES: the names of the modules whose folder exists, in the order of the table; TAKT_UNITS: their parts also.
+# TAKT_MODULES: the names of the modules whose folder exists, in the order of the table; TAKT_UNITS: their
+# parts also.
 set(TAKT_MODULES)
 set(TAKT_UNITS)
 string(JSON module_count LENGTH "${TAKT_MODULE_TABLE}" modules)
@@ -50,7 +57,8 @@ foreach(index RANGE ${last_module})
   endif()
 endforeach()
 
-# takt_edges(<variable> <name> [PART <part>]): the existing modules and parts that this one may include directly.
+# takt_edges(<variable> <name> [PART <part>]): the existing modules and parts that this one may include
+# directly.
 function(takt_edges variable module)
   cmake_parse_arguments(ARG "" "PART" "" ${ARGN})
   set(entry ${module})
@@ -77,8 +85,8 @@ add_library(takt_options INTERFACE)
 target_compile_features(takt_options INTERFACE cxx_std_23)
 target_compile_options(takt_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow
                        -Wno-missing-field-initializers $<$<BOOL:${TAKT_WERROR}>:-Werror>)
-# In optimised code GCC 12 warns of its own library headers (GCC bugs 105651, 105562). Sanitizers and clang-tidy look for
-# the same mistakes without the false alarms.
+# In optimised code GCC 12 warns of its own library headers (GCC bugs 105651, 105562). Sanitizers and
+# clang-tidy look for the same mistakes without the false alarms.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(takt_options INTERFACE
     "$<$<CONFIG:Release>:-Wno-maybe-uninitialized;-Wno-restrict;-Wno-array-bounds;-Wno-stringop-overflow>")
@@ -97,6 +105,10 @@ endif()
 add_library(takt_test_options INTERFACE)
 target_compile_options(takt_test_options INTERFACE ${TAKT_TEST_FLAGS})
 
+# Further options of hot modules in a release.
+add_library(takt_hot_options INTERFACE)
+target_compile_options(takt_hot_options INTERFACE -O2)
+
 # The flags of code for microcontrollers.
 add_library(takt_bare_options INTERFACE)
 target_compile_features(takt_bare_options INTERFACE cxx_std_23)
@@ -105,11 +117,28 @@ target_compile_options(takt_bare_options INTERFACE -fno-exceptions -fno-rtti -O2
 if(TAKT_PCH)
   takt_pch(core takt_options)
   takt_pch(text takt_options fmt::fmt)
+  takt_pch(hot takt_options takt_hot_options)
   if(TAKT_TESTS)
     takt_pch(test takt_options takt_test_options GTest::gtest)
     takt_pch(bare takt_bare_options)
   endif()
 endif()
+
+# takt_batches(<variable> <target> <sources>): the sources without the names of the batches; `target` builds
+# each batch as one file.
+function(takt_batches variable target)
+  set(batch ${target})
+  set(sources)
+  foreach(source ${ARGN})
+    if(source MATCHES "^([a-z_]+):$")
+      set(batch ${CMAKE_MATCH_1})
+    else()
+      list(APPEND sources ${source})
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${batch})
+    endif()
+  endforeach()
+  set(${variable} ${sources} PARENT_SCOPE)
+endfunction()
 
 function(takt_module name)
   cmake_parse_arguments(MODULE "ALL_SANITIZERS" "" "SOURCES;HEADERS;LIBRARIES;TESTS;TEST_MODULES" ${ARGN})
@@ -118,10 +147,11 @@ function(takt_module name)
   endif()
   takt_edges(edges ${name})
   takt_json_list(libraries ${name} libraries)
+  string(JSON hot ERROR_VARIABLE missing GET "${TAKT_MODULE_TABLE}" modules ${name} hot)
   takt_unit(${name} ${edges})
   string(JSON bare ERROR_VARIABLE missing GET "${TAKT_MODULE_TABLE}" modules ${name} bare)
   if(bare STREQUAL "ON" AND TAKT_TESTS)
-    takt_bare_check(${name} "${MODULE_SOURCES}" "${edges}")
+    takt_bare_check(${name} "${edges}")
   endif()
 endfunction()
 
@@ -134,22 +164,29 @@ function(takt_module_part module part)
   takt_unit(${module}_${part} ${module} ${edges})
 endfunction()
 
-# The target of a module or part; its arguments are in MODULE_* and `libraries` of the caller, the edges in ARGN.
+# The target of a module or part; its arguments are in MODULE_*, `libraries` and `hot` of the caller, the edges
+# in ARGN.
 function(takt_unit name)
   set(target takt_${name})
-  add_library(${target} STATIC ${MODULE_SOURCES})
+  takt_batches(sources ${target} ${MODULE_SOURCES})
+  add_library(${target} STATIC ${sources})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
   add_library(takt::${name} ALIAS ${target})
   target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${MODULE_HEADERS})
   set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
   set(edges ${ARGN})
   list(TRANSFORM edges PREPEND takt::)
   target_link_libraries(${target} PUBLIC ${edges} PRIVATE ${MODULE_LIBRARIES} $<BUILD_INTERFACE:takt_options>)
+  set(headers core)
   if("fmt/" IN_LIST libraries)
     target_link_libraries(${target} PRIVATE fmt::fmt)
-    takt_use_pch(${target} text)
-  else()
-    takt_use_pch(${target} core)
+    set(headers text)
   endif()
+  if(hot STREQUAL "ON" AND CMAKE_BUILD_TYPE STREQUAL "Release")
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:takt_hot_options>)
+    set(headers hot)
+  endif()
+  takt_use_pch(${target} ${headers})
   if(MODULE_TESTS AND TAKT_TESTS)
     list(TRANSFORM MODULE_TEST_MODULES PREPEND takt::)
     set(flags)
@@ -160,12 +197,15 @@ function(takt_unit name)
   endif()
 endfunction()
 
-# A test executable whose cases ctest runs one process for all. Its own code is compiled with TAKT_TEST_FLAGS, the
-# libraries with all sanitizers.
+# A test executable whose cases ctest runs one process for all. Its own code is compiled with
+# TAKT_TEST_FLAGS, the libraries with all sanitizers. Each source has a namespace of its own, so eight at a
+# time are read as one file.
 function(takt_test name)
   cmake_parse_arguments(TEST "ALL_SANITIZERS" "" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
-  target_link_libraries(${name} PRIVATE ${TEST_LIBRARIES} takt_options ${RAPIDCHECK_LIBRARY} GTest::gtest_main)
+  set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 8)
+  target_link_libraries(${name} PRIVATE ${TEST_LIBRARIES} takt_options ${RAPIDCHECK_LIBRARY}
+    GTest::gtest_main)
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests/support)
   target_compile_options(${name} PRIVATE -Wno-sign-conversion -Wno-conversion)
   if(TEST_ALL_SANITIZERS)
@@ -179,12 +219,16 @@ function(takt_test name)
 endfunction()
 
 # The module once more as for a microcontroller: no exceptions, no RTTI, and no heap in its symbols.
-function(takt_bare_check name sources edges)
+function(takt_bare_check name edges)
   set(target takt_${name}_bare)
+  get_target_property(sources takt_${name} SOURCES)
+  list(FILTER sources INCLUDE REGEX "\\.cpp$")
   add_library(${target} OBJECT ${sources})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
   target_include_directories(${target} PRIVATE include)
   foreach(edge ${edges})
-    target_include_directories(${target} PRIVATE $<TARGET_PROPERTY:takt::${edge},INTERFACE_INCLUDE_DIRECTORIES>)
+    target_include_directories(${target} PRIVATE
+      $<TARGET_PROPERTY:takt::${edge},INTERFACE_INCLUDE_DIRECTORIES>)
   endforeach()
   target_link_libraries(${target} PRIVATE takt_bare_options)
   takt_use_pch(${target} bare)

@@ -1,15 +1,13 @@
-# Precompiled headers: takt_use_pch(<target> core|text|test|bare|fast). A kind is compiled once and shared by all its targets;
-# it adds headers of libraries only, so that an edit recompiles what it did before.
+# Precompiled headers: takt_use_pch(<target> core|text|hot|test|bare). A kind is compiled once and shared by all
+# its targets; it adds headers of libraries only, so that an edit recompiles what it did before.
 #
 # A file must not rely on them: it includes what it uses. `./dev check` builds without them (TAKT_PCH=OFF).
 
 # takt_pch(<kind> <libraries that give the flags...>)
 function(takt_pch kind)
   set(header ${kind})
-  if(kind STREQUAL "bare")
+  if(kind MATCHES "^(bare|hot)$")
     set(header core)
-  elseif(kind STREQUAL "fast")
-    set(header text)
   endif()
   set(target takt_pch_${kind})
   add_library(${target} OBJECT EXCLUDE_FROM_ALL ${CMAKE_SOURCE_DIR}/cmake/pch/empty.cpp)
