@@ -23,10 +23,11 @@ std::optional<std::string> parse_options(std::span<char*> arguments, Options& op
 }
 
 std::string usage() {
-    return R"(usage: takt-gateway-sim [--seeds A..B] [--minutes M] [--jobs N] [--resume FILE] [--json] [--trace]
-                        [--print-project]
+    return R"(usage: takt-gateway-sim [--seeds A..B] [--minutes M] [--jobs N] [--resume FILE] [--json]
+                        [--trace] [--print-project]
 
-Runs the real gateway between simulated lines, disk, brokers and clocks, all from the seed, and judges what happens.
+Runs the real gateway between simulated lines, disk, brokers and clocks, all from the seed, and judges what
+happens.
   --seeds     which runs, each with a random project of its own (default 1)
   --minutes   of virtual time for each (default 3); the last 50 s are without troubles
   --jobs      processes at a time (default 1)

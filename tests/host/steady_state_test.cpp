@@ -115,7 +115,8 @@ lines:
     tcp_port: )" +
            std::to_string(port) + R"(
     devices:
-      - {name: Meter, address: 1, poll_period: 10ms, response_timeout: 2s, variables: [{name: Power, type: int, register: 0, read: 0x03}]}
+      - {name: Meter, address: 1, poll_period: 10ms, response_timeout: 2s, variables: [
+          {name: Power, type: int, register: 0, read: 0x03}]}
 servers:
   - name: slave
     transport: serial

@@ -93,7 +93,8 @@ std::optional<std::string> parse_options(std::span<char*> arguments, Options& op
 
 std::string usage() {
     return R"(usage: takt-sim [--seeds A..B] [--minutes M] [--jobs N] [--project FILE]
-                [--faults none|few|many|KIND=RATE,...] [--lenient] [--resume FILE] [--json] [--trace] [--print-project]
+                [--faults none|few|many|KIND=RATE,...] [--lenient] [--resume FILE] [--json]
+                [--trace] [--print-project]
 
 Runs the real master on simulated lines with faults and users, all from the seed, and judges what happens.
   --seeds     which runs, each with a random project of its own (default 1)
@@ -106,7 +107,8 @@ Runs the real master on simulated lines with faults and users, all from the seed
   --json      one object a line
   --trace     every frame and fault on stderr
   --print-project  only prints the random project of the first seed
-Exit codes: 0 all invariants hold, 1 one does not, or a kind of fault or recovery was never seen, 2 bad usage or project.
+Exit codes: 0 all invariants hold, 1 one does not, or a kind of fault or recovery was never seen, 2 bad usage
+or project.
 )";
 }
 

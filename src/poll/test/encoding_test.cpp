@@ -6,7 +6,9 @@
 #include "takt/value/codec.hpp"
 
 // clang-format off
-#define TAKT_ENCODE_SYMBOL "_ZN4takt5value6encodeERKNS0_6LayoutERKSt7variantIJSt9monostateblmdNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEEEE"
+#define TAKT_ENCODE_SYMBOL                                         \
+    "_ZN4takt5value6encodeERKNS0_6LayoutERKSt7variantIJSt9monostate" \
+    "blmdNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEEEE"
 #define TAKT_PREPARE_SYMBOL "_ZN4takt4wire7prepareERKNS0_11ReadRequestE"
 // clang-format on
 

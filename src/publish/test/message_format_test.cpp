@@ -78,11 +78,11 @@ TEST(MessageFormat, AGroupHasEachVariable) {
     const Sample power{.value = 1.5, .wall_ns = kNow};
     const Sample energy{.value = std::uint64_t{7}, .wall_ns = kNow};
     const PlacedSample samples[] = {{&kPower, &power, 12}, {&other, &energy, 13}};
-    EXPECT_EQ(
-        group_message(samples, 3, false),
-        R"({"device":"Meter","values":{"Power":{"value":1.5,"unit":"kW","quality":"good",)"
-        R"("time":"2025-11-24T16:00:00.123Z","cause":"change","seq":12},"Energy":{"value":7,"quality":"good",)"
-        R"("time":"2025-11-24T16:00:00.123Z","cause":"change","seq":13}},"epoch":3})");
+    EXPECT_EQ(group_message(samples, 3, false),
+              R"({"device":"Meter","values":{"Power":{"value":1.5,"unit":"kW","quality":"good",)"
+              R"("time":"2025-11-24T16:00:00.123Z","cause":"change","seq":12},"Energy":{"value":7,)"
+              R"("quality":"good",)"
+              R"("time":"2025-11-24T16:00:00.123Z","cause":"change","seq":13}},"epoch":3})");
 }
 
 TEST(MessageFormat, AGapHasItsCauseAndCount) {

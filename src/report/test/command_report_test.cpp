@@ -53,7 +53,8 @@ TEST(CommandReport, EachOutcomeAsALineAndAsJson) {
         {with(outcome_of(get, "Level", std::int64_t{17}, CommandResult::done, Reason::timeout),
               [](auto& o) { o.quality = Quality::bad; }),
          "ok Level 17 bad timeout",
-         R"({"event":"answer","command":"get","name":"Level","value":"17","quality":"bad","reason":"timeout"})"},
+         R"({"event":"answer","command":"get","name":"Level","value":"17","quality":"bad",)"
+         R"("reason":"timeout"})"},
         {outcome_of(set, "go", true), "ok go true",
          R"({"event":"answer","command":"set","id":9,"name":"go","value":"true"})"},
         {with(outcome_of(set, "Speed", 2.5), [](auto& o) { o.progress = Outcome::Progress::waiting; }),
@@ -64,30 +65,40 @@ TEST(CommandReport, EachOutcomeAsALineAndAsJson) {
          R"({"event":"answer","command":"set","id":9,"name":"Speed","value":"2.5","superseded":true})"},
         {with(outcome_of(set, "Speed", 0.3), [](auto& o) { o.rounded = o.not_retained = true; }),
          "ok Speed 0.3 rounded not_retained",
-         R"({"event":"answer","command":"set","id":9,"name":"Speed","value":"0.3","rounded":true,"retained":false})"},
+         R"({"event":"answer","command":"set","id":9,"name":"Speed","value":"0.3","rounded":true,)"
+         R"("retained":false})"},
         {outcome_of(set, "Level", std::int64_t{50}, CommandResult::refused, Reason::switched_off),
          "refused Level switched_off wanted 50",
-         R"({"event":"outcome","command":"set","id":9,"line":"main","device":"Котёл","name":"Level","outcome":"refused","reason":"switched_off","wanted":"50"})"},
+         R"({"event":"outcome","command":"set","id":9,"line":"main","device":"Котёл","name":"Level",)"
+         R"("outcome":"refused","reason":"switched_off","wanted":"50"})"},
         {outcome_of(write, "Level", std::int64_t{50}), "done Level",
-         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Level","outcome":"done","reason":"","wanted":"50"})"},
+         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Level",)"
+         R"("outcome":"done","reason":"","wanted":"50"})"},
         {with(outcome_of(write, "Speed", 0.3), [](auto& o) { o.rounded = true; }), "done Speed rounded",
-         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Speed","outcome":"done","reason":"","wanted":"0.3","rounded":true})"},
+         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Speed",)"
+         R"("outcome":"done","reason":"","wanted":"0.3","rounded":true})"},
         {outcome_of(write, "Level", std::int64_t{50}, CommandResult::refused, value::exception_reason(2)),
          "refused Level exception 2 wanted 50",
-         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Level","outcome":"refused","reason":"exception 2","wanted":"50"})"},
+         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Level",)"
+         R"("outcome":"refused","reason":"exception 2","wanted":"50"})"},
         {with(outcome_of(write, "Level", std::int64_t{50}, CommandResult::refused, Reason::differs), differs),
          "refused Level differs written 50 read 49",
-         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Level","outcome":"refused","reason":"differs","wanted":"50","written":"50","read":"49"})"},
+         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Level",)"
+         R"("outcome":"refused","reason":"differs","wanted":"50","written":"50","read":"49"})"},
         {outcome_of(write, "Level", std::int64_t{50}, CommandResult::unknown, Reason::timeout),
          "unknown Level timeout wanted 50",
-         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Level","outcome":"unknown","reason":"timeout","wanted":"50"})"},
+         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Level",)"
+         R"("outcome":"unknown","reason":"timeout","wanted":"50"})"},
         {outcome_of(write, "Level", std::int64_t{50}, CommandResult::expired), "expired Level wanted 50",
-         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Level","outcome":"expired","reason":"","wanted":"50"})"},
+         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Level",)"
+         R"("outcome":"expired","reason":"","wanted":"50"})"},
         {outcome_of(write, "go", true, CommandResult::queue_full), "queue_full go wanted true",
-         R"({"event":"outcome","command":"write","id":9,"name":"go","outcome":"queue_full","reason":"","wanted":"true"})"},
+         R"({"event":"outcome","command":"write","id":9,"name":"go","outcome":"queue_full","reason":"",)"
+         R"("wanted":"true"})"},
         {outcome_of(write, "Tag", kHostile, CommandResult::expired),
          R"(expired Tag wanted a\u{1B}[2J\nb"\\u{07})",
-         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Tag","outcome":"expired","reason":"","wanted":"a\u001b[2J\nb\"\\\u0007"})"},
+         R"({"event":"outcome","command":"write","id":9,"line":"main","device":"Котёл","name":"Tag",)"
+         R"("outcome":"expired","reason":"","wanted":"a\u001b[2J\nb\"\\\u0007"})"},
         {outcome_of(get, "Tag", kHostile), R"(ok Tag a\u{1B}[2J\nb"\\u{07})",
          R"({"event":"answer","command":"get","name":"Tag","value":"a\u001b[2J\nb\"\\\u0007"})"},
     };

@@ -83,15 +83,19 @@ TEST(EventReport, AChangedValueAsJson) {
         const char* members;
     } cases[] = {
         {changed("Level", std::int64_t{-17}),
-         R"(,"line":"main","device":"Котёл","name":"Level","value":-17,"quality":"good","reason":"","age_ms":250.0})"},
+         R"(,"line":"main","device":"Котёл","name":"Level","value":-17,"quality":"good","reason":"",)"
+         R"("age_ms":250.0})"},
         {changed("Speed", std::numeric_limits<double>::quiet_NaN()),
-         R"(,"line":"main","device":"Котёл","name":"Speed","value":null,"quality":"good","reason":"","age_ms":250.0})"},
+         R"(,"line":"main","device":"Котёл","name":"Speed","value":null,"quality":"good","reason":"",)"
+         R"("age_ms":250.0})"},
         {changed("go", true, Quality::good, Reason::ok, -1s),
          R"(,"line":"","device":"","name":"go","value":true,"quality":"good","reason":"","age_ms":0.0})"},
         {changed("Pump", {}, Quality::bad, Reason::not_answering, std::nullopt),
-         R"(,"line":"main","device":"Котёл","name":"Pump","value":null,"quality":"bad","reason":"not_answering","age_ms":null})"},
+         R"(,"line":"main","device":"Котёл","name":"Pump","value":null,"quality":"bad",)"
+         R"("reason":"not_answering","age_ms":null})"},
         {changed("Pump", true, Quality::uncertain, value::exception_reason(200)),
-         R"(,"line":"main","device":"Котёл","name":"Pump","value":true,"quality":"uncertain","reason":"exception 200","age_ms":250.0})"},
+         R"(,"line":"main","device":"Котёл","name":"Pump","value":true,"quality":"uncertain",)"
+         R"("reason":"exception 200","age_ms":250.0})"},
         {changed("Tag", kHostile + "\xFF"),
          R"(,"line":"main","device":"Котёл","name":"Tag","value":"a\u001b[2J\nb\"\\\u0007)"
          "\xEF\xBF\xBD"

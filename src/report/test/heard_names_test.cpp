@@ -27,7 +27,8 @@ lines:
       - name: Boiler
         address: 1
         variables:
-          - {name: Flow, type: float, register: 2, read: 0x03, write: 0x10, unit: m3/h, high_register_first: true}
+          - {name: Flow, type: float, register: 2, read: 0x03, write: 0x10, unit: m3/h,
+             high_register_first: true}
           - {name: Level, type: int16, register: 1, read: 0x03, scale: 0.1}
           - {name: Pump, type: bool, coil: 17, read: 0x01, write: 0x05}
           - {name: Alarm, type: bool, register: 1, bit: 2, read: 0x04}

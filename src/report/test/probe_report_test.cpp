@@ -93,12 +93,12 @@ TEST(ProbeReport, JsonOfAreas) {
                                         {{302, 302}, discover::ProbeReply::failure}};
     findings.areas[0].result.tested = {{0, 999}, {1500, 1501}};
     const auto json = probe_json(findings, kRun);
-    EXPECT_EQ(
-        at(json, "areas", 0).dump(),
-        R"({"area":"holding_register","function":3,"end":"complete","ranges":[[0,99],[200,200]],)"
-        R"("items":101,"refused":[{"first":300,"last":301,"exception":3},{"first":302,"last":302,)"
-        R"("exception":4}],"longest_read":16,"limited":false,"step":1,"requests":100,"next":null,)"
-        R"("addresses":65536,"tested":1002,"tested_ranges":[[0,999],[1500,1501]],"longest_gap":[1502,65535]})");
+    EXPECT_EQ(at(json, "areas", 0).dump(),
+              R"({"area":"holding_register","function":3,"end":"complete","ranges":[[0,99],[200,200]],)"
+              R"("items":101,"refused":[{"first":300,"last":301,"exception":3},{"first":302,"last":302,)"
+              R"("exception":4}],"longest_read":16,"limited":false,"step":1,"requests":100,"next":null,)"
+              R"("addresses":65536,"tested":1002,"tested_ranges":[[0,999],[1500,1501]],"longest_gap":[1502,)"
+              R"(65535]})");
     EXPECT_JSON(at(json, "areas", 1, "end"), "no_function");
     EXPECT_JSON(at(json, "areas", 1, "next"), 4000U);
     EXPECT_EQ(at(json, "readable").dump(), R"({"holding_register":"0..99, 200","coil":"0..7"})");

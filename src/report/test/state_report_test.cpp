@@ -199,9 +199,11 @@ std::size_t longest_line(const std::string& text) {
 
 TEST(StateReport, TablesFitTheTerminal) {
     const auto json = *file::Json::parse(
-        R"({"names":[{"name":"Level","device":"The controller of the boiler in the second cellar, left","type":"string",)"
+        R"({"names":[{"name":"Level","device":"The controller of the boiler in the second cellar, left",)"
+        R"("type":"string",)"
         R"("unit":"kWh","readable":true,"writable":true}],)"
-        R"("values":[{"name":"Level","device":"The controller of the boiler in the second cellar","quality":"good",)"
+        R"("values":[{"name":"Level","device":"The controller of the boiler in the second cellar",)"
+        R"("quality":"good",)"
         R"("text":"a text that is longer than a third of the line","age_ms":20}]})");
     for (const auto language : kLanguages) {
         const Texts texts(language);

@@ -33,10 +33,12 @@ bus::TransactionCounters counters() {
 }
 
 const std::string kCounters =
-    R"("sent":20,"answered":9,"timeouts":4,"checksums":3,"unexpected":2,"ambiguous":5,"link_lost":1,"exceptions":3,)"
+    R"("sent":20,"answered":9,"timeouts":4,"checksums":3,"unexpected":2,"ambiguous":5,"link_lost":1,)"
+    R"("exceptions":3,)"
     R"("exceptions_by_code":{"other":1,"2":2},"mean_ms":20.0,"longest_ms":30.0)";
 const std::string kNoCounters =
-    R"("sent":0,"answered":0,"timeouts":0,"checksums":0,"unexpected":0,"ambiguous":0,"link_lost":0,"exceptions":0,)"
+    R"("sent":0,"answered":0,"timeouts":0,"checksums":0,"unexpected":0,"ambiguous":0,"link_lost":0,)"
+    R"("exceptions":0,)"
     R"("exceptions_by_code":{},"mean_ms":null,"longest_ms":null)";
 
 host::Snapshot measured() {

@@ -43,8 +43,10 @@ lines:
         attempts: 2
         read_modify_write: true
         variables:
-          - {name: a, type: bool, register: 40, bit: 0, read: none, write: 0x06, write_on_change: true, verify: true, safe_to_repeat: true}
-          - {name: b, type: bool, register: 40, bit: 1, read: none, write: 0x06, write_on_change: true, verify: true}
+          - {name: a, type: bool, register: 40, bit: 0, read: none, write: 0x06, write_on_change: true,
+             verify: true, safe_to_repeat: true}
+          - {name: b, type: bool, register: 40, bit: 1, read: none, write: 0x06, write_on_change: true,
+             verify: true}
 locals:
   - {name: on, type: bool, default: true}
 )";
