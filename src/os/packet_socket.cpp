@@ -3,6 +3,7 @@
 #include "takt/os/packet_socket.hpp"
 
 #include <arpa/inet.h>
+#include <linux/filter.h>
 #include <linux/if_ether.h>
 #include <linux/if_packet.h>
 #include <net/if.h>
@@ -98,10 +99,11 @@ PacketSocket::PacketSocket(std::string interface, Descriptor socket)
 PacketSocket::PacketSocket(PacketSocket&& other) noexcept = default;
 PacketSocket::~PacketSocket() = default;
 
-Result<void> PacketSocket::read(const std::function<void(const ReceivedPacket&)>& sink) {
+Result<bool> PacketSocket::read(const std::function<void(const ReceivedPacket&)>& sink) {
     buffers_->prepare();
     const int count = ::recvmmsg(socket_.get(), buffers_->messages.data(), kPackets, MSG_TRUNC, nullptr);
-    if (count < 0 && (errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK)) return {};
+    if (count < 0 && errno == EINTR) return true;
+    if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return false;
     if (count < 0) return fail(Code::io_failed, interface_, errno);
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
         if (!buffers_->is_wanted(i)) continue;
@@ -110,6 +112,15 @@ Result<void> PacketSocket::read(const std::function<void(const ReceivedPacket&)>
               .length = length,
               .data = {buffers_->data[i].data(), std::min(length, kPacket)}});
     }
+    return true;
+}
+
+// The filter accepts no byte of a packet, so the kernel discards it. The queue is not filtered again.
+Result<void> PacketSocket::stop_receiving() {
+    sock_filter discard = BPF_STMT(BPF_RET | BPF_K, 0);
+    const sock_fprog program{.len = 1, .filter = &discard};
+    if (::setsockopt(socket_.get(), SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof program) != 0)
+        return fail(Code::io_failed, interface_, errno);
     return {};
 }
 

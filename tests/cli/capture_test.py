@@ -6,6 +6,7 @@ import signal
 import socket
 import struct
 import subprocess
+import sys
 
 import pytest
 
@@ -299,6 +300,79 @@ def test_each_file_of_an_interface_has_its_own_statistics(tmp_path):
         assert packets > 0 and received - dropped == packets, file
 
 
+@pytest.fixture
+def recording(tmp_path):
+    """takt capture --interface lo, listening; its file is lo.pcapng."""
+    with start("capture", "--interface", "lo", "-o", tmp_path / "lo.pcapng") as listener:
+        wait_listening_on_lo(listener)
+        yield listener
+
+
+def wait_listening_on_lo(listener):
+    until(
+        lambda: any("listening on lo" in text
+                    for text in listener.err) or listener.process.poll() is not None, "listening")
+    if any("CAP_NET_RAW" in text for text in listener.err):
+        pytest.skip("needs CAP_NET_RAW")
+
+
+def request_while_stopped(listener, port):
+    """One request, and 40 while the program is stopped. Ctrl-C comes before it continues."""
+    with socket.create_connection(("127.0.0.1", port)) as client:
+        for number in range(41):
+            client.sendall(adu(number, 1, "03 0000 0002"))
+            assert len(client.recv(100)) == 13
+            if number == 0:
+                listener.process.send_signal(signal.SIGSTOP)
+    listener.process.send_signal(signal.SIGINT)
+    listener.process.send_signal(signal.SIGCONT)
+
+
+def test_packets_that_wait_at_the_end_are_recorded(tmp_path, recording, blank_device):
+    port = blank_device()
+    request_while_stopped(recording, port)
+    result = recording.finish()
+    assert "dropped" not in result.err, result
+    report = takt("latency", tmp_path / "lo.pcapng", "--port", port, "--json", code=None).json
+    assert [s["answered"] for s in report["series"] if s["server"] == f"127.0.0.1:{port}"] == [41]
+
+
+def test_packets_that_the_kernel_dropped_are_reported(tmp_path, recording):
+    """More than the buffer of the kernel holds comes while the program is stopped."""
+    recording.process.send_signal(signal.SIGSTOP)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        for _ in range(2000):
+            sender.sendto(b"\0" * 60_000, ("127.0.0.1", 9))
+    recording.process.send_signal(signal.SIGINT)
+    recording.process.send_signal(signal.SIGCONT)
+    result = recording.finish()
+    (statistics, ) = (body for kind, body in blocks(tmp_path / "lo.pcapng") if kind == 5)
+    received, dropped = (struct.unpack_from("=Q", statistics, at)[0] for at in (16, 28))
+    packets = sum(kind == 6 for kind, _ in blocks(tmp_path / "lo.pcapng"))
+    assert dropped > 0 and received - dropped == packets
+    assert f"lo: the kernel dropped {dropped:,} packets" in result.err and "lo.pcapng" in result.err, result
+
+
+def test_a_busy_interface_does_not_prolong_the_end(tmp_path, recording):
+    """Datagrams come faster than they are written, before and after Ctrl-C."""
+    busy = [subprocess.Popen([sys.executable, "-c", FLOOD]) for _ in range(2)]
+    try:
+        until(lambda: (tmp_path / "lo.pcapng").stat().st_size > 1_000_000, "the datagrams in the file")
+        recording.interrupt()
+        assert all(flood.poll() is None for flood in busy)
+    finally:
+        for flood in busy:
+            flood.kill()
+            flood.wait()
+
+
+FLOOD = """import socket
+sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+while True:
+    sender.sendto(bytes(1000), ("127.0.0.1", 9))
+"""
+
+
 def test_standard_output_is_a_capture(tmp_path):
     with Bus() as bus, subprocess.Popen([TAKT, "capture", f"rtu://{bus.port}?baud=115200", "-o", "-"],
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -320,12 +394,17 @@ def listening(tmp_path):
     """takt latency --interface lo, listening."""
     listener = start("latency", "--interface", "lo", "--json", "--port", "502", "--port", str(free_port()))
     with listener:
-        until(
-            lambda: any("listening on lo" in text
-                        for text in listener.err) or listener.process.poll() is not None, "listening")
-        if any("CAP_NET_RAW" in text for text in listener.err):
-            pytest.skip("needs CAP_NET_RAW")
+        wait_listening_on_lo(listener)
         yield listener
+
+
+def test_packets_that_wait_at_the_end_are_measured(listening, blank_device):
+    port = blank_device()
+    request_while_stopped(listening, port)
+    report = listening.finish(code=None).json
+    mine = [s for s in report["series"] if s["server"] == f"127.0.0.1:{port}"]
+    assert [(s["requests"], s["answered"]) for s in mine] == [(41, 41)], report["series"]
+    assert report["capture"]["dropped_packets"] == 0
 
 
 def test_an_interface_is_measured_until_ctrl_c(listening, blank_device):

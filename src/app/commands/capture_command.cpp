@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
+#include "interface_packets.hpp"
 #include "output.hpp"
 #include "progress.hpp"
-#include "stoppable_input.hpp"
 #include "takt/capture/pcapng_writer.hpp"
 #include "takt/capture/serial_pairing.hpp"
 #include "takt/console/capture_log.hpp"
@@ -134,20 +134,24 @@ public:
     Result<void> run() {
         TAKT_TRY(auto socket, os::PacketSocket::open(options_.interface));
         TAKT_TRY(auto file, console::CaptureFile::open(options_.file));
-        auto input = StoppableInput::around(options_.interface, socket.descriptor());
-        print_status(texts_("app.latency.listening", {{"interface", options_.interface}}) + '\n');
         TAKT_CHECK(begin_file(file, 0));
         const Instant start = line::now();
         Instant flushed = start;
-        while (!StoppableInput::stopped() && (!options_.run_for || line::now() - start < *options_.run_for)) {
-            TAKT_TRY(const bool readable, input.wait(kFlushInterval));
-            if (readable) TAKT_CHECK(socket.read([&](const auto& packet) { add(packet); }));
-            if (blocks_.size() < kChunk && line::now() - flushed < kFlushInterval) continue;
-            TAKT_CHECK(flush(file, socket));
-            flushed = line::now();
-        }
+        const auto on_read = [&]() -> Result<bool> {
+            const Instant now = line::now();
+            if (blocks_.size() >= kChunk || now - flushed >= kFlushInterval) {
+                TAKT_CHECK(flush(file, socket));
+                flushed = now;
+            }
+            return !options_.run_for || now - start < *options_.run_for;
+        };
+        TAKT_CHECK(
+            read_packets(texts_, options_.interface, socket, kFlushInterval,
+                         {.on_packet = [this](const auto& packet) { add(packet); }, .on_read = on_read}));
         TAKT_CHECK(flush(file, socket));
-        return end_file(file, socket.dropped());
+        TAKT_CHECK(end_file(file, socket.dropped()));
+        report_dropped(socket.dropped());
+        return {};
     }
 
     [[nodiscard]] std::uint64_t frames() const { return packets_; }
@@ -171,6 +175,13 @@ private:
         capture::append_statistics(statistics,
                                    {.time_ns = last_ns_, .received = in_file_ + lost, .dropped = lost});
         return file.write(statistics);
+    }
+    void report_dropped(std::uint64_t count) const {
+        if (count == 0) return;
+        print_error(
+            texts_("app.capture.dropped", {{"interface", options_.interface},
+                                           {"count", report::grouped_number(count, texts_.language())},
+                                           {"file", options_.file.path}}));
     }
     void add(const os::ReceivedPacket& packet) {
         ++packets_;

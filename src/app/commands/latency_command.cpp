@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "capture_input.hpp"
+#include "interface_packets.hpp"
 #include "output.hpp"
 #include "progress.hpp"
 #include "stoppable_input.hpp"
@@ -82,14 +83,14 @@ private:
     // A signal is the only end.
     Result<void> listen() {
         TAKT_TRY(auto socket, os::PacketSocket::open(options_.interface));
-        auto input = StoppableInput::around(options_.interface, socket.descriptor());
-        print_status(texts_("app.latency.listening", {{"interface", options_.interface}}) + '\n');
         Progress progress(texts_, line::now());
-        while (!StoppableInput::stopped()) {
-            TAKT_TRY(const bool readable, input.wait(kShowInterval));
-            if (readable) TAKT_CHECK(socket.read([this](const auto& packet) { take(packet); }));
+        const auto on_read = [&]() -> Result<bool> {
             progress.show(line::now(), {}, step());
-        }
+            return true;
+        };
+        TAKT_CHECK(
+            read_packets(texts_, options_.interface, socket, kShowInterval,
+                         {.on_packet = [this](const auto& packet) { take(packet); }, .on_read = on_read}));
         analysis_.set_dropped(socket.dropped());
         const auto now = line::wall_clock(line::now()).time_since_epoch();
         end_ns_ = std::chrono::duration_cast<Duration>(now).count();

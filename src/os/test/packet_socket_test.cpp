@@ -52,6 +52,31 @@ TEST(PacketSocket, PassesEachPacketOfTheLoopbackInterfaceOnce) {
     EXPECT_EQ(socket->dropped(), 0u);
 }
 
+TEST(PacketSocket, PassesWhatCameBeforeTheStopAndNothingElse) {
+    auto socket = PacketSocket::open("lo");
+    if (!socket) GTEST_SKIP() << "needs CAP_NET_RAW";
+    const std::string text = "packet socket " + std::to_string(::getpid());
+    send_datagram(text + " before");
+    ASSERT_TRUE(socket->stop_receiving());
+    send_datagram(text + " after");
+    int before = 0;
+    int after = 0;
+    for (;;) {
+        const auto more = socket->read([&](const ReceivedPacket& packet) {
+            const std::string_view bytes(reinterpret_cast<const char*>(packet.data.data()),
+                                         packet.data.size());
+            if (packet.data[9] != IPPROTO_UDP) return;
+            if (bytes.ends_with(text + " before")) ++before;
+            if (bytes.ends_with(text + " after")) ++after;
+        });
+        ASSERT_TRUE(more);
+        if (!*more) break;
+    }
+    EXPECT_EQ(before, 1);
+    EXPECT_EQ(after, 0);
+    EXPECT_EQ(socket->dropped(), 0u) << "packets after the stop are not counted";
+}
+
 TEST(PacketSocket, AnUnknownInterfaceIsAnError) {
     const auto socket = PacketSocket::open("takt-none");
     ASSERT_FALSE(socket);

@@ -33,9 +33,13 @@ public:
 
     [[nodiscard]] int descriptor() const { return socket_.get(); }
 
-    /// Passes some of the packets that have come, without waiting. @returns io_failed: the interface went
-    /// down or away
-    [[nodiscard]] Result<void> read(const std::function<void(const ReceivedPacket&)>& sink);
+    /// Passes some of the packets that have come, without waiting. @returns false: the socket is empty;
+    /// io_failed: the interface went down or away
+    [[nodiscard]] Result<bool> read(const std::function<void(const ReceivedPacket&)>& sink);
+
+    /// The kernel adds no packet after this call, and does not count later ones as dropped. read() still
+    /// passes those that wait. @returns io_failed
+    [[nodiscard]] Result<void> stop_receiving();
 
     /// Packets that the kernel could not keep, up to now.
     [[nodiscard]] std::uint64_t dropped();
