@@ -11,6 +11,7 @@ import subprocess
 import pytest
 
 import endpoints
+import program
 from fake_slave import TcpSlave, tcp_answer
 from peer_base import TcpPeer
 from program import DEADLINE, TAKT, environment, start, takt, until
@@ -350,3 +351,36 @@ def test_no_sentence_has_two_stops(project, blank_device):
     path = project(tcp(at([0], INT + ", retain: true"), blank_device()))
     result = takt("run", path, "--state", "/nowhere/plant.state", "--for", "100ms")
     assert "/nowhere" in result.err and ".." not in result.err
+
+
+FIRST = program.ROOT / "examples/first.yaml"
+
+
+@pytest.mark.parametrize("language, words", [("en", "is simulated"), ("ru", "имитируется"),
+                                             ("uk", "імітується")])
+def test_serve_names_the_way_to_reach_a_simulated_line(language, words):
+    """The message contains the command that works."""
+    result = takt("--lang", language, "serve", FIRST, code=2)
+    assert f"{FIRST}:4:" in result.err and words in result.err and "rs485-1" in result.err, result
+    assert "--port /dev/ttyUSB0" in result.err and result.out == ""
+    command = re.search(r"`takt (serve [^`]+ --listen) 127\.0\.0\.1:1502`", result.err)[1]
+    port = endpoints.free_port()
+    with start(*command.split(), f"127.0.0.1:{port}") as served:
+        endpoints.wait_listening(port, served)
+        served.interrupt()
+
+
+def test_serve_names_the_simulated_line_of_several(project):
+    line = ("  - {{name: {name}, transport: simulated, devices: [{{name: D{name}, address: 1, variables: "
+            "[{{name: V{name}, type: int, register: 0, read: 3}}]}}]}}\n")
+    path = project("takt: 1\nlines:\n" + "".join(line.format(name=name) for name in ("a", "b")))
+    assert f"`takt serve {path} --line a --listen 127.0.0.1:1502`" in takt("serve", path, code=2).err
+    assert f"`takt serve {path} --line b --listen 127.0.0.1:1502`" in takt("serve", path, "--line", "b",
+                                                                           code=2).err
+    takt("serve", path, "--line", "b", "--listen", "127.0.0.1:0", "--for", "50ms")
+
+
+@pytest.mark.parametrize("options", [[], [FIRST]], ids=["blank", "project"])
+def test_serve_on_a_port_that_is_no_serial_port(options):
+    result = takt("serve", *options, "--port", "tcp://127.0.0.1:1502", code=2)
+    assert "--port tcp://127.0.0.1:1502: not a serial port" in result.err and "--listen" in result.err, result

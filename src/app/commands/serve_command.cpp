@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,7 @@
 #include "takt/endpoint/endpoint_set.hpp"
 #include "takt/endpoint/local_values.hpp"
 #include "takt/line/descriptors.hpp"
+#include "takt/line/target.hpp"
 #include "takt/report/serve_report.hpp"
 #include "takt/sim/devices.hpp"
 #include "texts.hpp"
@@ -155,16 +157,38 @@ private:
     std::optional<endpoint::EndpointSet> endpoints_;
 };
 
+/// --port with a target that is no serial port.
+bool is_no_serial_port(const std::string& port) {
+    const auto target = line::parse_target(port);
+    return target && target->transport != model::Transport::serial;
+}
+
+/// The error of a project whose lines have no address of their own; nothing: each has one.
+std::optional<std::string> without_address(const Texts& texts, const ServeOptions& options,
+                                           const host::LoadedProject& loaded) {
+    const auto& lines = loaded.project.lines;
+    const auto simulated = std::ranges::find(lines, model::Transport::simulated, &model::Line::transport);
+    if (simulated == lines.end()) return std::nullopt;
+    const bool chosen = lines.size() > 1 || !options.line.empty();
+    return texts("app.serve.simulated",
+                 {{"file", loaded.files[simulated->location.file]},
+                  {"row", std::to_string(simulated->location.line)},
+                  {"line", simulated->name},
+                  {"command", "takt serve " + options.file + (chosen ? " --line " + simulated->name : "")}});
+}
+
 /// The error in the combination of options; nothing: they may be used.
 std::optional<std::string> misuse(const Texts& texts, const ServeOptions& options,
-                                  const model::Project* project) {
+                                  const std::optional<host::LoadedProject>& loaded) {
     if (options.state.empty() != options.blank.retain.empty()) return texts("app.registers.where");
     const bool replaced = !options.listen.empty() || !options.port.empty();
-    if (!project) return replaced ? std::nullopt : std::optional(texts("app.serve_where"));
-    if (!replaced) return std::nullopt;
-    if (!project->servers.empty()) return texts("app.serve_has_servers", {{"file", options.file}});
-    if (project->lines.size() == 1 && (options.listen.empty() || options.port.empty())) return std::nullopt;
-    return texts("app.serve_one_line", {{"count", std::to_string(project->lines.size())}});
+    if (is_no_serial_port(options.port)) return texts("app.serve.no_serial_port", {{"value", options.port}});
+    if (!loaded) return replaced ? std::nullopt : std::optional(texts("app.serve_where"));
+    const auto& project = loaded->project;
+    if (!replaced) return project.servers.empty() ? without_address(texts, options, *loaded) : std::nullopt;
+    if (!project.servers.empty()) return texts("app.serve_has_servers", {{"file", options.file}});
+    if (project.lines.size() == 1 && (options.listen.empty() || options.port.empty())) return std::nullopt;
+    return texts("app.serve_one_line", {{"count", std::to_string(project.lines.size())}});
 }
 
 /// Leaves the devices of the line that the options name. @returns false, and reports it, if there is none
@@ -205,11 +229,11 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
     }
     if (loaded && !options.line.empty() && !keep_line(texts, options, loaded->project))
         return ExitCode::usage;
-    const model::Project* const project = loaded ? &loaded->project : nullptr;
-    if (const auto wrong = misuse(texts, options, project)) {
+    if (const auto wrong = misuse(texts, options, loaded)) {
         print_error(*wrong);
         return ExitCode::usage;
     }
+    const model::Project* const project = loaded ? &loaded->project : nullptr;
     endpoint::Overrides overrides{options.listen, options.port, options.strict,
                                   options.limits, {},           options.audit};
     if (!options.access.empty()) {
