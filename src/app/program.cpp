@@ -14,6 +14,7 @@
 #include "options/add_commands.hpp"
 #include "options/command_line.hpp"
 #include "output.hpp"
+#include "stop_signals.hpp"
 #include "texts.hpp"
 #include "version.hpp"
 
@@ -66,6 +67,7 @@ int end_program(Language language, ExitCode code) {
 }  // namespace
 
 int run_program(int argc, char** argv) {
+    accept_stop_signals();
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit of the file size fails instead
     CommandLine line("help.takt", "takt", "takt " + std::string(kProgramVersion));

@@ -11,9 +11,9 @@
 namespace takt::app {
 namespace {
 
-bool hang_up_ignored() {
-    struct sigaction hang_up{};
-    return ::sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler == SIG_IGN;
+bool is_ignored(int number) {
+    struct sigaction action{};
+    return ::sigaction(number, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
 std::vector<int> open_terminals() {
@@ -31,10 +31,21 @@ bool is_gone(int terminal) {
 
 }  // namespace
 
+void accept_stop_signals() {
+    for (const int number : {SIGINT, SIGTERM})
+        if (is_ignored(number)) std::signal(number, SIG_DFL);
+}
+
+std::vector<int> stop_signals() {
+    std::vector<int> signals{SIGINT, SIGTERM};
+    if (!is_ignored(SIGHUP)) signals.push_back(SIGHUP);
+    return signals;
+}
+
 Result<void> on_stop(line::Loop& loop, std::function<void()> callback) {
     const auto stop = [callback = std::move(callback)](int) { callback(); };
-    return hang_up_ignored() ? loop.on_signals({SIGINT, SIGTERM}, stop)
-                             : loop.on_signals({SIGINT, SIGTERM, SIGHUP}, stop);
+    return is_ignored(SIGHUP) ? loop.on_signals({SIGINT, SIGTERM}, stop)
+                              : loop.on_signals({SIGINT, SIGTERM, SIGHUP}, stop);
 }
 
 Result<void> on_stop_or_reload(line::Loop& loop, std::function<void()> stop, std::function<void()> reload) {

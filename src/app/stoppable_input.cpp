@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "stop_signals.hpp"
 #include "takt/os/open.hpp"
 
 namespace takt::app {
@@ -20,18 +21,14 @@ void stop(int) {
     g_stop_requested = true;
 }
 
-constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
-
 sigset_t take_signals() {
     sigset_t set;
     ::sigemptyset(&set);
-    for (const int signal : kSignals) {
-        struct sigaction now{};
-        if (::sigaction(signal, nullptr, &now) != 0 || now.sa_handler == SIG_IGN) continue;
+    for (const int signal : stop_signals()) {
         ::sigaddset(&set, signal);
-        now = {};
-        now.sa_handler = stop;
-        ::sigaction(signal, &now, nullptr);
+        struct sigaction action{};
+        action.sa_handler = stop;
+        ::sigaction(signal, &action, nullptr);
     }
     return set;
 }
@@ -69,7 +66,7 @@ StoppableInput::StoppableInput(StoppableInput&& other) noexcept
 
 StoppableInput::~StoppableInput() {
     if (!owns_) return;
-    for (const int signal : kSignals)
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP})
         if (::sigismember(&taken_, signal) == 1) ::signal(signal, SIG_DFL);
     ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
 }

@@ -14,8 +14,8 @@
 
 namespace takt::app {
 
-/// While the object exists, SIGINT, SIGTERM, and SIGHUP unless it is ignored, end the input instead of the
-/// program. One at a time, on the main thread.
+/// While the object exists, the stop_signals() end the input instead of the program. One at a time, on the
+/// main thread.
 class StoppableInput {
 public:
     /// @param path  "-": standard input

@@ -14,7 +14,7 @@ import pytest
 
 import endpoints
 from fake_slave import SerialSlave, TcpSlave
-from program import DEADLINE, TAKT, WITHOUT_WAITING, environment, start, takt, until
+from program import DEADLINE, TAKT, WITHOUT_WAITING, Running, environment, start, takt, until
 from projects import at, serial, tcp
 
 INT = "type: int16, read: 0x03"
@@ -38,6 +38,106 @@ def test_demo_at_its_very_start():
         demo.process.send_signal(signal.SIGINT)
         demo.process.wait(WITHOUT_WAITING)
         assert demo.process.returncode in (0, -signal.SIGINT)
+
+
+def ignore_ctrl_c():
+    """As a shell without job control starts a background job."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+
+
+def long_running(command, project, pair, folder):
+    """Arguments of a command that runs until it is ended."""
+    port = f"rtu://{pair.a}?baud=115200"
+    return {
+        "run": ["run", project(serial(at([0], INT), port=pair.a)), "--json"],
+        "demo": ["demo", "--json"],
+        "serve": ["serve", "--port", port, "--unit", 1],
+        "listen": ["listen", port],
+        "capture": ["capture", port, "-o", folder / "line.pcapng"],
+        "capture-interface": ["capture", "--interface", "lo", "-o", folder / "lo.pcapng"],
+        "latency": ["latency", "-"],
+        "latency-interface": ["latency", "--interface", "lo"],
+        "latency-target": ["latency", port, "--timeout", "60s", "--for", "1h"],
+        "read": ["read", port, "holding", 0, "--timeout", "60s"],
+        "watch": ["read", port, "holding", 0, "--timeout", "60s", "--watch", "1s"],
+        "scan": ["scan", port, "--timeout", "60s"],
+        "probe": ["probe", port, "--unit", 1, "--timeout", "60s"],
+    }[command]
+
+
+@pytest.mark.parametrize("with_signal", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "terminate"])
+@pytest.mark.parametrize("command", [
+    "run", "demo", "serve", "listen", "capture", "capture-interface", "latency", "latency-interface",
+    "latency-target", "read", "watch", "scan", "probe"
+])
+def test_signals_that_were_ignored_at_the_start(project, pair, tmp_path, command, with_signal):
+    arguments = long_running(command, project, pair, tmp_path)
+    with start(*arguments, preexec_fn=ignore_ctrl_c) as running:
+        until(lambda: running.catches(with_signal) or running.process.poll() is not None,
+              "its signal handler")
+        if any("CAP_NET_RAW" in text for text in running.err):
+            pytest.skip("needs CAP_NET_RAW")
+        running.interrupt(with_signal, code=None)
+
+
+def full_pipe():
+    """Both ends; a write to it waits."""
+    reading, writing = os.pipe()
+    fcntl.fcntl(writing, 1031, 4096)  # F_SETPIPE_SZ
+    os.set_blocking(writing, False)
+    with pytest.raises(BlockingIOError):
+        while True:
+            os.write(writing, b"x" * 512)
+    os.set_blocking(writing, True)
+    return reading, writing
+
+
+def has(pid, kind, number):
+    """Whether the signal is in that set of the process: SigCgt (it has a handler) or SigIgn (ignored)."""
+    with open(f"/proc/{pid}/status", encoding="ascii") as lines:
+        mask = next(line for line in lines if line.startswith(kind)).split()[1]
+    return int(mask, 16) >> (number - 1) & 1
+
+
+def test_a_background_job_of_a_script():
+    """`takt demo &` in a shell without job control, which ignores SIGINT in the job."""
+    with Running(["sh", "-c", '"$0" demo --json & echo "$!"; wait "$!"', TAKT]) as shell:
+        job = int(shell.wait_line(str.isdigit, "the number of the process"))
+        shell.wait_line(lambda line: '"event":"value"' in line, "a value")
+        os.kill(job, signal.SIGINT)
+        assert '"event":"summary"' in shell.finish().lines[-1]
+
+
+def test_a_command_without_a_handler_of_its_own():
+    """It waits for the reader of its output, and the signal ends it."""
+    reading, writing = full_pipe()
+    schema = subprocess.Popen([TAKT, "schema"], stdout=writing, preexec_fn=ignore_ctrl_c, env=environment())
+    try:
+        until(lambda: not has(schema.pid, "SigIgn", signal.SIGINT), "the default action")
+        assert schema.poll() is None
+        schema.send_signal(signal.SIGINT)
+        assert schema.wait(30) == -signal.SIGINT
+    finally:
+        schema.kill()
+        schema.wait()
+        os.close(reading)
+        os.close(writing)
+
+
+@pytest.mark.parametrize("command", ["run", "capture-interface", "latency"])
+def test_a_hang_up_that_was_ignored_at_the_start(project, pair, tmp_path, command):
+    """nohup: closing the terminal does not end the command, Ctrl-C does."""
+    arguments = long_running(command, project, pair, tmp_path)
+    with start(*arguments, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)) as running:
+        until(lambda: running.catches(signal.SIGINT) or running.process.poll() is not None,
+              "its signal handler")
+        if any("CAP_NET_RAW" in text for text in running.err):
+            pytest.skip("needs CAP_NET_RAW")
+        running.process.send_signal(signal.SIGHUP)
+        with pytest.raises(subprocess.TimeoutExpired):
+            running.process.wait(0.3)
+        running.interrupt(code=None)
 
 
 def test_demo_on_a_terminal():
@@ -255,13 +355,7 @@ def test_a_reader_that_stalls_at_the_end(project, arguments):
     path = project(
         "takt: 1\nlines:\n  - name: l\n    transport: simulated\n    devices:\n      - {name: d, address: 1, "
         "poll_period: 10ms, variables: [{name: v, type: int, register: 0, read: 0x03}]}\n")
-    reading, writing = os.pipe()
-    fcntl.fcntl(writing, 1031, 4096)  # F_SETPIPE_SZ
-    os.set_blocking(writing, False)
-    with pytest.raises(BlockingIOError):
-        while True:
-            os.write(writing, b"x" * 512)
-    os.set_blocking(writing, True)
+    reading, writing = full_pipe()
     process = subprocess.Popen([TAKT, arguments[0], path, *arguments[1:]], stdin=subprocess.DEVNULL,
                                stdout=writing, stderr=writing, env=environment())
     os.close(writing)

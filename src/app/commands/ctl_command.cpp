@@ -2,7 +2,6 @@
 // JSON, which this program turns into text in its own language.
 #include "commands/ctl_command.hpp"
 
-#include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -11,12 +10,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <csignal>
+#include <chrono>
 #include <cstring>
-#include <ctime>
 #include <optional>
 
 #include "output.hpp"
+#include "stoppable_input.hpp"
 #include "takt/file/json.hpp"
 #include "takt/report/command_report.hpp"
 #include "takt/report/state_report.hpp"
@@ -26,39 +25,8 @@
 namespace takt::app {
 namespace {
 
-constexpr int kAnswerLimitMs =
-    30'000;  // a write is answered when its outcome is known, at the latest when it expires
-
-volatile std::sig_atomic_t g_ctl_stopped = 0;  // signal handlers see nothing else
-
-/// SIGINT, SIGTERM and SIGHUP come only while wait_readable() waits, and end that.
-class StopSignals {
-public:
-    StopSignals() {
-        sigset_t stops;
-        sigemptyset(&stops);
-        for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
-            struct sigaction old{};
-            if (number == SIGHUP && ::sigaction(number, nullptr, &old) == 0 && old.sa_handler == SIG_IGN)
-                continue;
-            struct sigaction action{};
-            action.sa_handler = [](int) { g_ctl_stopped = 1; };
-            ::sigaction(number, &action, nullptr);
-            sigaddset(&stops, number);
-        }
-        ::sigprocmask(SIG_BLOCK, &stops, &while_waiting_);
-    }
-
-    /// @returns 0 after the limit; -1 when stopped
-    [[nodiscard]] int wait_readable(int fd, int limit_ms) const {
-        pollfd readable{fd, POLLIN, 0};
-        const timespec limit{limit_ms / 1000, limit_ms % 1000 * 1'000'000L};
-        return ::ppoll(&readable, 1, &limit, &while_waiting_);
-    }
-
-private:
-    sigset_t while_waiting_{};
-};
+/// A write is answered when its outcome is known, at the latest when it expires.
+constexpr std::chrono::milliseconds kAnswerLimit{30'000};
 
 bool is_other_file(const std::string& path) {
     struct stat status{};
@@ -94,16 +62,16 @@ std::string command_of(const std::vector<std::string>& words) {
 
 /// @returns nothing when stopped by a signal before the answer came
 Result<std::optional<std::string>> ask(int fd, const std::string& path, const std::string& command) {
-    const StopSignals signals;
+    auto input = StoppableInput::around(path, fd);
     const std::string line = command + '\n';
     // A full server sends an error line before it closes; that line is printed instead of the socket error.
     const bool sent = ::send(fd, line.data(), line.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(line.size());
     const int reason = sent ? 0 : errno;
     std::string answer;
     while (!answer.ends_with('\n')) {
-        const int ready = signals.wait_readable(fd, kAnswerLimitMs);
-        if (ready < 0 && g_ctl_stopped != 0) return std::optional<std::string>();
-        if (ready == 0) return fail(Code::timed_out, path, kAnswerLimitMs);
+        TAKT_TRY(const bool readable, input.wait(kAnswerLimit));
+        if (StoppableInput::stopped()) return std::optional<std::string>();
+        if (!readable) return fail(Code::timed_out, path, kAnswerLimit.count());
         std::array<char, 4096> buffer;
         const auto count = ::read(fd, buffer.data(), buffer.size());
         if (count <= 0) return fail(Code::connection_lost, path, count < 0 ? errno : reason);
