@@ -20,7 +20,7 @@ public:
 
     constexpr void assign(std::string_view text) {
         size_ = std::min(text.size(), N);
-        std::copy_n(text.data(), size_, bytes_.data());
+        std::copy_n(text.begin(), size_, bytes_.begin());
     }
 
     [[nodiscard]] constexpr std::string_view view() const { return {bytes_.data(), size_}; }

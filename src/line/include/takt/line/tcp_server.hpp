@@ -33,7 +33,7 @@ public:
     [[nodiscard]] virtual Instant last_received() const = 0;
     /// Called once, before the engine's on_link().
     /// @param poke  to be called after the engine was changed from outside; may destroy the session
-    virtual void attach(std::function<void()> /*poke*/) {}
+    virtual void attach(std::function<void()> /*poke*/) {}  // NOLINT(performance-*): overriders keep it
 };
 
 /// @param peer  "10.0.0.5:49152", "[::1]:49152"

@@ -159,8 +159,8 @@ inline constexpr auto kFunctions = [] {
 /// By code: the row of kFunctions.
 inline constexpr auto kFunctionRows = [] {
     std::array<std::uint8_t, 0x2C> rows{};
-    for (std::uint8_t row = 1; row < kFunctions.size(); ++row)
-        rows[static_cast<std::uint8_t>(kFunctions[row].function)] = row;
+    for (std::size_t row = 1; row < kFunctions.size(); ++row)
+        rows[static_cast<std::uint8_t>(kFunctions[row].function)] = static_cast<std::uint8_t>(row);
     return rows;
 }();
 

@@ -127,7 +127,7 @@ public:
     /// 0x03, 0x04, 0x17: as many registers as were asked for; 0x18: the queue. Else none.
     [[nodiscard]] constexpr RegisterView registers() const {
         if (content_ != Content::registers) return {};
-        return RegisterView(pdu_.subspan(first_, 2U * count_));
+        return RegisterView(pdu_.subspan(first_, std::size_t{2} * count_));
     }
     /// 0x01, 0x02: as many bits as were asked for. Else none.
     [[nodiscard]] constexpr BitView bits() const {
