@@ -99,7 +99,7 @@ IpAddress ipv4_address(Bytes bytes) {
 Content decode_ipv4(Bytes bytes, std::size_t on_wire, Segment& segment, Fragment& fragment,
                     IpPayload& payload) {
     if (bytes.size() < kIpv4HeaderBytes) return Content::cut;
-    const std::size_t header = (bytes[0] & 0x0FU) * 4U;
+    const std::size_t header = std::size_t{4} * (bytes[0] & 0x0FU);
     const std::size_t total = be16_at(bytes, 2) == 0 ? on_wire : be16_at(bytes, 2);
     if (header < kIpv4HeaderBytes || total < header) return Content::malformed;
     if (bytes[9] != kTcpProtocol) return Content::not_tcp;
@@ -173,7 +173,7 @@ Content decode_ipv6(Bytes bytes, std::size_t on_wire, Segment& segment, Fragment
 
 Content decode_tcp(const IpPayload& ip, Segment& segment) {
     if (ip.bytes.size() < kTcpHeader) return ip.length < kTcpHeader ? Content::malformed : Content::cut;
-    const std::size_t header = (ip.bytes[12] >> 4U) * 4U;
+    const std::size_t header = std::size_t{4} * (ip.bytes[12] >> 4U);
     if (header < kTcpHeader || header > ip.length) return Content::malformed;
     segment.source.port = be16_at(ip.bytes, 0);
     segment.destination.port = be16_at(ip.bytes, 2);

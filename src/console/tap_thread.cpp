@@ -10,7 +10,7 @@ constexpr auto kTick = std::chrono::milliseconds(20);  // the ring holds the fra
 
 }  // namespace
 
-TapSource tap_source(std::shared_ptr<host::Session> session) {
+TapSource tap_source(const std::shared_ptr<host::Session>& session) {
     return {.next = [session] { return session->next_traffic(); },
             .missed = [session] { return session->missed_traffic(); },
             .line_of = [session](const auto& record) { return session->line_of(record); }};

@@ -5,6 +5,7 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "takt/model/target_url.hpp"
 
@@ -52,7 +53,7 @@ std::vector<std::uint32_t> usual_bauds() {
 template <class T>
 std::vector<T> chosen(const std::vector<T>& listed, bool in_url, T url_value, std::vector<T> usual) {
     if (!listed.empty()) return listed;
-    return in_url ? std::vector<T>{url_value} : usual;
+    return in_url ? std::vector<T>{url_value} : std::move(usual);
 }
 
 /// Equal for targets with equal settings.

@@ -27,7 +27,7 @@ struct TapSource {
 };
 
 /// @param session  with `traffic`
-[[nodiscard]] TapSource tap_source(std::shared_ptr<host::Session> session);
+[[nodiscard]] TapSource tap_source(const std::shared_ptr<host::Session>& session);
 [[nodiscard]] TapSource tap_source(const host::TrafficTap& tap);
 
 /// Calls `turn` on a thread of its own each 20 ms, and a last time with `ending`.
