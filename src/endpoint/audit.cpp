@@ -174,7 +174,7 @@ void Audit::on_own_request(const AuditedRequest& request, const serve::Answer& a
     if (unit) set_own_unit(record, *unit);
     if (refused) mark_refused(record, Decision::allowed, answer.pdu.span());
     if (answer.kind == Kind::pending)
-        unanswered_.insert_or_assign(answer.token, Unanswered{std::move(record), recorded});
+        unanswered_.insert_or_assign(answer.token, Unanswered{record, recorded});
     else
         sink_->put(request.context.time, record);
 }
@@ -182,7 +182,7 @@ void Audit::on_own_request(const AuditedRequest& request, const serve::Answer& a
 void Audit::on_relay_request(const AuditedRequest& request) {
     AuditRecord record = record_of(request);
     if (request.path.relayed) {
-        on_the_way_.insert_or_assign(*request.path.relayed, std::move(record));
+        on_the_way_.insert_or_assign(*request.path.relayed, record);
         return;
     }
     mark_refused(record, Decision::allowed, request.path.rejection->span());

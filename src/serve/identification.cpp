@@ -75,8 +75,8 @@ void Identification::report_server_id(Answer& answer) const {
 
 // 1 basic (objects 0..2), 2 regular (..0x7F), 3 extended (..0xFF): that of the last object.
 std::uint8_t Identification::level() const {
-    for (std::uint8_t level = 1; level < kLastOfLevel.size(); ++level)
-        if (objects_.back().id <= kLastOfLevel[level]) return level;
+    for (std::size_t level = 1; level < kLastOfLevel.size(); ++level)
+        if (objects_.back().id <= kLastOfLevel[level]) return static_cast<std::uint8_t>(level);
     return kLastOfLevel.size() - 1;
 }
 

@@ -24,7 +24,7 @@ bool file_exists(const std::string& path) {
 
 Result<std::string> set_database_aside(const std::string& path, const std::string& companion) {
     for (int i = 1; i <= kMostSetAside; ++i) {
-        const std::string aside = path + ".damaged-" + std::to_string(i);
+        std::string aside = path + ".damaged-" + std::to_string(i);
         if (file_exists(aside)) continue;
         std::error_code error;
         std::filesystem::rename(path, aside, error);
@@ -69,7 +69,7 @@ Result<FileContents> contents_of(const SQLite::Database& database, const std::st
     constexpr std::int64_t kChunk = 64 << 10;
     const auto failed = [&] { return fail(Code::io_failed, path, EIO); };
     sqlite3_file* file = nullptr;
-    sqlite3_file_control(database.getHandle(), "main", SQLITE_FCNTL_FILE_POINTER, &file);
+    sqlite3_file_control(database.getHandle(), "main", SQLITE_FCNTL_FILE_POINTER, static_cast<void*>(&file));
     if (file == nullptr || file->pMethods == nullptr) return failed();
     sqlite3_int64 size = 0;
     if (file->pMethods->xFileSize(file, &size) != SQLITE_OK) return failed();

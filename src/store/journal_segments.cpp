@@ -6,9 +6,10 @@
 namespace takt::store {
 namespace {
 
-constexpr std::size_t kWindowBytes = 256 * 1024;
+constexpr std::size_t kWindowBytes = std::size_t{256} * 1024;
 static_assert(kWindowBytes >= 2 * kMaxRecordBytes);
-constexpr std::size_t kFirstWindowBytes = 64 * 1024;  // of most segments, a start reads one record only
+// Of most segments, a start reads one record only.
+constexpr std::size_t kFirstWindowBytes = std::size_t{64} * 1024;
 static_assert(kFirstWindowBytes >= kMaxRecordBytes);
 
 /// The start of a segment, of whose file only the first records are read.

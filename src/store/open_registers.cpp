@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 Result<std::string> keep_aside(const std::string& path, const std::string& why) {
     constexpr int kMost = 999;
     for (int i = 1; i <= kMost; ++i) {
-        std::string aside = path + "." + why + "-" + std::to_string(i);
+        std::string aside = path;
+        aside.append(".").append(why).append("-").append(std::to_string(i));
         std::error_code error;
         if (fs::exists(fs::symlink_status(aside, error))) continue;
         fs::create_hard_link(path, aside, error);
