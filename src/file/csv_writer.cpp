@@ -196,7 +196,7 @@ private:
 
     // A register number that looks like a reference is written so that the reader cannot take it for one.
     static std::string cell_text(const Node& row, std::string_view key) {
-        const std::string text(cell_of(row, key));
+        std::string text(cell_of(row, key));
         if (key != "register" || !looks_like_reference(text)) return text;
         const auto number = model::parse_integer(text);
         return number ? fmt::format("0x{:X}", number->magnitude) : text;
@@ -204,7 +204,7 @@ private:
 
     // The words of the IDE; what it does not know stays as it is.
     [[nodiscard]] std::string ide_text(const Node& row, std::string_view key) const {
-        const auto text = cell_text(row, key);
+        auto text = cell_text(row, key);
         if (key == kRegistersColumn) return is_double_word(row) ? "2" : "";
         if (key == "read" || key == "write") return ide_function(std::string(function_of(row, key)));
         if (key == "type") return ide_type(text);

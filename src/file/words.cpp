@@ -136,7 +136,7 @@ bool is_cut(std::string_view text) {
 // The meaning of the shortest word that begins with a text.
 template <std::size_t n>
 std::string_view meaning_of_cut(const Word (&words)[n], std::string_view text) {
-    constexpr std::size_t kLeast = 2 * 3;  // three Cyrillic letters
+    constexpr std::size_t kLeast = std::size_t{2} * 3;  // three Cyrillic letters
     const Word* best = nullptr;
     for (const auto& word : words)
         if (text.size() >= kLeast && word.text.starts_with(text) &&

@@ -134,7 +134,7 @@ private:
             if (wire::is_bit_area(access.area))
                 unit_.banks.set_bit(access.area, address, (access.values[i / 8U] >> (i % 8U) & 1) != 0);
             else
-                unit_.banks.holding_registers.set(address, word(access.values, 2U * i));
+                unit_.banks.holding_registers.set(address, word(access.values, std::size_t{2} * i));
         }
         if (unit_.hooks) unit_.hooks->written(context_, access);
     }
@@ -145,7 +145,7 @@ private:
     }
 
     void load(const Access& access) {
-        begin_read(2U * access.count);
+        begin_read(std::size_t{2} * access.count);
         const RegisterBank& bank = unit_.banks.registers(access.area);
         for (std::uint16_t i = 0; i < access.count; ++i)
             put_word(out_, bank.get(static_cast<std::uint16_t>(access.start + i)));

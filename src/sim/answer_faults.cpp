@@ -243,7 +243,8 @@ Bytes FaultyEngine::transmit(Instant t) {
     while (!rest.empty()) {
         std::size_t size = rest.size();
         if (framing_ == wire::Framing::tcp && rest.size() >= kMbapHead)
-            size = std::min(size, std::size_t{6} + rest[kMbapLengthAt] * 256U + rest[kMbapLengthAt + 1]);
+            size = std::min(
+                size, std::size_t{6} + rest[kMbapLengthAt] * std::size_t{256} + rest[kMbapLengthAt + 1]);
         send(t, rest.first(size));
         rest = rest.subspan(size);
     }

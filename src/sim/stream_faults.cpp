@@ -36,7 +36,7 @@ bool StreamFaults::on_sent(Instant t, std::size_t sender, Bytes sent, std::vecto
 
 bool StreamFaults::on_frame(Instant t, Bytes frame, std::vector<Piece>& arrives) {
     if (answers_.empty()) return false;
-    const Exchange exchange = std::move(answers_.front());
+    const Exchange exchange = answers_.front();
     answers_.pop_front();
     if (exchange.dropped) return true;
     if (!exchange.device) return false;

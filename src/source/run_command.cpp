@@ -15,8 +15,6 @@
 #include "takt/source/answer.hpp"
 #include "takt/source/outside.hpp"
 
-extern char** environ;
-
 namespace takt::source {
 namespace {
 

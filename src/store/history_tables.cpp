@@ -18,8 +18,8 @@ CREATE TABLE series (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, device T
                      type TEXT NOT NULL, scaled INTEGER NOT NULL, unit TEXT NOT NULL);
 CREATE TABLE chunk (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
 CREATE TABLE rollup (series INTEGER NOT NULL, t0 INTEGER NOT NULL, chunk INTEGER NOT NULL,
-                     t1 INTEGER NOT NULL, open INTEGER NOT NULL, samples INTEGER NOT NULL, quality INTEGER NOT NULL,
-                     reason INTEGER NOT NULL, flags INTEGER NOT NULL, numbers INTEGER NOT NULL,
+                     t1 INTEGER NOT NULL, open INTEGER NOT NULL, samples INTEGER NOT NULL,
+                     quality INTEGER NOT NULL, reason INTEGER NOT NULL, flags INTEGER NOT NULL, numbers INTEGER NOT NULL,
                      first_t INTEGER, first REAL, min_t INTEGER, min REAL, max_t INTEGER, max REAL,
                      last_t INTEGER, last REAL, area REAL, drawn REAL NOT NULL, good REAL NOT NULL,
                      PRIMARY KEY (series, t0, chunk)) WITHOUT ROWID;
