@@ -19,9 +19,10 @@ CREATE TABLE series (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, device T
 CREATE TABLE chunk (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
 CREATE TABLE rollup (series INTEGER NOT NULL, t0 INTEGER NOT NULL, chunk INTEGER NOT NULL,
                      t1 INTEGER NOT NULL, open INTEGER NOT NULL, samples INTEGER NOT NULL,
-                     quality INTEGER NOT NULL, reason INTEGER NOT NULL, flags INTEGER NOT NULL, numbers INTEGER NOT NULL,
-                     first_t INTEGER, first REAL, min_t INTEGER, min REAL, max_t INTEGER, max REAL,
-                     last_t INTEGER, last REAL, area REAL, drawn REAL NOT NULL, good REAL NOT NULL,
+                     quality INTEGER NOT NULL, reason INTEGER NOT NULL, flags INTEGER NOT NULL,
+                     numbers INTEGER NOT NULL, first_t INTEGER, first REAL, min_t INTEGER, min REAL,
+                     max_t INTEGER, max REAL, last_t INTEGER, last REAL, area REAL, drawn REAL NOT NULL,
+                     good REAL NOT NULL,
                      PRIMARY KEY (series, t0, chunk)) WITHOUT ROWID;
 CREATE INDEX rollup_by_end ON rollup (t1);
 CREATE INDEX rollup_open ON rollup (open) WHERE open = 1;
