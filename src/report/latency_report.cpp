@@ -272,7 +272,7 @@ std::string notes_text(const Texts& texts, const LatencyRun& run) {
 }  // namespace
 
 std::string endpoint_text(const capture::Endpoint& endpoint) {
-    const auto address = ip_text(endpoint.address);
+    auto address = ip_text(endpoint.address);
     if (endpoint.port == 0) return address;
     return endpoint.address.is_ipv4() ? fmt::format("{}:{}", address, endpoint.port)
                                       : fmt::format("[{}]:{}", address, endpoint.port);

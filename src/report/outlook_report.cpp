@@ -58,7 +58,7 @@ Outlook outlook(const model::Project& project, const plan::Proof& proof) {
 
 std::string outlook_text(const Texts& texts, const model::Project& project, const Outlook& outlook) {
     if (outlook.lines == 0) return {};
-    const auto of_line = [&](std::string figure, std::size_t line) {
+    const auto of_line = [&](const std::string& figure, std::size_t line) {
         return outlook.lines == 1 ? figure : figure + " (" + project.lines[line].name + ")";
     };
     const auto oldest = outlook.oldest ? milliseconds_text(*outlook.oldest) + " (" + outlook.oldest_name + ")"

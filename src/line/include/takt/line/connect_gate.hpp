@@ -47,7 +47,7 @@ public:
         }
 
     private:
-        void swap(Pass& other) {
+        void swap(Pass& other) noexcept {
             std::swap(gate_, other.gate_);
             std::swap(ticket_, other.ticket_);
         }
