@@ -31,7 +31,7 @@ std::string milliseconds_text(Duration duration) {
 }
 
 std::string turn_text(Duration period, Duration phase) {
-    const std::string text = milliseconds_text(period);
+    std::string text = milliseconds_text(period);
     if (phase == Duration::zero()) return text;
     return fmt::format("{} +{}", text, milliseconds(phase));
 }
@@ -105,7 +105,7 @@ std::string request_text(const plan::Request& request) {
         if (request.read_modify_write && !request.read) functions = "0x03";
         functions += (functions.empty() ? "" : "+") + function_text(*request.write);
     }
-    const std::string range = functions + " " + item_span_text(request.start, request.quantity);
+    std::string range = functions + " " + item_span_text(request.start, request.quantity);
     if (request.write_quantity == 0) return range;
     return range + " < " + item_span_text(request.write_start, request.write_quantity);
 }

@@ -152,7 +152,7 @@ std::optional<std::int64_t> parse_history_time(std::string_view text, std::int64
     }
     const std::int64_t utc =
         std::chrono::sys_days(clock->day).time_since_epoch().count() * std::int64_t{86'400} +
-        clock->hour * 3600 + clock->minute * 60 + clock->second;
+        clock->hour * std::int64_t{3600} + clock->minute * std::int64_t{60} + clock->second;
     std::int64_t offset = 0;
     if (!in.take('Z')) {
         const bool west = in.take('-');
@@ -161,7 +161,7 @@ std::optional<std::int64_t> parse_history_time(std::string_view text, std::int64
         in.take(':');
         const auto minutes = in.number(2);
         if (!hours || !minutes || *hours > 23 || *minutes > 59) return std::nullopt;
-        offset = (west ? -1 : 1) * (*hours * 3600 + *minutes * 60);
+        offset = (west ? -1 : 1) * (*hours * std::int64_t{3600} + *minutes * std::int64_t{60});
     }
     if (!in.at_end()) return std::nullopt;
     return (utc - offset) * kNanosecondsPerSecond + clock->fraction_ns;

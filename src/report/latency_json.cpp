@@ -108,7 +108,8 @@ Json time_line_json(const capture::TimeLine& line) {
         span.set("index", i);
         span.set("count", line[i].count);
         span.set("min_ms", milliseconds(line[i].min));
-        span.set("mean_ms", static_cast<double>(line[i].sum_ns / line[i].count) / 1e6);
+        const auto mean_ns = line[i].sum_ns / line[i].count;
+        span.set("mean_ms", static_cast<double>(mean_ns) / 1e6);
         span.set("max_ms", milliseconds(line[i].max));
         spans.push_back(std::move(span));
     }

@@ -81,8 +81,8 @@ file::Json found_device_json(const FoundDevice& device) {
     object.set("late", unit.late);
     object.set("garbled", unit.garbled);
     object.set("doubled", unit.doubled);
-    for (std::uint8_t id = 0; id < kObjects.size(); ++id)
-        object.set(kObjects[id], optional_text(unit.identity.find(id)));
+    for (std::size_t id = 0; id < kObjects.size(); ++id)
+        object.set(kObjects[id], optional_text(unit.identity.find(static_cast<std::uint8_t>(id))));
     const auto& server_id = unit.identity.server_id;
     object.set("server_id", server_id.empty()
                                 ? file::Json()

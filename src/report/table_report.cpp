@@ -244,7 +244,7 @@ std::string table_error_text(const Texts& texts, const std::string& path, const 
                                      {"what", std::string(error.subject.view())},
                                      {"index", std::to_string(error.numbers[0])}};
     const std::string code = error_code(error);
-    const auto text = texts(code, arguments) + '\n';
+    auto text = texts(code, arguments) + '\n';
     if (code == "app.table.foreign") return text;
     return text + "    " +
            texts(code == "app.table.newer" ? code + ".advice" : "app.table.make_anew", arguments) + '\n';
