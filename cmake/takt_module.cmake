@@ -10,7 +10,7 @@
 #     TEST_MODULES <name...>) modules that only the tests use
 #
 # The compiler reads the sources of a batch as one file (a unity build), because most of its time goes to
-# headers. A batch is one part of the module and takes about 4 s at most, so that an edit is built quickly.
+# headers and to the same templates. A batch is one part of the module, and needs at most 1 GB of memory.
 # Each source still includes what it uses and compiles alone: `./dev check` builds without batches.
 # Names in anonymous namespaces are therefore unique in a module.
 #
