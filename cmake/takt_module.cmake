@@ -164,8 +164,8 @@ function(takt_module_part module part)
   takt_unit(${module}_${part} ${module} ${edges})
 endfunction()
 
-# The target of a module or part; its arguments are in MODULE_*, `libraries` and `hot` of the caller, the edges
-# in ARGN.
+# The target of a module or part; its arguments are in MODULE_*, `libraries` and `hot` of the caller, the
+# edges in ARGN.
 function(takt_unit name)
   set(target takt_${name})
   takt_batches(sources ${target} ${MODULE_SOURCES})

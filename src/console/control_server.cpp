@@ -28,6 +28,8 @@ namespace {
 constexpr std::size_t kMaxAnswers = 256 << 10;
 constexpr std::ptrdiff_t kMaxWaiting = 64;  // commands of a client without an answer; then it is not read
 
+}  // namespace
+
 class ControlClient : public std::enable_shared_from_this<ControlClient> {
 public:
     /// @param on_closed  called once when nothing is left to do; must not destroy the client
@@ -168,6 +170,8 @@ Identity identity_of(const std::string& path) {
     struct stat status{};
     return ::lstat(path.c_str(), &status) == 0 ? Identity(status.st_dev, status.st_ino) : Identity();
 }
+
+namespace {
 
 bool is_served(const sockaddr_un& address) {
     const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);

@@ -12,16 +12,14 @@
 #define TAKT_PREPARE_SYMBOL "_ZN4takt4wire7prepareERKNS0_11ReadRequestE"
 // clang-format on
 
-namespace takt::poll {
+namespace takt::poll::encoding_test {
 
 using namespace test;
 using value::CommandResult;
 using value::Value;
 
-namespace encoding_test {
 std::size_t encodings = 0;
 std::size_t preparations = 0;
-}  // namespace encoding_test
 
 Result<value::Encoded> really_encode(const value::Layout& layout,
                                      const Value& value) __asm__("__real_" TAKT_ENCODE_SYMBOL);
@@ -40,8 +38,6 @@ Result<wire::PreparedRead> count_preparation(const wire::ReadRequest& read) {
     ++preparations;
     return really_prepare(read);
 }
-
-namespace encoding_test {
 
 TEST(Encoding, ACommandIsEncodedOnceHoweverItIsWritten) {
     struct Case {
@@ -151,5 +147,4 @@ TEST(Encoding, AVerificationIsEncodedWithItsWrite) {
     EXPECT_EQ(preparations, 3U) << "one for each command that is written alone";
 }
 
-}  // namespace encoding_test
-}  // namespace takt::poll
+}  // namespace takt::poll::encoding_test

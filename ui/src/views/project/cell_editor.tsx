@@ -40,8 +40,8 @@ export function CellEditor(props: {
   const choices = cellChoices(props.column);
   const value = props.column.kind === 'type' ? plainType(props.text) : props.text;
   const done = useRef(false);
-  // The next key already belongs to the editor. Its value is set once and is no property: each evaluation draws
-  // the table again, which must not undo what was typed or chosen meanwhile.
+  // The next key already belongs to the editor. Its value is set once and is no property: each evaluation
+  // draws the table again, which must not undo what was typed or chosen meanwhile.
   useLayoutEffect(() => {
     element.current!.value = value;
     element.current?.focus();
