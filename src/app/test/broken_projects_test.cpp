@@ -434,7 +434,7 @@ protected:
                           std::string("\x01\x03\0\0\0\x01\x84\x0A", 8));
     }
 
-    test::Folder folder_;
+    takt::test::Folder folder_;
     bool has_errors_ = false;
     bool readable_ = false;
     std::size_t runs_ = 0;

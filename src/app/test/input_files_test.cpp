@@ -34,7 +34,7 @@ protected:
         return result;
     }
 
-    const test::Folder folder_;
+    const takt::test::Folder folder_;
     const Texts texts_{text::Language::english};
     std::string printed_;
 };

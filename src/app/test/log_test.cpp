@@ -15,7 +15,7 @@ namespace log_test {
 /// The lines that `write` logs at a level, without the time of each line.
 template <class Write>
 std::string logged(const std::string& level, Write write) {
-    const test::Folder folder;
+    const takt::test::Folder folder;
     EXPECT_TRUE(begin_log(folder / "takt.log", level));
     write();
     end_log();
@@ -45,7 +45,7 @@ TEST(Log, ALineHasLevelCategoryEventSubjectAndNumber) {
 }
 
 TEST(Log, ALineBeginsWithTheTimeAndItsZone) {
-    const test::Folder folder;
+    const takt::test::Folder folder;
     ASSERT_TRUE(begin_log(folder / "takt.log", "info"));
     log("line")(LogLevel::info, "opened");
     end_log();
@@ -102,7 +102,7 @@ TEST(Log, TextFromOutsideStaysOnItsLine) {
 }
 
 TEST(Log, AFileThatCannotBeOpenedIsAnError) {
-    const test::Folder folder;
+    const takt::test::Folder folder;
     const auto begun = begin_log(folder / "missing/takt.log", "info");
     ASSERT_FALSE(begun);
     EXPECT_EQ(begun.error().code, Code::cannot_open);

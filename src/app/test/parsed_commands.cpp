@@ -12,8 +12,11 @@
 #include "commands/listen_command.hpp"
 #include "commands/plan_command.hpp"
 #include "commands/probe_command.hpp"
+#include "commands/replay_command.hpp"
 #include "commands/run_command.hpp"
 #include "commands/scan_command.hpp"
+#include "commands/schema_command.hpp"
+#include "commands/selftest_command.hpp"
 #include "commands/serve_command.hpp"
 #include "commands/table_command.hpp"
 #include "options/add_commands.hpp"
@@ -21,7 +24,7 @@
 #include "parsed.hpp"
 
 namespace takt::app {
-namespace parsed_commands {
+namespace {
 
 std::any g_options;  // of the command that ran last
 
@@ -31,7 +34,7 @@ ExitCode keep(const Options& options) {
     return ExitCode::ok;
 }
 
-}  // namespace parsed_commands
+}  // namespace
 
 ExitCode check(const CommonOptions&, const CheckOptions& options) {
     return keep(options);
@@ -69,10 +72,19 @@ ExitCode raw(const CommonOptions&, const RawOptions& options) {
 ExitCode read(const CommonOptions&, const ReadOptions& options) {
     return keep(options);
 }
+ExitCode replay(const CommonOptions&, const ReplayOptions& options) {
+    return keep(options);
+}
 ExitCode run(const CommonOptions&, const RunOptions& options) {
     return keep(options);
 }
 ExitCode scan(const CommonOptions&, const ScanOptions& options) {
+    return keep(options);
+}
+ExitCode schema(const CommonOptions& options) {
+    return keep(options);
+}
+ExitCode selftest(const CommonOptions&, const SelftestOptions& options) {
     return keep(options);
 }
 ExitCode serve(const CommonOptions&, const ServeOptions& options) {

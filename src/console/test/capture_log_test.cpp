@@ -22,7 +22,7 @@
 namespace takt::console {
 namespace capture_log_test {
 
-using test::Folder;
+using takt::test::Folder;
 
 const std::vector<std::uint8_t> kPdu{3, 0, 0, 0, 1};
 const std::vector<std::uint8_t> kRaw{0, 1, 0, 0, 0, 6, 17, 3, 0, 0, 0, 1};

@@ -8,12 +8,12 @@
 namespace takt::endpoint {
 namespace rules_test {
 
-using test::Pdu;
-using test::RulesWorld;
-using test::RuleText;
+using takt::test::Pdu;
+using takt::test::RulesWorld;
+using takt::test::RuleText;
 
 std::string text_of(const std::vector<RuleText>& rules, std::size_t client, int unit, const Pdu& pdu) {
-    std::string text = "client " + std::string(test::clients()[client].peer) + ", unit " +
+    std::string text = "client " + std::string(takt::test::clients()[client].peer) + ", unit " +
                        std::to_string(unit) + ", request";
     for (const auto byte : pdu) text += " " + std::to_string(byte);
     for (const auto& rule : rules) text += "\n" + rule.yaml();
@@ -99,12 +99,14 @@ std::vector<std::vector<RuleText>> all_kinds() {
     all.push_back({{.functions = {"read", "write"}}});
     all.push_back({{.units = {{5, 5}}}});
     all.push_back({{.units = {{1, 247}}}});
-    all.push_back({{.area = test::kHolding}});
-    all.push_back(
-        {{.area = test::kHolding}, {.area = test::kCoil}, {.area = test::kInput}, {.area = test::kDiscrete}});
+    all.push_back({{.area = takt::test::kHolding}});
+    all.push_back({{.area = takt::test::kHolding},
+                   {.area = takt::test::kCoil},
+                   {.area = takt::test::kInput},
+                   {.area = takt::test::kDiscrete}});
     all.push_back({{.units = {{3, 3}}, .rule = "deny"}, {.functions = {"read"}}, {.rule = "read_only"}});
     all.push_back({{.rate = 3}});
-    all.push_back({{.area = test::kHolding, .items = {{0, 5}}, .rate = 2}, {.rate = 4}});
+    all.push_back({{.area = takt::test::kHolding, .items = {{0, 5}}, .rate = 2}, {.rate = 4}});
     all.push_back({{.units = {{5, 9}}, .rate = 1}, {.rate = 50}});
     return all;
 }
@@ -120,8 +122,8 @@ TEST(RulesOnTheWire, AreWhatTheyAllow) {
         std::size_t turn = 0;
         for (const int unit : RulesWorld::kUnits)
             for (const auto& pdu : functions) {
-                const std::size_t client = turn++ % test::clients().size();
-                const bool serial = test::clients()[client].peer[0] == '/';
+                const std::size_t client = turn++ % takt::test::clients().size();
+                const bool serial = takt::test::clients()[client].peer[0] == '/';
                 const auto result = world.ask(client, unit, pdu);
                 ASSERT_EQ(result.seen, result.expected) << text_of(rules, client, unit, pdu);
                 ASSERT_TRUE(RulesWorld::answered_right(result, pdu, serial && unit == 0))
@@ -190,13 +192,13 @@ TEST(RulesOnTheWireProperties, WhatReachesTheLineIsWhatTheRulesAllow) {
         for (int i = *rc::gen::inRange(0, 6); i > 0; --i) rules.push_back(random_rule());
         RC_PRE(world.set(rules));
         for (int i = 0; i < 40; ++i) {
-            const auto client = *rc::gen::inRange<std::size_t>(0, test::clients().size());
+            const auto client = *rc::gen::inRange<std::size_t>(0, takt::test::clients().size());
             const int unit =
                 *rc::gen::elementOf(std::vector(RulesWorld::kUnits.begin(), RulesWorld::kUnits.end()));
             const Pdu pdu = random_request();
             const auto result = world.ask(client, unit, pdu);
             if (result.seen != result.expected) RC_FAIL(text_of(rules, client, unit, pdu));
-            const bool broadcast = test::clients()[client].peer[0] == '/' && unit == 0;
+            const bool broadcast = takt::test::clients()[client].peer[0] == '/' && unit == 0;
             RC_ASSERT(RulesWorld::answered_right(result, pdu, broadcast));
         }
     }));

@@ -26,7 +26,7 @@ protected:
     }
 
 private:
-    const test::Folder folder_;
+    const takt::test::Folder folder_;
 };
 
 TEST_F(Files, TablesStandBesideTheProject) {

@@ -20,7 +20,7 @@ protected:
     static std::string text(const std::string& path) { return read_file(path, 1 << 20).value_or("none"); }
     std::size_t files() const { return folder_.names().size(); }
 
-    const test::Folder folder_;
+    const takt::test::Folder folder_;
 };
 
 TEST_F(Write, AFileThatIsThereStaysUnlessItIsToBeReplaced) {

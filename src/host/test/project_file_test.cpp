@@ -42,7 +42,7 @@ TEST(ProjectFile, ATextWithoutErrorsGivesItsProject) {
 
 TEST(ProjectFile, FilesOfOutputsAreChecked) {
     namespace fs = std::filesystem;
-    const test::Folder folder;
+    const takt::test::Folder folder;
     const auto path = folder / "plant.yaml";
     const auto findings_of = [&] {
         auto loaded = load_project_text(

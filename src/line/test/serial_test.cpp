@@ -174,7 +174,7 @@ TEST(SerialPort, KnowsPseudoTerminals) {
 }
 
 TEST(ReceiveTrigger, IsAnAttributeOfThePort) {
-    const test::Folder tty;
+    const takt::test::Folder tty;
     tty.write("ttyS1/rx_trig_bytes", "8\n");
     const ReceiveTrigger trigger("/dev/ttyS1", tty.path());
     EXPECT_EQ(trigger.characters(), 8U);

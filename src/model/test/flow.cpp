@@ -3,7 +3,7 @@
 #include <algorithm>
 
 namespace takt::model::test {
-namespace flow {
+namespace {
 
 class Parser {
 public:
@@ -88,7 +88,7 @@ Node with(Node mapping, std::string_view key, Node value) {
     return mapping;
 }
 
-}  // namespace flow
+}  // namespace
 
 Node flow(std::string_view text, std::uint32_t file) {
     return Parser(text, file).value("");

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "findings_text.hpp"
 #include "flow.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/findings.hpp"
@@ -14,18 +15,6 @@ namespace planning_keys_test {
 using namespace std::chrono_literals;
 
 constexpr std::string_view kTcp = "{transport: tcp, host: plc, port: ~}";
-
-/// "code leaf=value [allowed]" of each finding, a warning's code behind '?'.
-std::string findings_text(const Changes& changes) {
-    std::string all;
-    for (const auto& finding : interpret(document(changes)).findings) {
-        if (!all.empty()) all += "; ";
-        if (finding.severity == Severity::warning) all += '?';
-        all += finding.code + " " + finding.path.substr(finding.path.rfind('.') + 1) + "=" + finding.value;
-        if (!finding.allowed.empty()) all += " [" + finding.allowed + "]";
-    }
-    return all;
-}
 
 Project project(const Changes& changes) {
     return interpret(document(changes)).project;

@@ -22,7 +22,7 @@
 namespace takt::os {
 namespace line_writer_test {
 
-using test::Folder;
+using takt::test::Folder;
 
 struct Pipe {
     int read_end = -1;

@@ -15,7 +15,7 @@
 namespace takt::os {
 namespace replace_test {
 
-using test::Folder;
+using takt::test::Folder;
 
 using Names = std::vector<std::string>;
 

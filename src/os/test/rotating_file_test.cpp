@@ -13,7 +13,7 @@
 namespace takt::os {
 namespace rotating_file_test {
 
-using test::Folder;
+using takt::test::Folder;
 
 using Names = std::vector<std::string>;
 

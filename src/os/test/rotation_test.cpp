@@ -19,7 +19,7 @@ namespace rotation_test {
 using Names = std::vector<std::string>;
 
 struct RotationTest : testing::Test {
-    test::Folder folder;
+    takt::test::Folder folder;
     std::string path = folder / "a";
     NumberedName name = [this](unsigned number) {
         return number == 0 ? path : path + "." + std::to_string(number);

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 namespace takt::poll::test {
-namespace bench {
+namespace {
 
 constexpr wire::CharacterFormat kFormat{115200, 8, wire::Parity::none, 1};
 
@@ -33,7 +33,7 @@ wire::ReadRegistersResponse read_registers(Player& player, const wire::ReadReque
     return response;
 }
 
-}  // namespace bench
+}  // namespace
 
 std::optional<wire::Response> Player::answer(const wire::Request& request) {
     const std::uint16_t start = start_of(request);

@@ -61,7 +61,7 @@ public:
     [[nodiscard]] std::uint16_t port() const { return port_; }
 
 private:
-    test::Folder folder_;
+    takt::test::Folder folder_;
     std::uint16_t port_;
     int control_ = -1;
     std::size_t begin_ = 0;

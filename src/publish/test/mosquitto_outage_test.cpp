@@ -26,7 +26,7 @@ void expect_all_in_order(const std::string& output, std::uint64_t count) {
 
 TEST(MosquittoOutage, EveryMessageArrivesInOrderAlthoughTheBrokerRestarts) {
     constexpr std::uint64_t kMessages = 20'000;
-    test::Folder storage;
+    takt::test::Folder storage;
     const std::string settings =
         "allow_anonymous true\npersistence true\nmax_queued_messages 0\npersistence_location " +
         storage.path() + "/\n";

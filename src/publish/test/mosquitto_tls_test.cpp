@@ -35,7 +35,7 @@ public:
                folder / (name + ".key") + "\n" + more;
     }
 
-    test::Folder folder;
+    takt::test::Folder folder;
 
 private:
     static void run(const std::string& command) {

@@ -42,8 +42,8 @@ protected:
                                      Outcome outcome = Outcome::answered) const {
         const HeardNames names(loaded_.project, "/dev/ttyS1");
         listen::SeenRequest seen{.unit = 1};
-        seen.pdu.assign(test::from_hex(request));
-        const auto bytes = test::from_hex(response);
+        seen.pdu.assign(takt::test::from_hex(request));
+        const auto bytes = takt::test::from_hex(response);
         std::string text;
         for (const auto& value : names.values({.request = seen, .outcome = outcome, .response = bytes}))
             text += value.variable->name + "=" + value.text + " ";

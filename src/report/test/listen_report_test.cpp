@@ -39,7 +39,7 @@ public:
 class ListenReport : public testing::Test {
 protected:
     void send(Duration t, std::uint8_t unit, std::string_view pdu) {
-        const auto frame = wire::encode_frame(wire::Framing::rtu, UnitId{unit}, 0, test::from_hex(pdu));
+        const auto frame = wire::encode_frame(wire::Framing::rtu, UnitId{unit}, 0, takt::test::from_hex(pdu));
         listener.on_bytes(Instant(t), frame.span());
     }
     void exchange(Duration t, std::uint8_t unit, std::string_view request, std::string_view response) {
@@ -64,7 +64,7 @@ TEST_F(ListenReport, LinesOfEvents) {
     send(600ms, 2, "03 0000 0001");
     listener.on_tick(Instant(2s));
     send(3s, 2, "03 02 0000");
-    listener.on_bytes(Instant(4s), test::from_hex("01 02 03"));
+    listener.on_bytes(Instant(4s), takt::test::from_hex("01 02 03"));
     listener.end();
     EXPECT_EQ(events.text,
               "T  unit 1 read holding registers 0..1 → 2 values: 1 2; 5.00 ms\n"

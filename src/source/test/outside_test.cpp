@@ -22,7 +22,7 @@ protected:
         return folder_ / "file";
     }
 
-    const test::Folder folder_;
+    const takt::test::Folder folder_;
     StopFlag stop_{false};
 };
 

@@ -17,7 +17,7 @@ constexpr std::int64_t kHour = 3600 * kSecond;
 constexpr std::int64_t kStart = 500'000 * kHour;
 
 struct Stored {
-    test::Folder folder;
+    takt::test::Folder folder;
     std::string path = folder.path() + "/a.history.db";
     std::unique_ptr<History> history;
     SeriesId id;

@@ -44,7 +44,7 @@ protected:
     }
 
     static constexpr std::int64_t kBegin = 1'700'000'000'000;  // ms
-    const test::Folder folder_;
+    const takt::test::Folder folder_;
     const std::string file_ = folder_ / "plant.yaml";
     const report::Texts texts_{text::Language::english};
     host::ConfigurationPtr configuration_;

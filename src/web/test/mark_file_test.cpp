@@ -48,7 +48,7 @@ protected:
         for (int i = 0; i < count; ++i) EXPECT_EQ(found[static_cast<std::size_t>(i)], mark(i));
     }
 
-    const test::Folder folder_;
+    const takt::test::Folder folder_;
     const std::string path_ = folder_ / "plant.marks.jsonl";
 };
 

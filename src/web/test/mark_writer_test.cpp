@@ -64,7 +64,7 @@ protected:
         return texts(marks);
     }
 
-    const test::Folder folder_;
+    const takt::test::Folder folder_;
     const std::string path_ = folder_ / "plant.marks.jsonl";
     std::atomic<bool> wanted_ = true;
     Messages messages_;

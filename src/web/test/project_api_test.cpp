@@ -69,7 +69,7 @@ protected:
                text_at(Json::parse(response.body, std::size_t{8} << 20).value(), {"error", "code"});
     }
 
-    const test::Folder folder_;
+    const takt::test::Folder folder_;
     const std::string file_ = folder_ / "plant.yaml";
     const report::Texts texts_{text::Language::english};
     std::optional<ProjectApi> api_;

@@ -16,7 +16,7 @@
 #include "takt/wire/frame.hpp"
 
 namespace takt::wire {
-namespace pdu_tool {
+namespace {
 
 // Both take a message's fields one after the other: one reads the numbers into them, the other writes them.
 class NumbersIn {
@@ -232,7 +232,7 @@ std::string answer(const std::string& line) {
     return decoded(decode_response(*request, ExactBytes(hex_word(in))));
 }
 
-}  // namespace pdu_tool
+}  // namespace
 }  // namespace takt::wire
 
 int main() {

@@ -4,7 +4,7 @@
 #include "takt/wire/frame.hpp"
 
 namespace takt::simtest {
-namespace story {
+namespace {
 
 constexpr auto kProject = R"(takt: 1
 backoff: {first: 1s, limit: 4s}
@@ -53,7 +53,7 @@ locals:
 
 constexpr Duration kCharacter = Duration(572'917);
 
-}  // namespace story
+}  // namespace
 
 Story::Story() {
     project_ = read_text(kProject).project;
