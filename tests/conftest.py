@@ -23,6 +23,14 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def pytest_addoption(parser):
+    parser.addoption("--every", type=int, default=1, metavar="N", help="run the first of each N cases only")
+
+
+def pytest_collection_modifyitems(config, items):
+    items[:] = items[::config.getoption("--every")]
+
+
 def pytest_runtest_logreport(report):
     note(report)
 

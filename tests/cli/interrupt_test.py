@@ -50,7 +50,8 @@ def long_running(command, project, pair, folder):
     """Arguments of a command that runs until it is ended."""
     port = f"rtu://{pair.a}?baud=115200"
     return {
-        "run": ["run", project(serial(at([0], INT), port=pair.a)), "--json"],
+        # A reload waits for the request in flight, and a stop for the reload.
+        "run": ["run", project(serial(at([0], INT), port=pair.a, response_timeout="1s")), "--json"],
         "demo": ["demo", "--json"],
         "serve": ["serve", "--port", port, "--unit", 1],
         "listen": ["listen", port],
@@ -268,7 +269,8 @@ def test_the_port_s_settings_are_restored(project, pair, command):
     termios.tcsetattr(line, termios.TCSANOW, before)
     before = termios.tcgetattr(line)
     commands = {
-        "run": ["run", project(serial(at([0], INT), port=pair.a)), "--json"],
+        # A reload waits for the request in flight, and a stop for the reload.
+        "run": ["run", project(serial(at([0], INT), port=pair.a, response_timeout="1s")), "--json"],
         "read": ["read", f"rtu://{pair.a}", "--timeout", "60s", "holding", 0],
         "serve": ["serve", "--port", f"rtu://{pair.b}?baud=9600", "--unit", 1]
     }
