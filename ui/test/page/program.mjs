@@ -41,7 +41,7 @@ function start(options) {
     prints(pattern) {
       return new Promise((found, failed) => {
         const timer = setTimeout(() => {
-          child.kill('SIGKILL'); // a program that nobody ends would keep this process
+          child.kill('SIGKILL'); // a program that still runs would keep this process
           finish(() => failed(new Error(`no ${pattern} in: ${text}`)));
         }, PATIENCE);
         const finish = (act) => {
