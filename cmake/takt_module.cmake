@@ -10,7 +10,8 @@
 #     TEST_MODULES <name...>) modules that only the tests use
 #
 # The compiler reads the sources of a batch as one file (a unity build), because most of its time goes to
-# headers and to the same templates. A batch is one part of the module; all of `plan` in one needs 1.2 GB of memory.
+# headers and to the same templates. A batch is one part of the module; all of `plan` in one needs 1.2 GB of
+# memory.
 # Each source still includes what it uses and compiles alone: `./dev check` builds without batches.
 # Names in anonymous namespaces are therefore unique in a module.
 #
