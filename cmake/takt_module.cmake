@@ -92,6 +92,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(takt_options INTERFACE
     "$<$<CONFIG:Release>:-Wno-maybe-uninitialized;-Wno-restrict;-Wno-array-bounds;-Wno-stringop-overflow>")
 endif()
+# Clang warns of std::get_temporary_buffer inside std::stable_sort of libstdc++ 12.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  target_compile_options(takt_options INTERFACE -Wno-deprecated-declarations)
+endif()
 if(TAKT_SANITIZE)
   target_compile_options(takt_options INTERFACE -fsanitize=${TAKT_SANITIZE} -fno-sanitize-recover=all
                          -fno-omit-frame-pointer)

@@ -8,10 +8,11 @@
 #include "source.hpp"
 
 namespace takt::file {
+using Style = Layout::Style;
+
 namespace {
 
 using model::Node;
-using Style = Layout::Style;
 
 /// The text does not have the expected token.
 struct Mismatch {};

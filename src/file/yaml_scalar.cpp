@@ -7,10 +7,11 @@
 #include <algorithm>
 
 namespace takt::file {
+using Style = Layout::Style;
+
 namespace {
 
 using model::Kind;
-using Style = Layout::Style;
 
 bool is_control(char c) {
     return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;

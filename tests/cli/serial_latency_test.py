@@ -31,7 +31,7 @@ lines:
 @pytest.fixture(scope="module")
 def driver(tmp_path_factory):
     library = tmp_path_factory.mktemp("uart") / "uart_driver.so"
-    subprocess.run(["g++", "-std=c++20", "-O1", "-shared", "-fPIC", "-o", library, SOURCE], check=True)
+    subprocess.run(["clang++-19", "-std=c++20", "-O1", "-shared", "-fPIC", "-o", library, SOURCE], check=True)
     return lambda kind: {
         "LD_PRELOAD": str(library),
         "TAKT_UART": kind,

@@ -49,7 +49,7 @@ def arguments():
 
 def build_kill_points(folder):
     library = folder / "kill_points.so"
-    subprocess.run(["g++", "-std=c++20", "-O1", "-shared", "-fPIC", "-o", library, HERE / "kill_points.cpp"],
+    subprocess.run(["clang++-19", "-std=c++20", "-O1", "-shared", "-fPIC", "-o", library, HERE / "kill_points.cpp"],
                    check=True)
     return library
 

@@ -46,13 +46,14 @@ def test_values_behind_a_doubled_answer_are_marked_within_a_second(project, pair
         run.interrupt()
         events = run.events()
     values = [e for e in events if e["event"] == "value"]
+    behind = [e for e in events[events.index(found):] if e["event"] == "value"]
     owner = {f"V{i}": r // 100 for i, r in enumerate(REGISTERS, 1)}
     wrong = [e for e in values if e["quality"] == "good" and e["value"] // 100 != owner[e["name"]]]
     assert wrong, "nothing shows the first ones"
-    assert wrong[-1]["time_ms"] <= found["time_ms"], "the device is in step again"
+    assert not [e for e in wrong if e in behind], "the device is in step again"
     assert len(wrong) <= MOST_WRONG
     for name in {e["name"] for e in wrong}:
-        after = [e for e in values if e["name"] == name and e["time_ms"] >= found["time_ms"]]
+        after = [e for e in behind if e["name"] == name]
         assert after[0]["quality"] == "uncertain" and after[0]["reason"] == "ambiguous", after[0]
         assert any(e["quality"] == "good" for e in after), "read again"
     device = events[-1]["lines"][0]["devices"][0]
@@ -61,9 +62,10 @@ def test_values_behind_a_doubled_answer_are_marked_within_a_second(project, pair
 
 def good_after(run, found):
     """The good values of registers that are read only, after that event."""
+    events = run.events()
     return [
-        e for e in run.events() if e["event"] == "value" and e["name"] != "W" and e["quality"] == "good"
-        and e["time_ms"] > found["time_ms"]
+        e for e in events[events.index(found):]
+        if e["event"] == "value" and e["name"] != "W" and e["quality"] == "good"
     ]
 
 
@@ -102,13 +104,12 @@ def test_a_device_that_answers_everything_twice_is_read_and_written(project, pai
         for number in range(1, 11):
             run.send(f"write W {number}")
             until(lambda n=number: len(outcomes()) == n, f"the outcome of write {number}")
-        until(lambda: len(good_after(run, found)) > MOST_WRONG + 5, "more good values")
+        until(lambda: len(good_after(run, found)) > MOST_WRONG + 40, "more good values")
         run.interrupt()
         assert slave.written == 10
         events = run.events()
     assert [e["outcome"] for e in events if e["event"] == "outcome"] == ["done"] * 10
-    good = [e for e in events if e["event"] == "value" and e["name"] != "W" and e["quality"] == "good"]
     owner = {f"V{i}": r for i, r in enumerate(REGISTERS, 1)}
-    wrong = [e for e in good if e["value"] >> 16 != owner[e["name"]]]
-    after = good_after(run, found)
-    assert not [e for e in after[int(MOST_WRONG):] if e in wrong], wrong
+    # A device that is stopped between its two answers, by a busy machine, is behind for one check more.
+    wrong = [e for e in good_after(run, found) if e["value"] >> 16 != owner[e["name"]]]
+    assert len(wrong) <= MOST_WRONG, wrong

@@ -79,7 +79,6 @@ TEST_F(SerialPacketTest, ACommentThatIsNotTheFrameOfItsPacketIsNone) {
         other.begin_file(packet);
         const auto head = packet.size();
         other.add({.framing = wire::Framing::rtu, .unit = 16, .pdu = kPdu, .raw = kRtu}, packet);
-        Packet kept;
         struct Keep final : PacketSink {
             std::string data;
             void on_packet(const Packet& read) override {
