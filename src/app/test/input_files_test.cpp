@@ -109,9 +109,9 @@ TEST_F(InputFilesTest, RulesThatCannotBeUsedLeaveThoseInForce) {
         const auto path = put("plant.yaml", text);
         int calls = 0;
         (void)quietly([&] {
-            reload_access(texts_, path, [&, fits = fits](const model::Project&) {
+            reload_access(texts_, path, [&, answer = fits](const model::Project&) {
                 ++calls;
-                return fits;
+                return answer;
             });
             return true;
         });

@@ -61,7 +61,7 @@ Segment segment_of(const Packets::Kept& kept) {
 std::uint32_t sum16(std::string_view bytes) {
     std::uint32_t sum = 0;
     for (std::size_t i = 0; i < bytes.size(); i += 2)
-        sum += static_cast<unsigned char>(bytes[i]) << 8U |
+        sum += std::uint32_t{static_cast<unsigned char>(bytes[i])} << 8U |
                (i + 1 < bytes.size() ? static_cast<unsigned char>(bytes[i + 1]) : 0U);
     while (sum > 0xFFFF) sum = (sum & 0xFFFFU) + (sum >> 16U);
     return sum;

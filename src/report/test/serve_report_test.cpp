@@ -39,7 +39,8 @@ TEST(ServeReport, ALineForEachEndpoint) {
 
 TEST(ServeReport, RefusedAndEndedConnectionsOnlyWhereThereAreAny) {
     endpoint::Statistics all{.listeners = {listener("tcp://127.0.0.1:1502")}};
-    auto& counters = all.listeners[0].connections.emplace().counters;
+    all.listeners[0].connections = endpoint::ListenerStatistics::Connections{};
+    auto& counters = all.listeners[0].connections->counters;
     counters.accepted = 9;
     EXPECT_EQ(count_of(served_text(english(), all), "\n"), 2U);
     counters.refused = 6;
@@ -82,7 +83,8 @@ TEST(ServeReport, RetainedRegistersOfEachUnit) {
 
 TEST(ServeReport, JsonOfAnEndpoint) {
     endpoint::Statistics all{.listeners = {listener("tcp://127.0.0.1:1502")}};
-    auto& connections = all.listeners[0].connections.emplace();
+    all.listeners[0].connections = endpoint::ListenerStatistics::Connections{};
+    auto& connections = *all.listeners[0].connections;
     connections.counters.accepted = 9;
     connections.counters.over_limit = 1;
     connections.bad_headers = 2;

@@ -13,8 +13,7 @@ namespace takt::gatewaysim {
 using namespace publish;  // NOLINT(*-using-namespace): the types of the port
 
 Judge::Judge(const Scenario& scenario, const Clock& clock, Complaints& complaints)
-    : scenario_(scenario),
-      clock_(clock),
+    : clock_(clock),
       complaints_(complaints),
       journal_(account_, clock, scenario, complaints),
       stream_(account_, journal_, clock, scenario, complaints),

@@ -76,7 +76,6 @@ private:
         complaints_.add(rule, clock_.now, std::move(expected), std::move(seen));
     }
 
-    const Scenario& scenario_;
     const Clock& clock_;
     Complaints& complaints_;
     Account account_;
