@@ -11,6 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr double kMostNanoseconds = 9e18;  // a Duration holds 292 years
 constexpr std::size_t kMostBar = 24;
 constexpr std::size_t kLeastBar = 6;
 constexpr std::size_t kBesideBar = 4;   // two brackets, a blank, and the last column
@@ -46,8 +47,9 @@ std::string progress_line(const Texts& texts, const Done& done, Duration elapsed
     if (!done.requests || done.done == 0 || done.total <= done.done) return text;
     const double left =
         seconds / static_cast<double>(done.done) * static_cast<double>(done.total - done.done);
+    const double nanoseconds = std::min(left * 1e9, kMostNanoseconds);
     return text + texts("app.progress.left",
-                        {{"time", rough_time(Duration(static_cast<std::int64_t>(left * 1e9)))}});
+                        {{"time", rough_time(Duration(static_cast<std::int64_t>(nanoseconds)))}});
 }
 
 std::string progress_with_bar(const Texts& texts, const Done& done, Duration elapsed, const std::string& what,

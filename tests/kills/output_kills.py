@@ -49,8 +49,8 @@ def arguments():
 
 def build_kill_points(folder):
     library = folder / "kill_points.so"
-    subprocess.run(["clang++-19", "-std=c++20", "-O1", "-shared", "-fPIC", "-o", library, HERE / "kill_points.cpp"],
-                   check=True)
+    source = HERE / "kill_points.cpp"
+    subprocess.run(["clang++-19", "-std=c++20", "-O1", "-shared", "-fPIC", "-o", library, source], check=True)
     return library
 
 
