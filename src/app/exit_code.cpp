@@ -12,6 +12,7 @@ ExitCode exit_code(const Error& error) {
             return error.numbers[0] == ECANCELED ? ExitCode::timed_out : ExitCode::cannot_open;
         case Code::busy:
         case Code::connection_lost:
+        case Code::closed_by_peer:
         case Code::io_failed:
         case Code::replaced: return ExitCode::cannot_open;
         case Code::timed_out: return ExitCode::timed_out;

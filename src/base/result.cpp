@@ -18,6 +18,7 @@ std::string_view name(Code code) {
         case Code::cannot_open: return "cannot_open";
         case Code::busy: return "busy";
         case Code::connection_lost: return "connection_lost";
+        case Code::closed_by_peer: return "closed_by_peer";
         case Code::timed_out: return "timed_out";
         case Code::io_failed: return "io_failed";
         case Code::replaced: return "replaced";

@@ -32,7 +32,8 @@ void TransactionCounters::count(const Outcome& outcome) {
         case Status::bad_checksum: ++checksums; break;
         case Status::unexpected_reply: ++unexpected; break;
         case Status::ambiguous: ++ambiguous; break;
-        case Status::link_lost: ++link_lost; break;
+        case Status::link_lost:
+        case Status::closed: ++link_lost; break;
         case Status::line_busy:
         case Status::cancelled: break;
     }

@@ -17,6 +17,7 @@ OutcomeStatus status_of(const Outcome& outcome) {
         case Status::unexpected_reply: return {StatusCode::unexpected_reply};
         case Status::ambiguous: return {StatusCode::ambiguous, true};
         case Status::link_lost:
+        case Status::closed:
         case Status::cancelled: return {StatusCode::link_lost};
         case Status::timeout:
         case Status::line_busy: break;

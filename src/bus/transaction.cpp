@@ -23,6 +23,7 @@ std::string_view name(Status status) {
         case Status::unexpected_reply: return "unexpected_reply";
         case Status::ambiguous: return "ambiguous";
         case Status::link_lost: return "link_lost";
+        case Status::closed: return "closed";
         case Status::line_busy: return "line_busy";
         case Status::cancelled: return "cancelled";
     }

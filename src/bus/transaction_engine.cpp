@@ -72,6 +72,16 @@ bool TransactionCore::anything_sent() const {
     return std::any_of(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.in_flight(); });
 }
 
+std::size_t TransactionCore::responses_awaited() const {
+    return static_cast<std::size_t>(std::ranges::count_if(slots_, &Slot::awaits_response));
+}
+
+std::optional<TransactionCore::Awaited> TransactionCore::awaited() const {
+    const auto slot = std::ranges::find_if(slots_, &Slot::awaits_response);
+    if (slot == slots_.end()) return std::nullopt;
+    return Awaited{slot->id, slot->unit, slot->sent_at};
+}
+
 bool TransactionCore::can_submit() const {
     return link_up_ && occupied() < config_.in_flight;
 }
@@ -212,17 +222,24 @@ Instant TransactionCore::next_wakeup() const {
 
 void TransactionCore::on_link(Instant t, bool up) {
     if (up == link_up_) return;
-    link_up_ = up;
+    if (!up) return link_down(t, Status::link_lost);
+    link_up_ = true;
+    last_activity_ = activity_since_ = t;
+    blocked_until_ = std::max(blocked_until_, t + config_.pause_after_connect);
+    if (numbered()) outstanding_.clear();  // else a gateway may pass on what its serial line still sends
+}
+
+void TransactionCore::on_close(Instant t) {
+    if (link_up_) link_down(t, must_reconnect_ ? Status::unexpected_reply : Status::closed);
+}
+
+void TransactionCore::link_down(Instant t, Status of_one_that_waits) {
+    const Status status = responses_awaited() == 1 ? of_one_that_waits : Status::link_lost;
+    link_up_ = must_reconnect_ = false;
     framer_.reset();
     bytes_since_gap_ = 0;
-    must_reconnect_ = false;
-    if (up) {
-        last_activity_ = activity_since_ = t;
-        if (numbered()) outstanding_.clear();  // else a gateway may pass on what its serial line still sends
-        return;
-    }
     for (auto& slot : slots_)
-        if (slot.open()) give_up(t, slot, Status::link_lost);
+        if (slot.open()) give_up(t, slot, slot.awaits_response() ? status : Status::link_lost);
 }
 
 void TransactionCore::cancel_all(Instant t) {

@@ -14,6 +14,7 @@ using std::chrono::milliseconds;
 
 constexpr std::size_t kResponsesToKnow = 8;
 constexpr int kLateFactor = 4;  // of the time-out
+constexpr int kMostCloses = 2;  // connections that the peer may close instead of answering one request
 
 }  // namespace
 
@@ -43,6 +44,7 @@ Error Client::error_of(const bus::Outcome& outcome) const {
         case bus::Status::bad_checksum: return fail(Code::bad_checksum, options_.target).error();
         case bus::Status::unexpected_reply: return fail(Code::unexpected_reply, options_.target).error();
         case bus::Status::link_lost: return link_lost();
+        case bus::Status::closed: return fail(Code::closed_by_peer, options_.target).error();
         case bus::Status::timeout:
         case bus::Status::ambiguous:
         case bus::Status::line_busy:
@@ -68,6 +70,8 @@ void Client::learn(const bus::Outcome& outcome) {
 
 Result<bus::Outcome> Client::transmit_once(const wire::PreparedRequest& request, Duration wait) {
     auto& engine = connection_->engine();
+    pause(Duration::zero());  // the peer may have closed it meanwhile
+    if (!connection_->up() && !connection_->reopen(options_.timeout)) return std::unexpected(link_lost());
     bus::Transaction transaction;
     transaction.id = next_id_++;
     transaction.unit = UnitId{options_.unit};
@@ -116,6 +120,7 @@ Result<wire::ResponseView> Client::transact(const wire::PreparedRequest& request
     const auto attempts = static_cast<std::uint16_t>(repeatable ? options_.attempts : 1);
     Error error;
     std::uint16_t failures = 0;
+    int closes = 0;
     for (bool again = true; again && !interrupted();) {
         const bool last = failures + 1 >= attempts;
         TAKT_TRY(const auto outcome, transmit_once(request, last ? options_.timeout : expected_wait()));
@@ -124,8 +129,10 @@ Result<wire::ResponseView> Client::transact(const wire::PreparedRequest& request
             return outcome.response;
         }
         error = error_of(outcome);
+        const bool closed = outcome.status == bus::Status::closed;
         again = repeatable && outcome.status != bus::Status::link_lost &&
-                bus::attempts_left(bus::status_of(outcome).status, attempts, failures);
+                (closed ? ++closes < kMostCloses
+                        : bus::attempts_left(bus::status_of(outcome).status, attempts, failures));
     }
     if (error.code == Code::timed_out && !interrupted()) name_late_response(error);
     return std::unexpected(error);

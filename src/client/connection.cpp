@@ -14,17 +14,45 @@ namespace {
 using std::chrono::duration_cast;
 using std::chrono::milliseconds;
 
+/// An engine whose closed connection is made again when the client needs it.
+class Reopened final : public Engine {
+public:
+    explicit Reopened(bus::TransactionCore& engine) : engine_(engine) {}
+
+    void need() { needed_ = true; }
+
+    void on_link(Instant t, bool up) override {
+        needed_ = needed_ && !up;
+        engine_.on_link(t, up);
+    }
+    void on_close(Instant t) override { engine_.on_close(t); }
+    [[nodiscard]] std::optional<Instant> opens_at() const override {
+        return needed_ ? Instant::min() : kNever;
+    }
+    void on_bytes(Instant t, Bytes bytes) override { engine_.on_bytes(t, bytes); }
+    void on_tick(Instant t) override { engine_.on_tick(t); }
+    [[nodiscard]] Bytes transmit(Instant t) override { return engine_.transmit(t); }
+    [[nodiscard]] Instant next_wakeup() const override { return engine_.next_wakeup(); }
+
+private:
+    bus::TransactionCore& engine_;
+    bool needed_ = false;
+};
+
 class RealConnection final : public Connection {
 public:
     RealConnection(line::Loop& loop, const model::Line& line, std::shared_ptr<wire::TrafficObserver> traffic)
-        : loop_(loop), traffic_(std::move(traffic)), engine_(one_off_line(line), traffic_.get()) {}
+        : loop_(loop),
+          traffic_(std::move(traffic)),
+          engine_(one_off_line(line), traffic_.get()),
+          reopened_(engine_) {}
 
     Result<void> open(const model::Line& line, const Options& options, const OpenLine& open_line) {
         line::DriverOptions driver;
         driver.connect_limit = options.timeout;
         driver.on_link = [this](Instant, bool, const std::optional<Error>& why) { link_error_ = why; };
         driver.must_reconnect = [this] { return engine_.must_reconnect(); };
-        TAKT_TRY(driver_, open_line(loop_, line, engine_, driver));
+        TAKT_TRY(driver_, open_line(loop_, line, reopened_, driver));
         loop_.run_until([this] { return up() || link_error_.has_value(); }, options.timeout);
         if (up()) return {};
         if (link_error_) return std::unexpected(*link_error_);
@@ -37,6 +65,14 @@ public:
     bus::TransactionCore& engine() override { return engine_; }
     void poke() override { driver_->poke(); }
     [[nodiscard]] bool up() const override { return driver_->up(); }
+    bool reopen(Duration limit) override {
+        if (up()) return true;
+        link_error_.reset();
+        reopened_.need();
+        poke();
+        loop_.run_until([this] { return up() || link_error_.has_value(); }, limit);
+        return up();
+    }
     [[nodiscard]] std::optional<Error> link_error() const override { return link_error_; }
     [[nodiscard]] Instant now() const override { return line::now(); }
     void run_until(const std::function<bool()>& done, Duration limit) override {
@@ -48,6 +84,7 @@ private:
     line::Loop& loop_;
     std::shared_ptr<wire::TrafficObserver> traffic_;
     bus::TransactionEngine engine_;
+    Reopened reopened_;
     std::unique_ptr<line::Driver> driver_;
     std::optional<Error> link_error_;
 };

@@ -99,6 +99,7 @@ void LoadConnection::conclude(const bus::Outcome& outcome) {
             no_response(*flight, capture::NoResponse::unanswered);
             break;
         case bus::Status::link_lost:
+        case bus::Status::closed:
             ++counts.lost;
             no_response(*flight, capture::NoResponse::unanswered);
             break;

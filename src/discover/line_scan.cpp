@@ -184,6 +184,7 @@ void LineScan::on_outcome(Instant t, const bus::Outcome& outcome) {
         case Status::ambiguous:
         case Status::unexpected_reply: return repeat(t, true);
         case Status::link_lost:
+        case Status::closed:
         case Status::cancelled: return repeat(t, false);
         case Status::line_busy:
             if (++busy_ < kBusyLimit) return;

@@ -40,6 +40,12 @@ void FailureLog::on_link_down(Instant t, std::size_t line, const std::optional<E
     if (filter_.admit(t, kind)) write(kind, {}, 0);
 }
 
+void FailureLog::on_link_closed(Instant t, std::size_t line, const Error& why) {
+    if (!log_.enabled()) return;
+    const Kind kind{line, {}, why, true};
+    if (filter_.admit(t, kind)) write(kind, {}, 0);
+}
+
 void FailureLog::on_link_up(Instant t, std::size_t line) {
     filter_.end(
         t, [line](const Kind& kind) { return !kind.exchange && kind.line == line; },
@@ -66,6 +72,9 @@ void FailureLog::write(const Kind& kind, Duration time, std::uint64_t repeated) 
     std::vector<LogArgument> arguments{{.name = "line", .text = line.name},
                                        {.name = "count", .text = count},
                                        {.name = "seconds", .text = in}};
+    if (kind.closed)
+        return log_.message(LogLevel::info, repeated > 0 ? "log.link_closed_repeated" : "log.link_closed",
+                            arguments);
     if (!kind.exchange) {
         arguments.push_back({.name = "error", .error = &kind.error});
         return log_.message(LogLevel::warning, repeated > 0 ? "log.link_repeated" : "log.link_down",

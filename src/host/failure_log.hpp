@@ -25,6 +25,8 @@ public:
     void on_failed(Instant t, std::size_t line, const poll::FailedExchange& failed);
     /// @param why  nothing: the connection was lost
     void on_link_down(Instant t, std::size_t line, const std::optional<Error>& why);
+    /// The peer closed the connection, which the next request opens again.
+    void on_link_closed(Instant t, std::size_t line, const Error& why);
     /// The next failure of the line is not a repetition.
     void on_link_up(Instant t, std::size_t line);
     void on_tick(Instant t);
@@ -37,6 +39,7 @@ private:
         std::size_t line = 0;
         std::optional<poll::FailedExchange> exchange;
         Error error;
+        bool closed = false;  // the link is opened with the next request
         friend bool operator==(const Kind&, const Kind&) = default;
     };
 

@@ -19,6 +19,7 @@ Reason reason_of(const bus::Outcome& outcome) {
         case bus::Status::unexpected_reply: return Reason::unexpected_reply;
         case bus::Status::ambiguous: return Reason::ambiguous;
         case bus::Status::link_lost: return Reason::link_lost;
+        case bus::Status::closed: return Reason::closed;
         case bus::Status::timeout:
         case bus::Status::line_busy:
         case bus::Status::cancelled: return Reason::timeout;

@@ -38,6 +38,11 @@ public:
         engine().on_link(t, up);
         set_.on_event_(t, line_);
     }
+    void on_close(Instant t) override {
+        engine().on_close(t);
+        set_.on_event_(t, line_);
+    }
+    std::optional<Instant> opens_at() const override { return engine().opens_at(); }
     void on_bytes(Instant t, Bytes bytes) override {
         engine().on_bytes(t, bytes);
         set_.on_event_(t, line_);
@@ -130,6 +135,9 @@ Result<void> LineSet::open_line(std::size_t index, bool wait_for_port) {
                                                                const std::optional<Error>& why) {
         engine_->on_link(t, forwarder->line(), up, why);
         on_event_(t, forwarder->line());
+    };
+    options.on_close = [this, forwarder = line.forwarder.get()](Instant t, const std::optional<Error>& why) {
+        engine_->on_close(t, forwarder->line(), why);
     };
     options.on_latency = [this, port = settings.port](const line::SerialLatency& latency) {
         for (const auto& notice : endpoint::latency_notices(port, latency)) notify_(notice);

@@ -132,6 +132,10 @@ void ProjectEngine::on_link(Instant t, std::size_t line, bool up, const std::opt
     publish_event(t, LinkChanged{.line = line, .up = up, .why = why});
 }
 
+void ProjectEngine::on_close(Instant t, std::size_t line, const std::optional<Error>& why) {
+    if (why) failures_.on_link_closed(t, line, *why);
+}
+
 bool ProjectEngine::serve(Instant t) {
     while (auto request = link_.requests.take()) {
         auto* const served = request.get();

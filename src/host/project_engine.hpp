@@ -70,6 +70,8 @@ public:
 
     /// Called by the driver's listener.
     void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why);
+    /// Likewise: the connection was closed and is opened again when a request is due.
+    void on_close(Instant t, std::size_t line, const std::optional<Error>& why);
     [[nodiscard]] bool link_up(std::size_t line) const { return lines_[line].up; }
     /// Why the link is down; nothing: it is up, or nothing has happened yet.
     [[nodiscard]] const std::optional<Error>& link_error(std::size_t line) const { return lines_[line].why; }

@@ -13,6 +13,12 @@ namespace {
 
 constexpr std::size_t kReadAtOnce = 4096;
 
+// FIN or RST. Other errors come from the network or the own computer.
+bool is_closed_by_peer(const Error& error) {
+    const auto number = error.numbers[0];
+    return error.code == Code::connection_lost && (number == 0 || number == ECONNRESET || number == EPIPE);
+}
+
 }  // namespace
 
 Pump::Pump(Loop& loop, ByteStream& stream, Engine& engine, PumpOptions options, PumpEnd on_end)
@@ -141,7 +147,10 @@ void Pump::end(const std::optional<Error>& why) {
     timer_.set(kNever);
     limit_waiting(false);
     const Instant t = now();
-    engine_.on_link(t, false);
+    if (options_.reopens && (!why || is_closed_by_peer(*why)))
+        engine_.on_close(t);
+    else
+        engine_.on_link(t, false);
     const auto on_end = std::move(on_end_);
     on_end(t, why);
 }

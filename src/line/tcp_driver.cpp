@@ -30,7 +30,8 @@ public:
     }
 
     void poke() override {
-        if (pump_) pump_->poke();
+        if (pump_) return pump_->poke();
+        if (closed_) await_need(now());
     }
     bool up() const override { return pump_ != nullptr; }
     const std::string& name() const override { return name_; }
@@ -59,13 +60,31 @@ private:
 
     // Created on first use: a connection that stays up needs no timer.
     void call_at(Instant t) {
-        if (!timer_) timer_ = std::make_unique<Timer>(loop_, [this](Instant) { on_time(); });
+        if (!timer_) timer_ = std::make_unique<Timer>(loop_, [this](Instant t) { on_time(t); });
         timer_->set(t);
     }
 
-    // A connection attempt has timed out, or a back-off has ended.
-    void on_time() {
+    // A connection attempt has timed out, a back-off has ended, or a closed line has something to do.
+    void on_time(Instant t) {
         if (connecting_) return attempt_failed(cannot_open(ETIMEDOUT));
+        if (closed_) {
+            if (t >= engine_.next_wakeup()) engine_.on_tick(t);
+            return await_need(t);
+        }
+        open();
+    }
+
+    // Until the engine needs a connection, its time goes on here.
+    void await_need(Instant t) {
+        (void)engine_.transmit(t);  // chooses what comes next; without a link it sends nothing
+        const auto opens_at = engine_.opens_at();
+        closed_ = opens_at && *opens_at > t;
+        if (!closed_) return open();
+        call_at(std::max(std::min(*opens_at, engine_.next_wakeup()), t));
+    }
+
+    void open() {
+        if (timer_) timer_->set(kNever);
         if (!options_.gate) return look_up();
         pass_ = options_.gate->ask([this] { look_up(); });
     }
@@ -128,20 +147,21 @@ private:
         PumpOptions pumping;
         pumping.finished = options_.must_reconnect;
         pumping.write_limit = kWriteLimit;
+        pumping.reopens = true;
         pump_ = std::make_unique<Pump>(loop_, *stream_, engine_, std::move(pumping),
                                        [this](Instant t, const std::optional<Error>& why) { lost(t, why); });
         ++counters_.links;
         connected_at_ = now();
-        if (options_.on_link) options_.on_link(now(), true, std::nullopt);
+        if (!std::exchange(reopening_, false) && options_.on_link) options_.on_link(now(), true, std::nullopt);
         pump_->start();
     }
 
-    // Without an error the engine asked for the end: the peer sends something else, or nothing. A peer that
-    // is not Modbus would be asked again and again if its bytes ended the back-off.
+    // Without an error the engine asked for the end: the peer sends something else, or nothing, or there is
+    // nothing to do. A peer that closes early would be asked again and again if its bytes ended the back-off.
     void lost(Instant t, std::optional<Error> why) {
         const Bytes rejected = why ? Bytes() : pump_->rejected();
-        const bool held = rejected.empty() || t - connected_at_ >= Backoff::kLongest;
-        if (pump_->counters().bytes_read > 0 && held) backoff_.reset();
+        if (pump_->counters().bytes_read > 0 && t - connected_at_ >= Backoff::kLongest) backoff_.reset();
+        if (engine_.opens_at()) return closed(t, rejected.empty() ? why : not_modbus(rejected));
         if (!why) why = rejected.empty() ? fail(Code::timed_out, name_).error() : not_modbus(rejected);
         add(counters_, *pump_);
         pump_.reset();
@@ -149,8 +169,18 @@ private:
         down(t, why);
     }
 
+    void closed(Instant t, const std::optional<Error>& why) {
+        add(counters_, *pump_);
+        pump_.reset();
+        stream_.reset();
+        closed_ = reopening_ = true;
+        call_at(t);
+        if (options_.on_close) options_.on_close(t, why);
+    }
+
     void down(Instant t, const std::optional<Error>& why) {
         pass_ = {};
+        reopening_ = false;
         call_at(t + backoff_.next());
         if (options_.on_link) options_.on_link(t, false, why);
     }
@@ -172,6 +202,8 @@ private:
     std::unique_ptr<Pump> pump_;
     ConnectGate::Pass pass_;
     Instant connected_at_;
+    bool closed_ = false;     // it waits until the engine needs a connection
+    bool reopening_ = false;  // the connection that was closed is made again
     std::unique_ptr<Timer> timer_;  // limits the current attempt, else ends the back-off
 };
 

@@ -55,6 +55,30 @@ void read_pace(const Interpretation& state, Reader& reader, Line& line) {
         reader.report_without_effect("byte_timeout", "framing: tcp");
 }
 
+void read_connection(Reader& reader, Line& line) {
+    auto& rules = line.connection;
+    rules.use = reader.choice<ConnectionUse>("connection").value_or(rules.use);
+    rules.idle_close = reader.duration("idle_close");
+    rules.pause_after = reader.duration("pause_after_connect").value_or(rules.pause_after);
+    if (const auto most = reader.integer("connections_per_host"))
+        rules.per_host = static_cast<std::uint16_t>(*most);
+    line.length_tolerance = reader.boolean("length_tolerance").value_or(false);
+    if (line.transport != Transport::tcp && line.transport != Transport::tls) {
+        for (const auto key : {"connection", "idle_close", "pause_after_connect", "connections_per_host",
+                               "length_tolerance"})
+            reader.report_needs(key, "transport: tcp");
+        line.connection = {};
+        return;
+    }
+    if (line.framing != wire::Framing::tcp) reader.report_needs("length_tolerance", "framing: tcp");
+    const bool on_demand = rules.use == ConnectionUse::on_demand;
+    if (!on_demand) reader.report_needs("idle_close", "connection: on_demand");
+    if (on_demand && !rules.idle_close) {
+        reader.report(Rule::field_missing, "idle_close");
+        line.connection = {};
+    }
+}
+
 void report_line_keys_without_effect(Reader& reader, const Line& line) {
     if (line.transport == Transport::simulated) return;
     const std::span<const std::string_view> others = line.transport == Transport::serial
@@ -101,6 +125,7 @@ Line interpret_line(Interpretation& state, const Node& node, const std::string& 
     read_line_port(state, reader, line);
     read_line_format(reader, line);
     read_pace(state, reader, line);
+    read_connection(reader, line);
     report_line_keys_without_effect(reader, line);
     interpret_devices(state, reader, line);
     return line;

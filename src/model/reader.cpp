@@ -106,6 +106,11 @@ void Reader::report_without_effect(std::string_view key, std::string condition) 
            {{"key", std::string(key)}, {"condition", std::move(condition)}});
 }
 
+void Reader::report_needs(std::string_view key, std::string condition) {
+    if (given(key))
+        report(Rule::field_needs, key, {}, {{"key", std::string(key)}, {"condition", std::move(condition)}});
+}
+
 void Reader::check_keys() {
     for (const auto& [key, value] : node_.entries) check_key(key);
 }

@@ -78,6 +78,8 @@ public:
     void report(Rule rule, std::string_view key, std::string allowed = {}, Arguments arguments = {});
     /// Reports that a given key has no effect with another setting ("transport: tcp").
     void report_without_effect(std::string_view key, std::string condition);
+    /// Reports a given key that is only allowed with a condition.
+    void report_needs(std::string_view key, std::string condition);
 
 private:
     void check_keys();

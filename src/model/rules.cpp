@@ -38,6 +38,7 @@ constexpr std::array kRules{
     RuleInfo{Rule::field_length, "field.length"},
     RuleInfo{Rule::field_control_character, "field.control_character"},
     RuleInfo{Rule::field_without_effect, "field.without_effect", Severity::warning},
+    RuleInfo{Rule::field_needs, "field.needs"},
     RuleInfo{Rule::field_zero_replaced, "field.zero_replaced", Severity::warning},
     RuleInfo{Rule::integer_malformed, "integer.malformed"},
     RuleInfo{Rule::integer_fraction, "integer.fraction"},

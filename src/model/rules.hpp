@@ -38,6 +38,7 @@ enum class Rule : std::uint8_t {
     field_length,  // {length}
     field_control_character,
     field_without_effect,  // {key}, {condition}
+    field_needs,           // {key}, {condition}
     field_zero_replaced,   // {used}
     integer_malformed,
     integer_fraction,

@@ -64,10 +64,18 @@ ExactTime BusTimeModel::silence() const {
     return of(fixed) + half_characters(half);
 }
 
+// A connection that is opened for a request costs one more way to the device and back. Each request of a line
+// that closes its connections may be that request.
+ExactTime BusTimeModel::connecting(Duration way_and_back) const {
+    const auto& rules = line_.connection;
+    if (rules.use == model::ConnectionUse::keep) return 0;
+    return of(way_and_back) + of(rules.pause_after);
+}
+
 ExactTime BusTimeModel::occupied(const model::Device& device, std::size_t characters, Duration turnaround,
                                  std::int64_t in_flight) const {
     if (!line_.is_serial())
-        return of(device.round_trip) + (of(line_.frame_gap) + of(kTcpByte) * characters) * in_flight;
+        return connecting(device.round_trip) + of(device.round_trip) + (of(line_.frame_gap) + of(kTcpByte) * characters) * in_flight;
     const ExactTime time = std::max(silence(), of(line_.frame_gap)) + std::max(of(turnaround), silence()) +
                            half_characters(2 * characters);
     return time * in_flight;
@@ -86,7 +94,7 @@ std::array<ExactTime, 5> BusTimeModel::parts(const model::Device& device, std::s
         lengths = {std::max(silence(), of(line_.frame_gap)), half_characters(2 * request_characters),
                    std::max(of(turnaround), silence()), half_characters(2 * response_characters)};
     } else {
-        lengths = {of(line_.frame_gap), of(kTcpByte) * request_characters, of(device.round_trip),
+        lengths = {connecting(device.round_trip) + of(line_.frame_gap), of(kTcpByte) * request_characters, of(device.round_trip),
                    of(kTcpByte) * response_characters};
     }
     std::partial_sum(lengths.begin(), lengths.end(), lengths.begin());

@@ -46,6 +46,10 @@ public:
     [[nodiscard]] ExactTime sum(const model::Device& device, const Transactions& transactions,
                                 Duration turnaround) const;
 
+    /// The cost of opening a connection for a request; 0 on a line that keeps its connection.
+    /// @param way_and_back  the time to the device and back
+    [[nodiscard]] ExactTime connecting(Duration way_and_back) const;
+
     /// `in_flight` times the duration of a transaction before request_gap stretches it. On TCP the round trip
     /// counts once for all requests in flight.
     [[nodiscard]] ExactTime occupied(const model::Device& device, std::size_t characters, Duration turnaround,

@@ -98,7 +98,7 @@ TransactionCost TransactionCosts::cost(const model::Device& device, const FrameL
         .margin = bus_times_.of(project_.timeout_margin),
         .silence = std::max(bus_times_.silence(), bus_times_.of(line_.frame_gap))};
     const ExactTime wait = std::max(bus_times_.of(turnaround), bus_times_.silence());
-    const ExactTime overhead = bus_times_.of(project_.host.overhead);
+    const ExactTime overhead = bus_times_.of(project_.host.overhead) + bus_times_.connecting(turnaround);
     const ExactTime time = std::max(attempt.request + wait + attempt.response + attempt.silence + overhead,
                                     bus_times_.of(line_.request_gap));
     const std::chrono::microseconds time_out(bus_times_.microseconds_up(attempt.time_out()));

@@ -46,6 +46,12 @@ LinePoller::~LinePoller() = default;
 void LinePoller::on_link(Instant t, bool up) {
     run_->on_link(t, up);
 }
+void LinePoller::on_close(Instant t) {
+    run_->on_close(t);
+}
+std::optional<Instant> LinePoller::opens_at() const {
+    return run_->link_.opens_at();
+}
 void LinePoller::on_bytes(Instant t, Bytes bytes) {
     run_->on_bytes(t, bytes);
 }
@@ -59,7 +65,7 @@ Instant LinePoller::next_wakeup() const {
     return run_->next_wakeup();
 }
 bool LinePoller::must_reconnect() const {
-    return run_->engine_.must_reconnect() || run_->link_.given_up();
+    return run_->engine_.must_reconnect() || run_->link_.given_up() || run_->link_.done();
 }
 
 Result<bool> LinePoller::set(Instant t, value::SlotId slot, const value::Value& value) {
@@ -81,10 +87,10 @@ bool LinePoller::was_up() const {
 }
 
 bool LinePoller::link_up() const {
-    return run_->engine_.link_up();
+    return run_->link_.usable();
 }
 bool LinePoller::can_relay() const {
-    return run_->relay_ && run_->relay_->empty() && run_->engine_.link_up();
+    return run_->relay_ && run_->relay_->empty() && link_up();
 }
 
 bool LinePoller::may_start_relayed(Instant t, UnitId unit, const bus::AnswerShape& shape) const {

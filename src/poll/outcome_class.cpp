@@ -9,7 +9,8 @@ using value::Reason;
 
 OutcomeClass classify(const bus::Outcome& outcome) {
     const auto [status, answered, busy] = bus::status_of(outcome);
-    return {value::Reason{number(status)}, answered, busy};
+    const bool closed = outcome.status == bus::Status::closed;
+    return {closed ? value::Reason::closed : value::Reason{number(status)}, answered, busy};
 }
 
 // Exception 6 (busy) means that the write did not execute, 5 (acknowledge) that it will. A write that was not

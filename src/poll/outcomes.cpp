@@ -40,11 +40,16 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     const OutcomeClass outcome_class = classify(outcome);
     const Instant t = outcome.ended_at;
     if (!outcome_class.answered || outcome_class.reason == Reason::ambiguous) periods_.failed(t);
+    const bool closed_before = device.health.condition().failure == Reason::closed;
     switch (device.health.ended(outcome.sent_at, t, outcome_class, device.in_flight > 0)) {
         case DeviceVerdict::ignored: return outcome_class;
         case DeviceVerdict::returned:
-            restart_device(t, index);
-            reads_.release_at_once(t, index, publisher_.splits());
+            if (closed_before) {
+                resume_device(index);  // it answered some reads: they keep their periods
+            } else {
+                restart_device(t, index);
+                reads_.release_at_once(t, index, publisher_.splits());
+            }
             if (learner_) learner_->on_return(t, index);
             [[fallthrough]];
         case DeviceVerdict::answered:
@@ -98,7 +103,7 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     if (probe && (outcome_class.reason == Reason::ok || outcome_class.reason == Reason::ambiguous))
         reads_.serve_release(t, index);
     if (outcome_class.reason == Reason::link_lost) {
-        if (reads_.by_trigger(index)) reads_.again(t, index);
+        if (!outcome.sent || reads_.by_trigger(index) || reads_.lost_by_close(index)) reads_.again(t, index);
         return;
     }
     if (!devices_[request.device].health.enabled()) return;
@@ -138,6 +143,7 @@ void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeCla
 void LinePoller::Run::fail_read(Instant t, std::size_t index, Reason reason) {
     const auto& request = requests_[index];
     const bool slowed = reads_.failed(t, index);
+    const bool repeats = reason != Reason::closed || reads_.lost_by_close(index);
     statuses_.note_failed(index, reason);
     if (!devices_[request.device].health.answering()) return;
     if (slowed) {
@@ -145,7 +151,7 @@ void LinePoller::Run::fail_read(Instant t, std::size_t index, Reason reason) {
         publisher_.degrade(t, request.variables, Quality::bad, reason, Shown::initial);
     } else {
         publisher_.degrade(t, request.variables, Quality::uncertain, reason, Shown::last);
-        reads_.again(t, index);
+        if (repeats) reads_.again(t, index);
     }
     statuses_.read_ended(t, index, reason);
 }

@@ -48,12 +48,19 @@ void ReadSchedule::release_at(Instant t, std::size_t read) {
 
 // All reads of a line stay on one grid: those planned for one instant meet there again.
 void ReadSchedule::restart(Instant t, std::size_t device) {
+    resume(device);
     for (const auto r : tables_.devices[device].requests) {
         if (!request(r).read) continue;
         follow(t, r);
-        auto& read = reads_[r];
+        reads_[r].retry.reset();
+    }
+}
+
+void ReadSchedule::resume(std::size_t device) {
+    for (const auto r : tables_.devices[device].requests) {
+        if (!request(r).read) continue;
+        auto& read = change(r);
         read.health = tables_.devices[device].health.fresh();
-        read.retry.reset();
         read.not_before = Instant::min();
     }
 }
@@ -199,6 +206,8 @@ void ReadSchedule::again(Instant t, std::size_t index) {
 void ReadSchedule::answered(Instant t, std::size_t index, bool busy) {
     auto& read = change(index);
     read.health.answered();
+    read.closes = 0;
+    read.spared = false;
     if (busy)
         hold_back(t, index);
     else
@@ -208,6 +217,12 @@ void ReadSchedule::answered(Instant t, std::size_t index, bool busy) {
 bool ReadSchedule::failed(Instant t, std::size_t read) {
     change(read).health.failed(t);
     return slowed(read);
+}
+
+bool ReadSchedule::lost_by_close(std::size_t index) {
+    auto& closes = reads_[index].closes;
+    closes = std::min<std::uint8_t>(closes + 1, 2);
+    return closes == 1;
 }
 
 void ReadSchedule::hold_back(Instant t, std::size_t index) {

@@ -62,6 +62,8 @@ public:
     void release_at(Instant t, std::size_t read);
     /// Nothing is known of the device any more: its reads are not slowed down and follow the grid.
     void restart(Instant t, std::size_t device);
+    /// The same, but they stay due when they were.
+    void resume(std::size_t device);
     /// Reads each variable of the device once without waiting for the grid. Of reads that cover the same
     /// variables, the longest is released.
     void release_at_once(Instant t, std::size_t device, const SplitValues& splits);
@@ -138,6 +140,11 @@ public:
     void answered(Instant t, std::size_t read, bool busy);
     /// It was not answered. @returns whether it is slowed down
     bool failed(Instant t, std::size_t read);
+    /// The connection was closed before its response. @returns whether it may be sent again before it is due
+    [[nodiscard]] bool lost_by_close(std::size_t read);
+    /// A close that it met was not held against it; it may be once in a row.
+    void spare(std::size_t read) { reads_[read].spared = true; }
+    [[nodiscard]] bool spared(std::size_t read) const { return reads_[read].spared; }
     /// It is not sent before its next back-off has passed.
     void hold_back(Instant t, std::size_t read);
     /// Parts of a value belong together if they have the same number: they were due in the same period of the
@@ -176,6 +183,8 @@ private:
         HeapOptional<Triggering> trigger;     // if it has a read trigger
         Instant round = Instant::min();       // the instant of the grid that its values belong to
         std::uint64_t skipped = 0;
+        std::uint8_t closes = 0;  // that it met in a row, at most 2
+        bool spared = false;
         bool triggered = false;
         bool in_flight = false;
         bool by_trigger = false;

@@ -19,7 +19,7 @@ void LinePoller::Run::admit_guests() {
 Result<void> LinePoller::Run::relay(Instant t, const bus::Transaction& transaction, bool spare) {
     if (!relay_) return fail(Code::unsupported, line_.name);
     if (!relay_->empty()) return fail(Code::queue_full, 1);
-    if (!engine_.link_up()) return fail(Code::connection_lost);
+    if (!link_.usable()) return fail(Code::connection_lost);
     bus::Transaction relayed = transaction;
     const auto device = device_at(transaction.unit);
     if (device) set_times(devices_[*device], relayed);

@@ -217,6 +217,7 @@ void RequestOffers::offer_early_probes(Instant t) {
         const auto read = probe_of(d);
         if (!read) continue;
         const auto& device = parts_.tables.devices[d];
+        if (device.health.condition().failure == value::Reason::closed) continue;  // costs a connection
         const Duration period = request(*read).plan->period.value_or(Duration::zero());
         const auto from = device.health.early_probe_at(parts_.reads.last_start(d), period);
         if (!from) continue;

@@ -7,9 +7,15 @@
 namespace takt::poll {
 
 void LinePoller::Run::restart_device(Instant t, std::size_t index) {
+    resume_device(index);
+    reads_.restart(t, index);
+}
+
+// Nothing is known of it any more. Its reads are due when they were due before.
+void LinePoller::Run::resume_device(std::size_t index) {
     devices_[index].health.restart();
     statuses_.restart(index);
-    reads_.restart(t, index);
+    reads_.resume(index);
     for (const auto r : devices_[index].requests) {
         if (!requests_[r].read) continue;
         periods_.interrupt(r);
@@ -48,27 +54,81 @@ void LinePoller::Run::observe_line(Instant t) {
 void LinePoller::Run::on_link(Instant t, bool up) {
     engine_.on_link(t, up);
     take_outcomes();
-    if (!up) give_up_relayed(t, bus::Status::link_lost);
-    if (up && link_.up_since()) return;
-    if (!up && modify_.second_step()) abandon(t, value::Reason::link_lost, true);
-    if (up) {
-        reads_.set_origin(t);
-        link_.up(t);
-    } else {
-        link_.down();
-    }
+    if (up)
+        link_opened(t);
+    else
+        link_lost(t);
+}
+
+// The plan's schedule goes on, whatever the link does: only the first link gives it its origin.
+void LinePoller::Run::link_opened(Instant t) {
+    const LinkState before = link_.state();
+    link_.up(t);
+    if (before == LinkState::up || before == LinkState::closed) return;
     load_.start(t);
-    arbiter_.restart_round();
+    closes_.reset();
+    if (before == LinkState::none) {
+        reads_.set_origin(t);
+        arbiter_.restart_round();
+    }
+    for (std::size_t d = 0; d < devices_.size(); ++d) {
+        if (!devices_[d].health.enabled()) continue;
+        if (before == LinkState::none)
+            restart_device(t, d);
+        else
+            resume_device(d);
+        set_device_state(t, d, devices_[d].health.initial_state(true));
+        devices_[d].health.observe(t);
+    }
+    observe_line(t);
+}
+
+void LinePoller::Run::link_lost(Instant t) {
+    give_up_relayed(t, bus::Status::link_lost);
+    if (modify_.second_step()) abandon(t, value::Reason::link_lost, true);
+    link_.lost();
+    load_.start(t);
     for (std::size_t d = 0; d < devices_.size(); ++d) {
         auto& health = devices_[d].health;
         if (!health.enabled()) continue;
-        if (!up) drop_read_backs(t, d, value::Reason::link_lost);
-        if (up) restart_device(t, d);
-        set_device_state(t, d, health.initial_state(up));
+        drop_read_backs(t, d, value::Reason::link_lost);
+        set_device_state(t, d, health.initial_state(false));
         health.observe(t);  // also before the link could be opened for the first time
-        if (!up) degrade_device(t, d, link_.no_link(), Shown::initial);
+        degrade_device(t, d, link_.no_link(), Shown::initial);
     }
     observe_line(t);
+}
+
+// A peer that closes after each response does so before it receives the next request. No response ever came
+// as soon after a request. A read that meets a close once more is charged all the same.
+bool LinePoller::Run::closed_before_request(Instant t) const {
+    const auto waiting = engine_.awaited();
+    if (!waiting || engine_.responses_awaited() > 1 || link_.answers() == 0) return false;
+    const auto device = device_at(waiting->unit);
+    if (!device) return false;
+    if (kind_of(waiting->id) == JobKind::read && reads_.spared(index_of(waiting->id))) return false;
+    const auto& times = devices_[*device].statistics.counters.time;
+    return times.count() == 0 || t - waiting->sent_at < times.min();
+}
+
+void LinePoller::Run::on_close(Instant t) {
+    if (line_.is_serial() || link_.state() != LinkState::up) return on_link(t, false);
+    const auto waiting = engine_.awaited();
+    const bool asked = waiting && !closed_before_request(t);
+    if (!asked) {
+        if (waiting && kind_of(waiting->id) == JobKind::read) reads_.spare(index_of(waiting->id));
+        engine_.on_link(t, false);  // nobody is charged
+    } else {
+        closes_.closed(engine_.responses_awaited());
+        engine_.on_close(t);
+    }
+    take_outcomes();
+    if (closes_.met_by_several() && std::ranges::all_of(devices_, [this](const DeviceRun& device) {
+            const bool asked = device.health.enabled() && device.health.answering();
+            return !asked || closes_.met_by(device.model->address);
+        }))
+        return link_lost(t);
+    link_.closed(t, asked);
 }
 
 void LinePoller::Run::check_connection(Instant t) {

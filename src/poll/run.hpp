@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "age_watch.hpp"
+#include "close_watch.hpp"
 #include "command_queue.hpp"
 #include "distinct_reads.hpp"
 #include "engine_buffers.hpp"
@@ -42,6 +43,7 @@ public:
         value::Store& store, const Options& options);
 
     void on_link(Instant t, bool up);
+    void on_close(Instant t);
     void on_bytes(Instant t, Bytes bytes);
     void on_tick(Instant t);
     Bytes transmit(Instant t);
@@ -75,6 +77,7 @@ public:
     PeriodWatch periods_;
     ExchangeTimes exchange_times_;
     LinkWatch link_;
+    CloseWatch closes_;
     LoadMeter load_;
     AvailabilityMeter availability_;
     std::unique_ptr<GapLearner> learner_;  // if the line learns
@@ -104,6 +107,10 @@ private:
 
     // restart.cpp
     void restart_device(Instant t, std::size_t device);
+    void resume_device(std::size_t device);
+    void link_opened(Instant t);
+    void link_lost(Instant t);
+    [[nodiscard]] bool closed_before_request(Instant t) const;
     void set_device_state(Instant t, std::size_t device, DeviceState state);
     void check_connection(Instant t);
     void switch_device(Instant t, std::size_t device, bool on);
@@ -114,6 +121,9 @@ private:
 
     // start.cpp
     void choose(Instant t);
+    void offer(Instant t);
+    void look_ahead(Instant t);
+    [[nodiscard]] bool may_submit() const;
     void start(Instant t, const Candidate& candidate);
     void start_read(Instant t, std::size_t request, bool by_trigger);
     void start_write(Instant t, bus::TransactionId id);

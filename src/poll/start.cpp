@@ -10,21 +10,43 @@ namespace takt::poll {
 
 Bytes LinePoller::Run::transmit(Instant t) {
     if (!keep_learning(t)) return engine_.transmit(t);  // a plan swap waits for the transactions in flight
-    if (engine_.can_submit()) choose(t);
+    if (link_.state() == LinkState::closed) look_ahead(t);
+    if (may_submit()) choose(t);
     return engine_.transmit(t);
 }
 
 Instant LinePoller::Run::next_wakeup() const {
     Instant wakeup = std::min(engine_.next_wakeup(), ages_->next());
     wakeup = std::min(wakeup, periods_.next_overrun());
-    if (engine_.can_submit()) wakeup = std::min(wakeup, arbiter_.wakeup());
+    if (may_submit()) wakeup = std::min({wakeup, arbiter_.wakeup(), link_.closes_at()});
+    if (link_.state() == LinkState::closed) wakeup = std::min(wakeup, arbiter_.wakeup());
     return std::min(wakeup, commands_.next_expiry());
+}
+
+bool LinePoller::Run::may_submit() const {
+    const bool alone = closes_.one_at_a_time() || link_.one_request();
+    return engine_.can_submit() && !link_.done() && (!alone || engine_.idle());
+}
+
+// While the link is closed: whether something is due, for which it is opened.
+void LinePoller::Run::look_ahead(Instant t) {
+    arbiter_.begin();
+    if (!modify_.second_step()) offer(t);
+    link_.need(modify_.second_step() || arbiter_.best());
 }
 
 void LinePoller::Run::choose(Instant t) {
     arbiter_.begin();
     if (modify_.second_step()) return continue_modify(t);
     if (modify_.active()) return;
+    if (link_.ends_after_request() && engine_.idle()) return link_.finish();
+    offer(t);
+    report_waiting_writes(t);
+    if (const auto candidate = arbiter_.choose()) return start(t, *candidate);
+    if (t >= link_.closes_at() && engine_.idle()) link_.finish();
+}
+
+void LinePoller::Run::offer(Instant t) {
     if (held_) {
         offers_.offer_writes(t);
     } else {
@@ -34,8 +56,6 @@ void LinePoller::Run::choose(Instant t) {
         offer_spare_relayed(t);
         offers_.offer_early_probes(t);
     }
-    report_waiting_writes(t);
-    if (const auto candidate = arbiter_.choose()) start(t, *candidate);
 }
 
 void LinePoller::Run::start(Instant t, const Candidate& candidate) {
@@ -151,6 +171,11 @@ void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
 
 void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
     report_failure(outcome);
+    if (outcome.sent) {
+        closes_.ended(outcome);
+        if (outcome.status != bus::Status::link_lost)
+            link_.request_ended(outcome.ended_at, !outcome.response.empty());
+    }
     note_in_step(outcome);
     const auto index = index_of(outcome.id);
     if (unlimited_event(outcome.id)) arbiter_.event_ended(std::max(outcome.ended_at, offers_.line_free()));

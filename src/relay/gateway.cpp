@@ -285,6 +285,7 @@ void Gateway::on_outcome(const bus::Outcome& outcome) {
             }
             break;
         case bus::Status::link_lost:
+        case bus::Status::closed:
         case bus::Status::cancelled:
         case bus::Status::line_busy: {
             const auto code = outcome.sent ? ExceptionCode::gateway_target_failed_to_respond
@@ -320,7 +321,8 @@ void Gateway::note_health(const bus::Outcome& outcome, std::uint64_t peer) {
             return;
         case bus::Status::timeout:
         case bus::Status::bad_checksum:
-        case bus::Status::unexpected_reply: break;
+        case bus::Status::unexpected_reply:
+        case bus::Status::closed: break;
         case bus::Status::link_lost:
         case bus::Status::cancelled:
         case bus::Status::line_busy: return;

@@ -177,6 +177,7 @@ std::string reason_text(const Texts& texts, const Error& error) {
             return texts("app.reason.exception", {{"code", std::to_string(error.numbers[0])}});
         case Code::bad_checksum: return texts("app.reason.bad_checksum");
         case Code::connection_lost: return texts("app.reason.link_lost");
+        case Code::closed_by_peer: return texts("app.reason.closed");
         case Code::cannot_open: return texts("app.state.link_down");
         case Code::too_short:
         case Code::too_long:

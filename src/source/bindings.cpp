@@ -17,6 +17,7 @@ constexpr ExceptionCode exception_of(Code code) {
         case Code::not_writable: return ExceptionCode::illegal_data_value;
         case Code::queue_full: return ExceptionCode::server_device_busy;
         case Code::connection_lost:
+        case Code::closed_by_peer:
         case Code::timed_out: return ExceptionCode::gateway_target_failed_to_respond;
         default: return ExceptionCode::server_device_failure;
     }

@@ -39,6 +39,7 @@ std::string_view name(Reason reason) {
         case Reason::stale: return "stale";
         case Reason::never_connected: return "never_connected";
         case Reason::ambiguous: return "ambiguous";
+        case Reason::closed: return "closed";
     }
     return "unknown";
 }

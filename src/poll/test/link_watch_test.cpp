@@ -13,7 +13,7 @@ TEST(LinkWatch, KnowsWhetherThereIsAndWasALink) {
     EXPECT_FALSE(link.was_up());
     link.up(at(5s));
     EXPECT_EQ(link.up_since(), at(5s));
-    link.down();
+    link.lost();
     EXPECT_FALSE(link.up_since());
     EXPECT_TRUE(link.was_up());
 }
@@ -37,7 +37,7 @@ TEST(LinkWatch, EachConnectionMayBeSilentTwiceAsLong) {
         EXPECT_FALSE(link.given_up()) << i;
         link.check(now + allowed);
         EXPECT_TRUE(link.given_up()) << i;
-        link.down();
+        link.lost();
         EXPECT_FALSE(link.given_up());
         now += 1h;
     }

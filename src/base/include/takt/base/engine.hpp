@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "takt/base/time.hpp"
@@ -21,6 +22,10 @@ using Bytes = std::span<const std::uint8_t>;
 ///     is on the wire from t on, and computes its end from the bit rate.
 ///   - next_wakeup(): kNever if only bytes or a change from outside can cause an action.
 ///   - on_link(t, up): the link was opened or lost. Engines start with the link down.
+///   - on_close(t): the peer ended the connection, or the driver did because the engine asked for it. It can
+///     be made again.
+///   - opens_at(): when the engine needs a link after on_close(), or before the first on_link(). While the
+///     driver waits for that instant, it also makes the calls above: the engine's time goes on.
 ///
 /// One owner, one thread. Nothing blocks. Callbacks go only through injected sinks.
 class Engine {
@@ -30,6 +35,10 @@ public:
     virtual void on_tick(Instant t) = 0;
     [[nodiscard]] virtual Bytes transmit(Instant t) = 0;
     [[nodiscard]] virtual Instant next_wakeup() const = 0;
+    /// Where it makes no difference, the link was lost.
+    virtual void on_close(Instant t) { on_link(t, false); }
+    /// kNever: not before a change from outside. Nothing: the driver tries by its own back-off.
+    [[nodiscard]] virtual std::optional<Instant> opens_at() const { return std::nullopt; }
 
 protected:
     ~Engine() = default;

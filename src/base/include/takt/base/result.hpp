@@ -32,6 +32,7 @@ enum class Code : std::uint16_t {
     timed_out,          ///< subject, milliseconds waited
     io_failed,          ///< subject, operating system's error number
     replaced,           ///< the file that is open was deleted or replaced; subject
+    closed_by_peer,     ///< the connection, instead of a response; subject
     // Modbus
     modbus_exception = 200,  ///< exception code
     bad_checksum,

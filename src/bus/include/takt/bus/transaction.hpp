@@ -38,6 +38,7 @@ struct LineConfig {
     /// characters; zero: 1 s.
     Duration frame_silence{};
     std::size_t in_flight = 1;  ///< Framing::tcp: transactions at a time, 1..kMaxInFlight
+    Duration pause_after_connect{};  ///< least time from the link's opening to the first request
     Echo echo = Echo::automatic;
 
     /// Whether characters take time, unlike in a byte stream.
@@ -87,7 +88,8 @@ enum class Status : std::uint8_t {
     bad_checksum,      ///< bytes were received, but no frame with a good checksum
     unexpected_reply,  ///< a good frame of the right unit and function that cannot answer this request
     ambiguous,  ///< serial line: the response may be that to an earlier request. Its unit is in step again
-    link_lost,  ///< the port or connection was closed
+    link_lost,  ///< the port or connection was lost, or closed while several requests waited for a response
+    closed,     ///< the peer closed the connection while only this request waited for a response
     line_busy,  ///< never sent: for more than a second the line was never silent
     cancelled,  ///< cancel_all()
 };

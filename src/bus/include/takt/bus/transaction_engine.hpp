@@ -68,6 +68,7 @@ class TransactionSlot {
 
     [[nodiscard]] bool open() const { return state != State::empty && state != State::ended; }
     [[nodiscard]] bool in_flight() const { return state == State::sent || state == State::confirming; }
+    [[nodiscard]] bool awaits_response() const { return in_flight() && !broadcast; }
     [[nodiscard]] Bytes content() const { return {pdu, pdu_size}; }
     [[nodiscard]] AnswerShape shape() const { return answer_shape(request); }
     void fill(Bytes bytes) {
@@ -130,6 +131,10 @@ struct TransactionStorage {
 /// A serial broadcast (unit 0) has no response: it is ok after the broadcast turnaround. Over Framing::tcp
 /// unit 0 is the server itself.
 ///
+/// When the connection is closed while one request waits for its response, that one ends as closed (or as
+/// unexpected_reply if the engine asked for the close because of a wrong header). Of several, each ends as
+/// link_lost: which one the peer did not like is not known.
+///
 /// If other stations leave no silence on the line for a second, a waiting request ends as line_busy.
 ///
 /// The owner calls take_outcome() after each on_link, on_bytes, on_tick and cancel_all until there is none: a
@@ -146,6 +151,7 @@ public:
     TransactionCore& operator=(const TransactionCore&) = delete;
 
     void on_link(Instant t, bool up) override;
+    void on_close(Instant t) override;
     void on_bytes(Instant t, Bytes bytes) override;
     void on_tick(Instant t) override;
     [[nodiscard]] Bytes transmit(Instant t) override;
@@ -185,6 +191,16 @@ public:
     [[nodiscard]] bool any_ambiguity(Instant t) const { return !numbered() && outstanding_.any_ambiguity(t); }
     /// Whether a response of the unit is missing: the next one need not belong to the last request.
     [[nodiscard]] bool remembers(UnitId unit) const { return outstanding_.remembers(unit); }
+
+    /// How many requests were sent and wait for their responses.
+    [[nodiscard]] std::size_t responses_awaited() const;
+    /// One of them.
+    struct Awaited {
+        TransactionId id = 0;
+        UnitId unit;
+        Instant sent_at;
+    };
+    [[nodiscard]] std::optional<Awaited> awaited() const;
 
     /// No transaction waits or is in flight, and no outcome is left.
     [[nodiscard]] bool idle() const;
@@ -230,6 +246,7 @@ private:
     void note_late(Instant t, UnitId unit, Lateness lateness);
     void pass_over(bool late);
     void give_up(Instant t, Slot& slot, Status status);
+    void link_down(Instant t, Status of_one_that_waits);
     [[nodiscard]] static Duration expected_time(const Slot& slot);
     [[nodiscard]] Instant patient_until(const Slot& slot, Instant hold_until) const;
     void expect_response(Instant t, const Slot& slot, Instant hold_until);

@@ -12,7 +12,8 @@
 namespace takt::client {
 
 /// Sends requests to one device, one at a time, and repeats those that fail by chance. Blocks its caller; a
-/// stop of the connection ends every wait. One owner, one thread.
+/// stop of the connection ends every wait. A connection that the peer has closed is opened for the next
+/// request. One owner, one thread.
 class Client {
 public:
     /// @param connection  up
@@ -28,7 +29,7 @@ public:
     /// @param repeatable  false: it is transmitted once, because the device must not execute it twice
     /// @returns a normal response or an exception, valid until the next request, empty for a broadcast;
     ///          timed_out (ms; if the response came late, also its delay in ms and the advised time-out in
-    ///          ms), bad_checksum, unexpected_reply, connection_lost; not_modbus (the bytes) when the
+    ///          ms), bad_checksum, unexpected_reply, connection_lost; closed_by_peer; not_modbus (the bytes) when the
     ///          stream is out of step
     [[nodiscard]] Result<wire::ResponseView> transact(const wire::PreparedRequest& request,
                                                       bool repeatable = true);

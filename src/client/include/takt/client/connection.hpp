@@ -24,6 +24,8 @@ public:
     /// Must be called after the engine was given a request.
     virtual void poke() = 0;
     [[nodiscard]] virtual bool up() const = 0;
+    /// Opens a connection that the peer has closed. Waits for it, at most `limit`. @returns up()
+    virtual bool reopen(Duration /*limit*/) { return up(); }
     /// Why there is no link; nothing: there is one, or the reason is unknown.
     [[nodiscard]] virtual std::optional<Error> link_error() const { return std::nullopt; }
     [[nodiscard]] virtual Instant now() const = 0;

@@ -30,6 +30,9 @@ using LinkListener = std::function<void(Instant t, bool up, const std::optional<
 
 struct DriverOptions {
     LinkListener on_link;
+    /// TCP, an engine with opens_at(): called instead of on_link when a connection was closed that the engine
+    /// will open again. `why` is empty if the engine asked for it. Nothing is called when it is open again.
+    std::function<void(Instant t, const std::optional<Error>& why)> on_close;
     /// Returns true if the engine's stream is out of step; the line is then closed and reopened. Called after
     /// every call of the engine (a master's must_reconnect()).
     std::function<bool()> must_reconnect;
@@ -56,7 +59,8 @@ struct DriverCounters {
 };
 
 /// Runs one engine on one line. After a lost link it retries after 0.25 s, then in steps that double up to 5
-/// s (TCP: up to a quarter less, by a seed of its name). The engine learns of both by on_link(). Destroying
+/// s (TCP: up to a quarter less, by a seed of its name). The engine learns of both by on_link(). A closed
+/// connection is made again when Engine::opens_at() says so. Destroying
 /// the driver closes the line without a call of the engine. The loop and the engine must outlive it. The
 /// loop's thread only.
 class Driver {

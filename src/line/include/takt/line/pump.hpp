@@ -31,6 +31,9 @@ struct PumpOptions {
     /// Returns true if nothing is left to be sent for the bytes received so far. When the peer has closed its
     /// sending side, the pump goes on until then. Empty: it ends at once.
     std::function<bool()> drained;
+    /// A stream that can be made again: its end by the peer, or because the engine asked for it, is a close
+    /// (Engine::on_close), not the loss of the link.
+    bool reopens = false;
     /// Called when the port accepted `bytes` at `t`.
     std::function<void(Instant t, std::size_t bytes)> written;
 };

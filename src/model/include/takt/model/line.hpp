@@ -25,6 +25,23 @@ struct SharedLine {
     bool broadcast = false;       ///< one of them relays to unit 0
 };
 
+/// When a line over TCP has a connection.
+enum class ConnectionUse : std::uint8_t {
+    keep,         ///< as long as the peer keeps it
+    per_request,  ///< one for each request
+    per_cycle,    ///< it is closed as soon as no request is due
+    on_demand,    ///< it is closed when no request was due for `idle_close`
+};
+
+struct ConnectionRules {
+    ConnectionUse use = ConnectionUse::keep;
+    std::optional<Duration> idle_close;     ///< exactly with on_demand
+    Duration pause_after{};                 ///< least time from connecting to the first request
+    std::optional<std::uint16_t> per_host;  ///< connections of all lines to this host at a time
+
+    friend bool operator==(const ConnectionRules&, const ConnectionRules&) = default;
+};
+
 struct Line {
     std::string name;
     SourceLocation location;
@@ -40,6 +57,8 @@ struct Line {
     /// Longest pause inside a response; after it the received bytes are taken as complete. Nothing: 30 ms, or
     /// t3.5 if that is longer (ASCII: 1 s; streams: 50 ms).
     std::optional<Duration> byte_timeout;
+    ConnectionRules connection;         ///< TCP
+    bool length_tolerance = false;      ///< Framing::tcp: the length in a header may be off by one
     std::optional<SharedLine> relayed;  ///< a server relays to it
     /// A relayed request goes ahead of polling that is due if the last one ended this long ago.
     Duration relay_interval = std::chrono::seconds(1);

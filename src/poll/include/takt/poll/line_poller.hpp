@@ -26,8 +26,8 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
 
 /// Runs one LinePlan on one bus::TransactionEngine, with the values in a value::Store.
 ///
-/// Release. All requests of the line share one grid of instants, whose origin is the moment the link came up.
-/// A request is due at its phase and then once each period. A device that answers again is read at once, and
+/// Release. All requests of the line share one grid of instants, whose origin is the moment the link first
+/// came up. A connection that is closed or lost does not move it. A request is due at its phase and then once each period. A device that answers again is read at once, and
 /// then on the grid. Releases that pass while one is waiting are skipped and counted.
 ///
 /// Order of the queue:
@@ -46,6 +46,11 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
 ///
 /// Admission. A request that its token bucket holds back waits, and is merged with those that arrive
 /// meanwhile. A failed attempt is repeated without a new admission.
+///
+/// Connections. Over TCP a connection that the peer closes is no failure of the line. The request that alone
+/// waited for a response has failed (Status::closed). It is repeated at once, unless its last attempt met a
+/// close too. Of several, none has failed; they are sent again one at a time (CloseWatch). The next request
+/// that is due opens the next connection. model::ConnectionRules says when the line closes it itself.
 ///
 /// Values. A value longer than one request is published when all its parts were read in one round. A good
 /// value that is older than its proved age (plan::LinePlan::ages), else than its `max_age`, becomes
@@ -101,6 +106,8 @@ public:
     LinePoller& operator=(const LinePoller&) = delete;
 
     void on_link(Instant t, bool up) override;
+    void on_close(Instant t) override;
+    [[nodiscard]] std::optional<Instant> opens_at() const override;
     void on_bytes(Instant t, Bytes bytes) override;
     void on_tick(Instant t) override;
     [[nodiscard]] Bytes transmit(Instant t) override;
@@ -144,6 +151,7 @@ public:
     ///          one was not taken); connection_lost; out_of_range for an empty request
     [[nodiscard]] Result<void> relay(Instant t, const bus::Transaction& transaction, bool spare = false);
 
+    /// There is a link, or there will be one with the next request: the peer has closed the last one.
     [[nodiscard]] bool link_up() const;
     /// Whether there was a link at some time.
     [[nodiscard]] bool was_up() const;

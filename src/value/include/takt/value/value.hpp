@@ -48,6 +48,7 @@ enum class Reason : std::uint16_t {
     stale = 108,            ///< the value is older than its proved age, or than max_age
     never_connected = 109,  ///< the port was never open, the connection never made; status code 103
     ambiguous = number(StatusCode::ambiguous),  ///< the response may be that to an earlier request
+    closed = 111,  ///< the peer closed the connection instead of answering; status code 103
 };
 
 constexpr Reason exception_reason(std::uint8_t code) {
@@ -58,7 +59,8 @@ constexpr bool is_exception(Reason reason) {
     return (number >= 1 && number <= 99) || number >= 256;
 }
 constexpr std::uint16_t status_code(Reason reason) {
-    return static_cast<std::uint16_t>(reason == Reason::never_connected ? Reason::link_lost : reason);
+    const bool no_link = reason == Reason::never_connected || reason == Reason::closed;
+    return static_cast<std::uint16_t>(no_link ? Reason::link_lost : reason);
 }
 
 /// "ok", "timeout", ..., "exception" for any exception.
