@@ -70,7 +70,10 @@ void TransactionCore::notice_deadlines(Instant t) {
             continue;
         }
         // A frame that stays incomplete has a wrong length; it would swallow the next responses.
-        if (numbered() && bytes_since_gap_ > 0) must_reconnect_ = true;
+        if (numbered() && bytes_since_gap_ > 0) {
+            must_reconnect_ = true;
+            if (framer_.length_is_off()) ++counters_.lengths_off;
+        }
         if (slot.broadcast)
             finish(t, slot, Status::ok);
         else

@@ -36,6 +36,7 @@ wire::FramerConfig framer_config(const LineConfig& config) {
                             .side = wire::Side::master,
                             .silence = silence_inside_frame(config),
                             .character = config.characters_time(1)};
+    made.length_tolerance = config.length_tolerance;
     if (config.frame_silence > Duration::zero()) made.ascii_pause = config.frame_silence;
     return made;
 }
@@ -60,7 +61,7 @@ TransactionCore::TransactionCore(const LineConfig& config, const TransactionStor
     TAKT_ASSERT(numbered() || storage.on_demand || !storage.outstanding.empty());
     for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].pdu = &storage.pdus[i * longest_pdu_];
     config_.in_flight =
-        config.framing == Framing::tcp ? std::clamp<std::size_t>(config.in_flight, 1, slots_.size()) : 1;
+        config.framing == Framing::tcp && !config.length_tolerance ? std::clamp<std::size_t>(config.in_flight, 1, slots_.size()) : 1;
 }
 
 std::size_t TransactionCore::occupied() const {
@@ -183,6 +184,9 @@ Bytes TransactionCore::send(Instant t, Slot& slot) {
     slot.request_end = request_end;
     slot.deadline = request_end + (slot.broadcast ? config_.broadcast_turnaround : times.time_out());
     if (slot.broadcast) blocked_until_ = slot.deadline;
+    if (config_.length_tolerance)
+        framer_.expect_response(
+            {.unit = unit, .function = slot.request.function, .transaction = slot.wire_id});
     last_start_ = t;
     if (config_.framing != Framing::tcp) {
         last_activity_ = request_end;

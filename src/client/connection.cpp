@@ -96,6 +96,7 @@ bus::LineConfig one_off_line(const model::Line& line) {
     config.framing = line.framing;
     config.format = line.format;
     if (line.transport != model::Transport::serial) config.echo = bus::Echo::absent;
+    config.length_tolerance = config.framing == wire::Framing::tcp;  // there is one request at a time
     return line::fit_to_real_line(config, line);
 }
 

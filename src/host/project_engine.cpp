@@ -351,6 +351,11 @@ void ProjectEngine::on_measured(Instant t, std::size_t /*line*/, std::size_t /*d
     if (learner_) learner_->on_measured(t);
 }
 
+void ProjectEngine::on_lengths_off(Instant /*t*/, std::size_t line) {
+    log_.message(LogLevel::warning, "log.lengths_off",
+                 std::array{LogArgument{.name = "line", .text = configuration_->project().lines[line].name}});
+}
+
 void ProjectEngine::on_noise(Instant t, std::size_t line, std::size_t device,
                              const poll::NoiseFinding& finding) {
     const NoiseFound event{line, device, finding};

@@ -129,6 +129,7 @@ private:
     void on_delays(Instant t, std::size_t line, std::size_t device,
                    const poll::DelayFinding& finding) override;
     void on_measured(Instant t, std::size_t line, std::size_t device) override;
+    void on_lengths_off(Instant t, std::size_t line) override;
     void on_noise(Instant t, std::size_t line, std::size_t device,
                   const poll::NoiseFinding& finding) override;
     void on_surplus(Instant t, std::size_t line, std::size_t device) override;

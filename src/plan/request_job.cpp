@@ -115,7 +115,7 @@ const model::Backoff& backoff_of(const model::Project& project, const model::Dev
 
 std::size_t requests_in_flight(const model::Line& line) {
     std::size_t most = 1;
-    if (line.framing == wire::Framing::tcp)
+    if (line.framing == wire::Framing::tcp && !line.length_tolerance)
         for (const auto& device : line.devices) most = std::max<std::size_t>(most, device.in_flight);
     return most;
 }

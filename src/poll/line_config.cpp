@@ -18,6 +18,7 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
             config.frame_silence = std::max(config.frame_silence, wire::t3_5(config.format));
     }
     config.in_flight = plan::requests_in_flight(line);
+    config.length_tolerance = line.length_tolerance;
     config.pause_after_connect = line.connection.pause_after;
     config.echo = line.transport == model::Transport::serial ? bus::Echo::automatic : bus::Echo::absent;
     return config;

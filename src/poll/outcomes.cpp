@@ -143,7 +143,8 @@ void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeCla
 void LinePoller::Run::fail_read(Instant t, std::size_t index, Reason reason) {
     const auto& request = requests_[index];
     const bool slowed = reads_.failed(t, index);
-    const bool repeats = reason != Reason::closed || reads_.lost_by_close(index);
+    const bool closes = reason == Reason::closed || engine_.must_reconnect();
+    const bool repeats = !closes || reads_.lost_by_close(index);
     statuses_.note_failed(index, reason);
     if (!devices_[request.device].health.answering()) return;
     if (slowed) {

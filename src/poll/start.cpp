@@ -7,6 +7,11 @@
 #include "takt/base/assert.hpp"
 
 namespace takt::poll {
+namespace {
+
+constexpr std::uint64_t kLengthsToReport = 2;
+
+}  // namespace
 
 Bytes LinePoller::Run::transmit(Instant t) {
     if (!keep_learning(t)) return engine_.transmit(t);  // a plan swap waits for the transactions in flight
@@ -171,6 +176,10 @@ void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
 
 void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
     report_failure(outcome);
+    if (observer_ && !lengths_reported_ && engine_.counters().lengths_off >= kLengthsToReport) {
+        lengths_reported_ = true;
+        observer_->on_lengths_off(outcome.ended_at, plan_->line);
+    }
     if (outcome.sent) {
         closes_.ended(outcome);
         if (outcome.status != bus::Status::link_lost)

@@ -4,6 +4,7 @@
 
 #include "checksum.hpp"
 #include "takt/base/assert.hpp"
+#include "takt/wire/expected_length.hpp"
 
 namespace takt::wire {
 namespace {
@@ -15,6 +16,18 @@ constexpr std::size_t kMbapPdu = 7;
 constexpr std::size_t kMbapBeginning = kMbapPdu + 1;  // up to the function: enough to find its transaction
 constexpr std::size_t kMbapLeast = 2;
 constexpr std::size_t kMbapMost = 1 + kMaxPdu;
+
+// A response with its header, as long as its own counts say; 0: they do not say it.
+std::size_t own_length(Bytes frame) {
+    constexpr std::size_t kCrc = 2;
+    if (frame.size() < kMbapBeginning) return 0;
+    const std::size_t length = expected_response_length(frame.subspan(kMbapLengthEnd));
+    return length == 0 ? 0 : kMbapLengthEnd + length - kCrc;
+}
+
+bool begins_like_header(Bytes bytes) {
+    return bytes.size() > 3 && bytes[2] == 0 && bytes[3] == 0;
+}
 
 std::size_t raw_size(Framing framing, std::size_t there) {
     switch (framing) {
@@ -69,11 +82,14 @@ FramerStep Framer::push(Instant t, Bytes bytes) {
 FramerStep Framer::on_tick(Instant t) {
     dropped_ = {};
     if (t < next_wakeup()) return {};
+    if (config_.framing == Framing::tcp) return complete_frame(0);
     return config_.framing == Framing::rtu ? end_rtu() : drop(FrameFault::pause, 0, State::idle);
 }
 
 Instant Framer::next_wakeup() const {
-    if (!inside() || config_.framing == Framing::tcp) return kNever;
+    if (config_.framing == Framing::tcp)
+        return state_ == State::ending ? after(last_, config_.silence) : kNever;
+    if (!inside()) return kNever;
     return after(last_, config_.framing == Framing::rtu ? config_.silence : config_.ascii_pause);
 }
 
@@ -102,6 +118,7 @@ void Framer::reset() {
 
 FramerStep Framer::push_tcp(Bytes bytes) {
     if (state_ == State::dead) return {bytes.size(), false, FrameFault::bad_header};
+    if (state_ == State::ending) return complete_frame(begins_like_header(bytes) ? 0 : 1);
     if (state_ == State::complete) begin();
     state_ = State::receiving;
     if (to_skip_ > 0) return skip(bytes.size());
@@ -111,13 +128,37 @@ FramerStep Framer::push_tcp(Bytes bytes) {
             if (!mbap_header_good()) return drop(FrameFault::bad_header, bytes.size(), State::dead);
             continue;
         }
-        const std::size_t whole = kMbapLengthEnd + word_at(raw_.span(), kMbapLengthEnd - 2);
+        const std::size_t promised = kMbapLengthEnd + word_at(raw_.span(), kMbapLengthEnd - 2);
+        const std::size_t whole = mbap_length(promised);
+        if (raw_.size() == whole && whole < promised) {
+            state_ = State::ending;
+            const Bytes rest = bytes.subspan(i + 1);
+            if (rest.empty()) return {i + 1};
+            return complete_frame(i + (begins_like_header(rest) ? 1 : 2));
+        }
         if (raw_.size() == whole) return complete_frame(i + 1);
         if (raw_.size() < kMbapBeginning || whole <= raw_.capacity()) continue;
         to_skip_ = whole - raw_.size();
         return {i + 1};
     }
     return {bytes.size()};
+}
+
+// The length of the frame that begins so: as its header promises, unless it is the expected response and knows
+// better.
+std::size_t Framer::mbap_length(std::size_t promised) const {
+    const Bytes raw = raw_.span();
+    if (!config_.length_tolerance || !expected_ || raw.size() < kMbapBeginning) return promised;
+    if (word_at(raw, 0) != expected_->transaction || !is_expected(raw.subspan(kMbapPdu - 1))) return promised;
+    const std::size_t own = own_length(raw);
+    return own + 1 == promised || own == promised + 1 ? own : promised;
+}
+
+bool Framer::length_is_off() const {
+    const Bytes raw = raw_.span();
+    return config_.framing == Framing::tcp && state_ == State::receiving && raw.size() >= kMbapBeginning &&
+           raw.size() == own_length(raw) &&
+           raw.size() + 1 == kMbapLengthEnd + word_at(raw, kMbapLengthEnd - 2);
 }
 
 FramerStep Framer::skip(std::size_t there) {

@@ -38,6 +38,7 @@ struct LineConfig {
     /// characters; zero: 1 s.
     Duration frame_silence{};
     std::size_t in_flight = 1;  ///< Framing::tcp: transactions at a time, 1..kMaxInFlight
+    bool length_tolerance = false;   ///< Framing::tcp, one at a time: wire::FramerConfig
     Duration pause_after_connect{};  ///< least time from the link's opening to the first request
     Echo echo = Echo::automatic;
 

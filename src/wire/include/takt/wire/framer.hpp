@@ -52,6 +52,9 @@ struct FramerConfig {
     Duration ascii_pause = std::chrono::seconds(1);
     /// RTU, ASCII: longest time from the first byte of a frame to its last; zero: not limited.
     Duration frame_time{};
+    /// MBAP, master: the length in the header of the expected response may be off by one. The response then
+    /// ends where its own counts say; one further byte is awaited for `silence` where the header promises it.
+    bool length_tolerance = false;
 };
 
 /// The response that a master waits for.
@@ -60,6 +63,7 @@ struct ExpectedResponse {
     std::uint8_t function = 0;
     /// Characters of the frame of the normal response. 0: the request does not fix them.
     std::size_t length = 0;
+    std::uint16_t transaction = 0;  ///< MBAP
 };
 
 /// The result of push() or on_tick().
@@ -86,7 +90,8 @@ struct FramerStep {
 ///   length as a request has passed, else after the silence. A master finds the response that it expects
 ///   inside other bytes, see expect_response().
 /// - ASCII: ':' starts a frame, also inside another one; CR LF ends it. Bytes between frames are ignored.
-/// - MBAP: the header has a length field. After bad_header nothing more is read.
+/// - MBAP: the header has a length field. After bad_header nothing more is read. Without length_tolerance the
+///   expected response is of no account.
 ///
 /// Never allocates; one owner, one thread; time must not run backwards.
 class Framer {
@@ -150,6 +155,10 @@ public:
     /// RTU: the owner stops waiting. Finds the expected response inside a frame that has not ended yet.
     [[nodiscard]] FramerStep find_expected();
 
+    /// MBAP: the received part of a frame is a whole response by its own counts, and its header promises one
+    /// byte more.
+    [[nodiscard]] bool length_is_off() const;
+
     /// Starts over, also after a bad header. For a new connection, and when a master starts a transaction.
     void reset();
 
@@ -159,7 +168,7 @@ private:
     enum class State : std::uint8_t {
         idle,             // between frames
         receiving,        // raw_ holds the beginning of a frame
-        ending,           // ASCII: its CR was there
+        ending,           // ASCII: its CR was there; MBAP: its last byte may be missing
         complete,         // raw_ holds a frame that was returned
         skipping,         // RTU: up to the next silence
         resynchronising,  // RTU: raw_ begins with something else than a request (or the expected response)
@@ -193,6 +202,7 @@ private:
     [[nodiscard]] bool too_slow(Instant t) const;
     FramerStep end_ascii(std::size_t consumed);
     [[nodiscard]] bool mbap_header_good() const;
+    [[nodiscard]] std::size_t mbap_length(std::size_t promised) const;
     FramerStep skip(std::size_t there);
 
     [[nodiscard]] bool inside() const {
