@@ -60,8 +60,9 @@ TransactionCore::TransactionCore(const LineConfig& config, const TransactionStor
     TAKT_ASSERT(numbered() || longest_pdu_ == wire::kMaxPdu);
     TAKT_ASSERT(numbered() || storage.on_demand || !storage.outstanding.empty());
     for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].pdu = &storage.pdus[i * longest_pdu_];
-    config_.in_flight =
-        config.framing == Framing::tcp && !config.length_tolerance ? std::clamp<std::size_t>(config.in_flight, 1, slots_.size()) : 1;
+    config_.in_flight = config.framing == Framing::tcp && !config.length_tolerance
+                            ? std::clamp<std::size_t>(config.in_flight, 1, slots_.size())
+                            : 1;
 }
 
 std::size_t TransactionCore::occupied() const {

@@ -60,7 +60,8 @@ private:
         for (const auto area : kAllAreas) {
             const auto request = request_for(wire::read_function(area), {config_.first, 1});
             const auto response = connection_.transact(request);
-            if (response) {
+            // A device that closes the connection at an item that it does not have is there.
+            if (response || response.error().code == Code::closed_by_peer) {
                 findings_.no_answer.reset();
                 return true;
             }

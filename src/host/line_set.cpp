@@ -11,7 +11,8 @@ namespace {
 
 auto connection(const model::Line& line) {
     return std::tie(line.name, line.transport, line.port, line.tcp_port, line.framing, line.rs485,
-                    line.format.baud, line.format.parity, line.format.stop_bits, line.format.data_bits);
+                    line.connection, line.format.baud, line.format.parity, line.format.stop_bits,
+                    line.format.data_bits);
 }
 
 // The devices of a simulated line have exactly the registers of their variables.
@@ -68,7 +69,8 @@ LineSet::LineSet(HostLink& link, line::Loop& loop, std::function<void(std::size_
       prepare_(std::move(prepare)),
       notify_(std::move(notify)),
       on_event_(std::move(on_event)),
-      gate_(loop) {}
+      gate_(loop),
+      places_([this](const std::string& host) { make_room(host); }) {}
 
 LineSet::~LineSet() = default;
 
@@ -125,6 +127,14 @@ void LineSet::move_to(ProjectEngine& engine, std::vector<std::shared_ptr<Traffic
     }
 }
 
+// Another line waits for a connection to that host: those between two requests close theirs.
+void LineSet::make_room(const std::string& host) {
+    loop_.post([this, host] {
+        for (auto& line : lines_)
+            if (line.driver && places_.wanted(host)) line.driver->poke();
+    });
+}
+
 Result<void> LineSet::open_line(std::size_t index, bool wait_for_port) {
     const auto& settings = engine_->configuration()->project().lines[index];
     Line& line = lines_[index];
@@ -143,9 +153,14 @@ Result<void> LineSet::open_line(std::size_t index, bool wait_for_port) {
         for (const auto& notice : endpoint::latency_notices(port, latency)) notify_(notice);
     };
     options.wait_for_port = wait_for_port;
-    options.must_reconnect = [this, forwarder = line.forwarder.get()] {
-        return engine_->master().line(forwarder->line()).must_reconnect();
+    options.must_reconnect = [this, forwarder = line.forwarder.get(), host = settings.port] {
+        const auto& poller = engine_->master().line(forwarder->line());
+        return poller.must_reconnect() || (places_.wanted(host) && poller.idle());
     };
+    if (settings.connection.per_host) {
+        options.places = &places_;
+        options.connections_per_host = *settings.connection.per_host;
+    }
     if (settings.transport != model::Transport::simulated) {
         TAKT_TRY(line.driver, line::open_line(loop_, settings, *line.forwarder, options));
         return {};

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "project_engine.hpp"
@@ -11,6 +12,7 @@
 #include "takt/host/project_host.hpp"
 #include "takt/line/connect_gate.hpp"
 #include "takt/line/driver.hpp"
+#include "takt/line/host_places.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/sim/simulated_line.hpp"
 #include "traffic_publisher.hpp"
@@ -60,6 +62,7 @@ private:
     };
 
     [[nodiscard]] Result<void> open_line(std::size_t index, bool wait_for_port);
+    void make_room(const std::string& host);
 
     HostLink& link_;
     line::Loop& loop_;
@@ -67,6 +70,7 @@ private:
     endpoint::NoticeSink notify_;
     OnLineEvent on_event_;
     line::ConnectGate gate_;
+    line::HostPlaces places_;
     ProjectEngine* engine_ = nullptr;
     std::vector<Line> lines_;
 };

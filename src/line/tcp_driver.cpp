@@ -6,6 +6,7 @@
 #include "takt/line/backoff.hpp"
 #include "takt/line/connect_gate.hpp"
 #include "takt/line/driver.hpp"
+#include "takt/line/host_places.hpp"
 #include "takt/line/pump.hpp"
 #include "takt/line/resolver.hpp"
 #include "takt/line/socket.hpp"
@@ -31,7 +32,7 @@ public:
 
     void poke() override {
         if (pump_) return pump_->poke();
-        if (closed_) await_need(now());
+        if (waits_for_ == Wait::need) await_need(now());
     }
     bool up() const override { return pump_ != nullptr; }
     const std::string& name() const override { return name_; }
@@ -43,6 +44,14 @@ public:
     }
 
 private:
+    /// What the timer ends.
+    enum class Wait : std::uint8_t {
+        back_off,
+        need,     // the connection was closed; the engine's time goes on until it needs another one
+        place,    // among the connections to the host
+        attempt,  // to connect
+    };
+
     static void add(DriverCounters& sum, const Pump& pump) {
         sum.bytes_read += pump.counters().bytes_read;
         sum.bytes_written += pump.counters().bytes_written;
@@ -64,27 +73,33 @@ private:
         timer_->set(t);
     }
 
-    // A connection attempt has timed out, a back-off has ended, or a closed line has something to do.
     void on_time(Instant t) {
-        if (connecting_) return attempt_failed(cannot_open(ETIMEDOUT));
-        if (closed_) {
-            if (t >= engine_.next_wakeup()) engine_.on_tick(t);
-            return await_need(t);
+        switch (waits_for_) {
+            case Wait::back_off: return open();
+            case Wait::place: return enter_gate();
+            case Wait::attempt: return attempt_failed(cannot_open(ETIMEDOUT));
+            case Wait::need: break;
         }
-        open();
+        if (t >= engine_.next_wakeup()) engine_.on_tick(t);
+        await_need(t);
     }
 
     // Until the engine needs a connection, its time goes on here.
     void await_need(Instant t) {
         (void)engine_.transmit(t);  // chooses what comes next; without a link it sends nothing
         const auto opens_at = engine_.opens_at();
-        closed_ = opens_at && *opens_at > t;
-        if (!closed_) return open();
+        if (!opens_at || *opens_at <= t) return open();
         call_at(std::max(std::min(*opens_at, engine_.next_wakeup()), t));
     }
 
     void open() {
         if (timer_) timer_->set(kNever);
+        waits_for_ = Wait::place;
+        if (!options_.places) return enter_gate();
+        place_ = options_.places->ask(host_, options_.connections_per_host, [this] { call_at(now()); });
+    }
+
+    void enter_gate() {
         if (!options_.gate) return look_up();
         pass_ = options_.gate->ask([this] { look_up(); });
     }
@@ -110,6 +125,7 @@ private:
         if (errno != EINPROGRESS) return attempt_failed(cannot_open(errno));
         connecting_ = std::make_unique<Watch>(loop_, socket_.get(), [] {}, [this] { judge_connection(); });
         connecting_->want_write();
+        waits_for_ = Wait::attempt;
         call_at(now() + options_.connect_limit);
     }
 
@@ -152,7 +168,8 @@ private:
                                        [this](Instant t, const std::optional<Error>& why) { lost(t, why); });
         ++counters_.links;
         connected_at_ = now();
-        if (!std::exchange(reopening_, false) && options_.on_link) options_.on_link(now(), true, std::nullopt);
+        if (!std::exchange(reopening_, false) && options_.on_link)
+            options_.on_link(now(), true, std::nullopt);
         pump_->start();
     }
 
@@ -173,14 +190,18 @@ private:
         add(counters_, *pump_);
         pump_.reset();
         stream_.reset();
-        closed_ = reopening_ = true;
+        place_ = {};
+        reopening_ = true;
+        waits_for_ = Wait::need;
         call_at(t);
         if (options_.on_close) options_.on_close(t, why);
     }
 
     void down(Instant t, const std::optional<Error>& why) {
         pass_ = {};
+        place_ = {};
         reopening_ = false;
+        waits_for_ = Wait::back_off;
         call_at(t + backoff_.next());
         if (options_.on_link) options_.on_link(t, false, why);
     }
@@ -202,8 +223,9 @@ private:
     std::unique_ptr<Pump> pump_;
     ConnectGate::Pass pass_;
     Instant connected_at_;
-    bool closed_ = false;     // it waits until the engine needs a connection
-    bool reopening_ = false;  // the connection that was closed is made again
+    HostPlaces::Place place_;
+    Wait waits_for_ = Wait::back_off;
+    bool reopening_ = false;        // the connection that was closed is made again
     std::unique_ptr<Timer> timer_;  // limits the current attempt, else ends the back-off
 };
 

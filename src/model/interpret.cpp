@@ -4,9 +4,11 @@
 #include "interpretation.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "takt/model/service.hpp"
+#include "takt/model/target_url.hpp"
 
 namespace takt::model {
 namespace {
@@ -82,6 +84,53 @@ void interpret_servers(Interpretation& state, Reader& reader) {
     }
 }
 
+// Two values that share some of their registers, and not all: one of them is likely to have a wrong type or
+// register. Bits of a register and a second scale of the same registers are usual.
+void note_overlaps(Interpretation& state, const Device& device, const std::string& path) {
+    std::vector<std::size_t> values;
+    for (std::size_t v = 0; v < device.variables.size(); ++v)
+        if (device.variables[v].read && device.variables[v].type != DataType::boolean) values.push_back(v);
+    const auto place = [&](std::size_t v) {
+        const auto& variable = device.variables[v];
+        return std::tuple(variable.area, *variable.read, std::uint32_t{variable.start()}, variable.items());
+    };
+    std::ranges::sort(values, {}, place);
+    for (std::size_t i = 1; i < values.size(); ++i) {
+        const auto [area, read, start, items] = place(values[i - 1]);
+        const auto [next_area, next_read, next_start, next_items] = place(values[i]);
+        const bool same_kind = area == next_area && read == next_read;
+        const bool equal = start == next_start && items == next_items;
+        if (!same_kind || equal || next_start >= start + items) continue;
+        const auto& second = device.variables[values[i]];
+        state.findings.add(Rule::device_overlap, second.location, path, second.name, {},
+                           {{"first", device.variables[values[i - 1]].name}, {"second", second.name}});
+        return;
+    }
+}
+
+void note_overlaps(Interpretation& state) {
+    for (std::size_t l = 0; l < state.project.lines.size(); ++l)
+        for (std::size_t d = 0; d < state.project.lines[l].devices.size(); ++d)
+            note_overlaps(state, state.project.lines[l].devices[d],
+                          indexed("lines", l) + "." + indexed("devices", d) + ".variables");
+}
+
+// Many devices accept one connection at a time, or few.
+void note_shared_hosts(Interpretation& state) {
+    const auto& lines = state.project.lines;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        if (lines[i].transport != Transport::tcp || lines[i].connection.per_host) continue;
+        const auto same = [&](const Line& other) {
+            return other.transport == Transport::tcp && other.port == lines[i].port &&
+                   other.tcp_port == lines[i].tcp_port;
+        };
+        const auto first = std::find_if(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(i), same);
+        if (first != lines.begin() + static_cast<std::ptrdiff_t>(i))
+            state.findings.add(Rule::line_host_shared, lines[i].location, indexed("lines", i) + ".host",
+                               host_and_port(lines[i].port, lines[i].tcp_port), {}, {{"first", first->name}});
+    }
+}
+
 void check_segments(Interpretation& state) {
     for (std::size_t i = 0; i < state.project.lines.size(); ++i) {
         const auto& line = state.project.lines[i];
@@ -134,6 +183,8 @@ void interpret_project(Interpretation& state) {
     apply_profile(state);
     interpret_outputs(state, reader);
     check_segments(state);
+    note_shared_hosts(state);
+    note_overlaps(state);
 }
 
 }  // namespace

@@ -64,8 +64,8 @@ void read_connection(Reader& reader, Line& line) {
         rules.per_host = static_cast<std::uint16_t>(*most);
     line.length_tolerance = reader.boolean("length_tolerance").value_or(false);
     if (line.transport != Transport::tcp && line.transport != Transport::tls) {
-        for (const auto key : {"connection", "idle_close", "pause_after_connect", "connections_per_host",
-                               "length_tolerance"})
+        for (const auto key :
+             {"connection", "idle_close", "pause_after_connect", "connections_per_host", "length_tolerance"})
             reader.report_needs(key, "transport: tcp");
         line.connection = {};
         return;

@@ -76,10 +76,12 @@ enum class Rule : std::uint8_t {
     line_port_twice,       // {first}
     server_listen_twice,   // {first}
     line_many_devices,     // {count}
+    line_host_shared,      // {first}
     line_unknown,          // {nearest}
     address_reserved,      // {limit}
     device_timeout_short,  // {turnaround}
     device_registers_cut,  // {limit}, {written}
+    device_overlap,        // {first}, {second}
     address_duplicate,     // {first}
     bank_twice,            // {area}
     bank_overlay_bits,
@@ -135,12 +137,13 @@ enum class Rule : std::uint8_t {
     variable_write_single_only,  // {registers}
     variable_bit_write,
     variable_bit_assumed,
-    variable_bit_type,     // {type}
-    variable_coil_area,    // {area}
-    variable_beyond_end,   // {items}
-    variable_needs_read,   // {key}
-    variable_needs_write,  // {key}
-    variable_length_type,  // {type}
+    variable_coil_assumed,  // {number}, {coil}
+    variable_bit_type,      // {type}
+    variable_coil_area,     // {area}
+    variable_beyond_end,    // {items}
+    variable_needs_read,    // {key}
+    variable_needs_write,   // {key}
+    variable_length_type,   // {type}
     variable_length_missing,
     variable_scale_zero,
     variable_scale_type,           // {key}, {type}

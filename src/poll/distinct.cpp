@@ -16,7 +16,7 @@ bool LinePoller::Run::on_part(const bus::Outcome& outcome, const OutcomeClass& o
     const Ended ended = distinct_reads_.ended(index, outcome_class);
     if (ended == Ended::planned) return false;
     if (ended == Ended::part) {
-        publisher_.take(outcome.ended_at, index, outcome.request, outcome.response);
+        publisher_.take(outcome, index, outcome.request);
         ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
     }
     reads_.again(outcome.ended_at, index);

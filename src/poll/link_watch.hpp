@@ -33,7 +33,8 @@ enum class LinkState : std::uint8_t {
 class LinkWatch {
 public:
     LinkWatch() = default;
-    explicit LinkWatch(const model::ConnectionRules& rules) : use_(rules.use), idle_close_(rules.idle_close) {}
+    explicit LinkWatch(const model::ConnectionRules& rules)
+        : use_(rules.use), idle_close_(rules.idle_close) {}
 
     /// How long no byte may be received before the connection is made again.
     static constexpr bus::Backoff kSilence{std::chrono::seconds(30), std::chrono::minutes(10)};
@@ -102,9 +103,7 @@ public:
     [[nodiscard]] bool given_up() const { return given_up_; }
     [[nodiscard]] bool done() const { return done_; }
     /// The connection has served its only request.
-    [[nodiscard]] bool ends_after_request() const {
-        return one_request() && useful_;
-    }
+    [[nodiscard]] bool ends_after_request() const { return one_request() && useful_; }
     /// A connection serves one request.
     [[nodiscard]] bool one_request() const {
         return use_ == model::ConnectionUse::per_request || single_ >= 2;

@@ -115,7 +115,7 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     if (on_part(outcome, outcome_class, index)) return;
     if (outcome_class.reason == Reason::ok) {
         read.refusals = 0;
-        publisher_.take(t, index, outcome.request, outcome.response);
+        publisher_.take(outcome, index, outcome.request);
         ages_->note_read(request.variables, outcome.sent_at, outcome.ended_at);
     } else if (outcome_class.reason == Reason::ambiguous) {
         publisher_.degrade(t, request.variables, Quality::uncertain, Reason::ambiguous, Shown::last);
@@ -131,7 +131,7 @@ void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeCla
                                    std::size_t index) {
     const auto& request = requests_[index];
     if (outcome_class.reason == Reason::ok) {
-        publisher_.take(outcome.ended_at, index, request.read->request.shape(), outcome.response);
+        publisher_.take(outcome, index, request.read->request.shape());
         ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
     } else if (outcome_class.reason != Reason::link_lost) {
         const bool refused = outcome_class.answered && outcome_class.reason != Reason::ambiguous;

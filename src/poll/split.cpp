@@ -18,13 +18,14 @@ const SplitValue::Part* SplitValue::part_of(std::size_t request) const {
 }
 
 void SplitValue::take(std::size_t request, std::optional<std::int64_t> round,
-                      std::span<const std::uint16_t> registers) {
+                      std::span<const std::uint16_t> registers, Instant sampled_at) {
     const Part* const known = part_of(request);
     TAKT_ASSERT(known && registers.size() == known->count);
     Part& part = parts_[static_cast<std::size_t>(known - parts_.data())];
     if (round != round_ || (!round && part.there)) forget();
     round_ = round;
     part.there = true;
+    sampled_at_ = std::min(sampled_at_, sampled_at);
     std::copy(registers.begin(), registers.end(),
               registers_.begin() + static_cast<std::ptrdiff_t>(part.first));
 }
@@ -47,6 +48,7 @@ std::optional<std::span<const std::uint16_t>> SplitValue::whole() const {
 void SplitValue::forget() {
     for (Part& part : parts_) part.there = false;
     round_.reset();
+    sampled_at_ = kNever;
 }
 
 void SplitValues::add_part(std::size_t variable, std::size_t registers, std::size_t request,

@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "takt/base/time.hpp"
+
 namespace takt::poll {
 
 /// The registers of one value, assembled from the parts that several requests read.
@@ -22,8 +24,11 @@ public:
     /// @param round  parts with the same number belong together; nothing: parts that are read one after the
     ///               other
     /// @param registers  of this part, as many as it has
+    /// @param sampled_at  the begin of its read
     void take(std::size_t request, std::optional<std::int64_t> round,
-              std::span<const std::uint16_t> registers);
+              std::span<const std::uint16_t> registers, Instant sampled_at);
+    /// The earliest begin of the reads of its parts.
+    [[nodiscard]] Instant sampled_at() const { return sampled_at_; }
 
     /// The whole value, once all its parts were read; valid until the next take() or forget().
     [[nodiscard]] std::optional<std::span<const std::uint16_t>> whole() const;
@@ -43,6 +48,7 @@ private:
     std::vector<Part> parts_;
     std::vector<std::uint16_t> registers_;
     std::optional<std::int64_t> round_;
+    Instant sampled_at_ = kNever;
 };
 
 /// The values of a line that are read in parts. Variables are numbers of the caller.

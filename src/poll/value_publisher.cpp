@@ -41,11 +41,10 @@ void ValuePublisher::forget_parts(std::span<const std::size_t> variables) {
 
 // ---- responses
 
-void ValuePublisher::take(Instant t, std::size_t request, const wire::RequestShape& sent,
-                          const wire::ResponseView& response) {
-    begin();
-    for (const auto v : tables_.requests[request].variables) take_value(request, sent, response, v);
-    publish(t);
+void ValuePublisher::take(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent) {
+    begin(outcome.sent_at);
+    for (const auto v : tables_.requests[request].variables) take_value(request, sent, outcome.response, v);
+    publish(outcome.ended_at);
 }
 
 // Of 0x17 only variables in the range that it reads. A read that is shorter than the planned one has no
@@ -58,7 +57,7 @@ void ValuePublisher::take_value(std::size_t request, const wire::RequestShape& s
     const bool inside = first >= start && first + model.items() <= start + sent.quantity;
     if (model.read != wire::Function{sent.function} || (!inside && !splits_.has(v))) return;
     if (inside)
-        note_value(v, value_in(response, sent.start, model));
+        note_value(v, value_in(response, sent.start, model), sampled_at_);
     else if (sent.quantity >= tables_.requests[request].read->request.quantity())
         take_part(request, sent.start, response, v);
 }
@@ -71,18 +70,18 @@ void ValuePublisher::take_part(std::size_t request, DataAddress start, const wir
     if (!part) return;
     const auto first = static_cast<std::uint16_t>(model.start() + part->first);
     const auto registers = registers_in(response, start, first, part->count);
-    if (!registers) return note_value(v, std::unexpected(registers.error()));
-    split.take(request, reads_.round_of(request, model.period), registers->span());
+    if (!registers) return note_value(v, std::unexpected(registers.error()), sampled_at_);
+    split.take(request, reads_.round_of(request, model.period), registers->span(), sampled_at_);
     const auto whole = split.whole();
     if (!whole) return;
-    note_value(v, value::decode(value::layout_of(model), *whole));
+    note_value(v, value::decode(value::layout_of(model), *whole), split.sampled_at());
     split.forget();
 }
 
-void ValuePublisher::note_value(std::size_t v, const Result<value::Value>& value) {
+void ValuePublisher::note_value(std::size_t v, const Result<value::Value>& value, Instant sampled_at) {
     if (value) {
         written_.note_read(v, *value);
-        updates_.push_back({variable(v).slot, *value});
+        updates_.push_back({.slot = variable(v).slot, .value = *value, .sampled_at = sampled_at});
     } else {
         updates_.push_back({variable(v).slot, std::nullopt, Quality::bad, Reason::unexpected_reply});
     }
@@ -94,13 +93,15 @@ void ValuePublisher::note_value(std::size_t v, const Result<value::Value>& value
 void ValuePublisher::read_back(std::size_t v, wire::Function function, const Result<value::Value>& value) {
     const auto& model = *variable(v).model;
     if (!model.read)
-        updates_.push_back({variable(v).slot, value ? std::optional(*value) : std::nullopt});
+        updates_.push_back({.slot = variable(v).slot,
+                            .value = value ? std::optional(*value) : std::nullopt,
+                            .sampled_at = sampled_at_});
     else if (model.read == function && !splits_.has(v))
-        note_value(v, value);
+        note_value(v, value, sampled_at_);
 }
 
 void ValuePublisher::show_written(Instant t, std::span<const std::size_t> variables) {
-    begin();
+    begin(t);
     for (const auto v : variables)
         if (!variable(v).model->read) updates_.push_back({variable(v).slot, written_.sent(v)});
     publish(t);
@@ -110,7 +111,7 @@ void ValuePublisher::show_written(Instant t, std::span<const std::size_t> variab
 
 void ValuePublisher::degrade(Instant t, std::span<const std::size_t> variables, Quality quality,
                              Reason reason, Shown shown) {
-    begin();
+    begin(t);
     for (const auto v : variables) {
         const auto& model = *variable(v).model;
         const auto& slot = store_[variable(v).slot];

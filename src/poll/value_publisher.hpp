@@ -10,6 +10,7 @@
 #include "split.hpp"
 #include "tables.hpp"
 #include "takt/base/result.hpp"
+#include "takt/bus/transaction.hpp"
 #include "takt/value/store.hpp"
 #include "takt/wire/prepared_request.hpp"
 #include "takt/wire/response_view.hpp"
@@ -43,14 +44,18 @@ public:
     void forget_parts(std::span<const std::size_t> variables);
 
     /// The request has got a response. Of its variables those that the response carries are published.
-    /// @param sent  the read that was answered: the planned one, a wider one, or a part of it
-    void take(Instant t, std::size_t request, const wire::RequestShape& sent,
-              const wire::ResponseView& response);
+    /// @param outcome  of the read: the planned one, a wider one, or a part of it
+    /// @param sent     what it reads
+    void take(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent);
 
     /// A value was read back after its write. publish() follows, for all values of the write.
     /// @param function  of the read
     void read_back(std::size_t variable, wire::Function function, const Result<value::Value>& value);
-    void begin() { updates_.clear(); }
+    /// @param sampled_at  the begin of the read whose values follow
+    void begin(Instant sampled_at) {
+        updates_.clear();
+        sampled_at_ = sampled_at;
+    }
     void publish(Instant t) { store_.apply(t, updates_); }
 
     /// Variables that nothing reads show the value last written.
@@ -71,13 +76,14 @@ private:
                     std::size_t variable);
     void take_part(std::size_t request, DataAddress start, const wire::ResponseView& response,
                    std::size_t variable);
-    void note_value(std::size_t variable, const Result<value::Value>& value);
+    void note_value(std::size_t variable, const Result<value::Value>& value, Instant sampled_at);
 
     LineTables tables_;
     const ReadSchedule& reads_;
     WrittenValues& written_;
     value::Store& store_;
     SplitValues splits_;
+    Instant sampled_at_;                  // the begin of the read that is taken
     std::vector<value::Update> updates_;  // scratch, so that a response allocates nothing
 };
 

@@ -74,8 +74,11 @@ void Store::apply(Instant t, std::span<const Update> updates) {
         slot.quality = update.quality;
         slot.reason = update.reason;
         slot.batch = last_batch_;
-        const auto good_before = slot.good_at;
-        if (update.quality == Quality::good) slot.good_at = t;
+        const auto good_before = slot.sampled_at;
+        if (update.quality == Quality::good) {
+            slot.good_at = t;
+            slot.sampled_at = update.sampled_at.value_or(t);
+        }
         if (graded || moved(reported_[update.slot.value], slot.value, infos_[update.slot.value].dead_band))
             report(t, update.slot, good_before);
     }

@@ -144,8 +144,8 @@ FramerStep Framer::push_tcp(Bytes bytes) {
     return {bytes.size()};
 }
 
-// The length of the frame that begins so: as its header promises, unless it is the expected response and knows
-// better.
+// The length of the frame that begins so: as its header promises, unless it is the expected response and
+// knows better.
 std::size_t Framer::mbap_length(std::size_t promised) const {
     const Bytes raw = raw_.span();
     if (!config_.length_tolerance || !expected_ || raw.size() < kMbapBeginning) return promised;

@@ -44,7 +44,8 @@ public:
     void run(Duration length) {
         const Instant end = now_ + length;
         for (settle(); now_ < end; settle()) {
-            Instant next = std::min({end, line().next_wakeup(), closes_at_, opens_at_, wanted_at_, idle_at()});
+            Instant next =
+                std::min({end, line().next_wakeup(), closes_at_, opens_at_, wanted_at_, idle_at()});
             if (!to_peer_.empty()) next = std::min(next, to_peer_.front().first);
             if (!to_master_.empty()) next = std::min(next, to_master_.front().first);
             now_ = std::max(now_, next);
@@ -206,21 +207,22 @@ model::Project described(int units, int reads, Duration period, int in_flight) {
     return project;
 }
 
-// Counted from the tries alone: a read is sent once a period, once more if its try met a close, and not that if
-// the one before met one too.
+// Counted from the tries alone: a read is sent once a period, once more if its try met a close, and not that
+// if the one before met one too.
 void check_rate(World& world, Duration period, const std::set<int>& dead) {
     for (const auto& [asked, all] : world.tries) {
         if (dead.contains(asked.first)) continue;  // it is probed
         for (std::size_t i = 0; i < all.size(); ++i) {
             // A release may be late by the time of a connection, the next one is not.
-            const auto until = std::ranges::find_if(
-                all.begin() + static_cast<std::ptrdiff_t>(i), all.end(),
-                [&](const World::Try& each) { return each.t >= all[i].t + period / 2; });
+            const auto until =
+                std::ranges::find_if(all.begin() + static_cast<std::ptrdiff_t>(i), all.end(),
+                                     [&](const World::Try& each) { return each.t >= all[i].t + period / 2; });
             const auto many = until - (all.begin() + static_cast<std::ptrdiff_t>(i));
             const bool lost = !all[i].answered || (i > 0 && !all[i - 1].answered);
             ASSERT_LE(many, lost ? 2 : 1) << "unit " << asked.first << ", start " << asked.second;
             if (i >= 3 && !all[i - 1].answered && !all[i - 2].answered && !all[i - 3].answered)
-                ASSERT_GE(all[i].t - all[i - 1].t, std::min<Duration>(period / 2, 900ms)) << "a third try in a row";
+                ASSERT_GE(all[i].t - all[i - 1].t, std::min<Duration>(period / 2, 900ms))
+                    << "a third try in a row";
         }
     }
 }
@@ -254,9 +256,10 @@ TEST(ClosingPeer, EveryKindLeavesEachRequestItsPeriod) {
                               peer.closes == Closes::after_each;
         const bool alone = in_flight == 1 || peer.closes == Closes::never;
         if (units > 1 && harmless && alone && random() % 2 == 0) peer.dead.insert(units);
-        SCOPED_TRACE(testing::Message() << "seed " << seed << ", kind " << static_cast<int>(peer.closes) << ", units "
-                                        << units << ", reads " << reads << ", in flight " << in_flight
-                                        << ", period " << period / 1ms << " ms, dead " << peer.dead.size());
+        SCOPED_TRACE(testing::Message()
+                     << "seed " << seed << ", kind " << static_cast<int>(peer.closes) << ", units " << units
+                     << ", reads " << reads << ", in flight " << in_flight << ", period " << period / 1ms
+                     << " ms, dead " << peer.dead.size());
         auto project = described(units, reads, period, in_flight);
         if (peer.closes == Closes::at_random)  // else some are not answering by chance
             for (auto& device : project.lines[0].devices) device.attempts = 20;
@@ -297,9 +300,10 @@ TEST(ClosingPeer, OneThatClosesAfterEachResponseIsAskedOnceAConnection) {
 
 TEST(ClosingPeer, TheWayOfConnectingIsKept) {
     using model::ConnectionUse;
-    for (const auto& [use, most] :
-         {std::pair{ConnectionUse::keep, 1u}, {ConnectionUse::per_cycle, 21u}, {ConnectionUse::per_request, 61u},
-          {ConnectionUse::on_demand, 21u}}) {
+    for (const auto& [use, most] : {std::pair{ConnectionUse::keep, 1u},
+                                    {ConnectionUse::per_cycle, 21u},
+                                    {ConnectionUse::per_request, 61u},
+                                    {ConnectionUse::on_demand, 21u}}) {
         auto project = described(1, 3, 1s, 1);
         project.lines[0].connection.use = use;
         if (use == ConnectionUse::on_demand) project.lines[0].connection.idle_close = 200ms;

@@ -43,7 +43,7 @@ TEST(SplitValue, NeedsAllPartsOfOneRound) {
         for (const auto& [request, round, whole] : steps) {
             ++stamp;
             const std::vector<std::uint16_t> registers(request == 0 ? 3 : 2, stamp);
-            value.take(request, round, registers);
+            value.take(request, round, registers, Instant{} + Duration(stamp));
             EXPECT_EQ(value.whole().has_value(), whole) << what;
         }
         const auto whole = *value.whole();

@@ -56,7 +56,7 @@ struct Published {
         }
         const auto response = wire::decode_response(sent.shape(), sent.pdu(), pdu);
         ASSERT_TRUE(response);
-        publisher.take(now, request, sent.shape(), *response);
+        publisher.take({.response = *response, .sent_at = now, .ended_at = now}, request, sent.shape());
     }
     /// "10 11? !": good, uncertain, bad; without a value "-".
     [[nodiscard]] std::string shown(std::size_t variable) const {

@@ -74,5 +74,64 @@ TEST(TcpFramer, KnowsNoTime) {
     EXPECT_EQ(listener.reports(), Reports{"11: 07"});
 }
 
+// A length that is off by one, while one request waits for its response.
+class OffByOne : public testing::Test {
+protected:
+    static constexpr FramerConfig kTolerant{
+        .framing = Framing::tcp, .side = Side::master, .silence = 50ms, .length_tolerance = true};
+    static FramerConfig intolerant() {
+        auto config = kTolerant;
+        config.length_tolerance = false;
+        return config;
+    }
+    struct Master : Listener {
+        explicit Master(const FramerConfig& config = kTolerant) : Listener(config) {
+            framer().expect_response({.unit = UnitId{1}, .function = 3, .transaction = 5});
+        }
+    };
+};
+
+TEST_F(OffByOne, AnExceptionWhosePromisedByteIsMissingIsAcceptedAfterThePause) {
+    Master master;
+    master.hex(kNow, "0005 0000 0004 01 83 02");
+    EXPECT_EQ(master.reports(), Reports{});
+    EXPECT_EQ(master.framer().next_wakeup(), kNow + 50ms);
+    master.tick(kNow + 50ms);
+    EXPECT_EQ(master.reports(), Reports{"01: 83 02"});
+    master.hex(kNow + 1s, "0006 0000 0005 01 03 02 0007");
+    EXPECT_EQ(master.reports(), Reports{"01: 03 02 00 07"}) << "the next one is in step";
+}
+
+TEST_F(OffByOne, ThePromisedByteOrAHeaderMayFollow) {
+    for (const auto* const bytes : {"0005 0000 0006 01 03 02 0007 FF 0005 0000 0003 01 83 02",
+                                    "0005 0000 0006 01 03 02 0007 0005 0000 0003 01 83 02",
+                                    "0005 0000 0004 01 03 02 0007 0005 0000 0003 01 83 02"}) {
+        Master master;
+        master.hex(kNow, bytes);
+        EXPECT_EQ(master.reports(), (Reports{"01: 03 02 00 07", "01: 83 02"})) << bytes;
+    }
+}
+
+TEST_F(OffByOne, OnlyOfTheExpectedResponse) {
+    for (const auto* const bytes : {"0006 0000 0004 01 83 02",     // another transaction
+                                    "0005 0000 0004 02 83 02",     // another unit
+                                    "0005 0000 0004 01 84 02",     // another function
+                                    "0005 0000 0005 01 83 02"}) {  // off by two
+        Master master;
+        master.hex(kNow, bytes);
+        EXPECT_EQ(master.framer().next_wakeup(), kNever) << bytes;
+    }
+}
+
+TEST_F(OffByOne, IsSeenWhereItIsNotAccepted) {
+    Master master(intolerant());
+    master.hex(kNow, "0005 0000 0004 01 83 02");
+    EXPECT_TRUE(master.framer().length_is_off());
+    EXPECT_EQ(master.framer().next_wakeup(), kNever);
+    Master other(intolerant());
+    other.hex(kNow, "0005 0000 0007 01 03 04 0001");
+    EXPECT_FALSE(other.framer().length_is_off()) << "two bytes are missing";
+}
+
 }  // namespace framer_tcp_test
 }  // namespace takt::wire

@@ -147,6 +147,7 @@ private:
         bool retry = false;                     // the last attempt failed
         Instant failed_at;
         unsigned failures = 0;             // in a row
+        unsigned cuts = 0;                 // in a row: the link was lost before its response
         bool busy = false;                 // its device answered with exception 5 or 6
         bool held = false;                 // it failed or was put off: not judged by priority
         std::optional<Instant> edge;       // of its trigger, unserved
@@ -352,7 +353,7 @@ private:
     Adapter adapter_;
     ByteVector echo_;  // of the last request, whose echo is still expected
     bool up_ = false;
-    Instant epoch_;
+    Instant epoch_ = Instant::min();  // the first link
     std::deque<Transaction> transactions_;  // the last ones
     ByteVector received_;                   // since the last request; of a stream, what is left of it
     Instant busy_until_ = Instant::min();   // end of the last character

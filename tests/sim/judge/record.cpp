@@ -145,21 +145,24 @@ void LineJudge::on_link(Instant t, bool up) {
     for (Transaction& transaction : transactions_) {
         if (transaction.over) continue;
         transaction.cut = true;
+        if (transaction.request && transaction.is_its_read()) ++requests_[*transaction.request].cuts;
         settle(transaction, t);
     }
     forget_between();
     for (auto& request : requests_) request.read_back_since.reset();
     for (auto& [id, command] : commands_) command.read_back_since.reset();
     if (!up) return;
-    epoch_ = t;
+    const bool first = epoch_ == Instant::min();
+    if (first) epoch_ = t;
     for (std::size_t d = 0; d < devices_.size(); ++d) {
         devices_[d].answers();
         devices_[d].probe_not_before = devices_[d].last_read = Instant::min();
         note_trouble(devices_[d], t);
     }
     for (auto& request : requests_) {
-        request.served_until = t - Duration(1);
-        request.held = request.retry = request.at_once = false;
+        // The schedule survives the link.
+        if (first) request.served_until = t - Duration(1);
+        request.held = request.at_once = false;
         request.failures = 0;
     }
     ++recoveries_["link_came_up"];

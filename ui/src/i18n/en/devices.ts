@@ -2,6 +2,7 @@ const CAUSES: Record<string, string> = {
   timeout: 'time-out',
   bad_checksum: 'wrong checksum',
   unexpected_reply: 'unexpected answer',
+  closed: 'closed by the peer',
   ambiguous: 'ambiguous answer',
   link_lost: 'connection lost',
 };

@@ -5,6 +5,7 @@ const CAUSES: Record<string, string> = {
   timeout: 'тайм-аут',
   bad_checksum: 'неверная контрольная сумма',
   unexpected_reply: 'неожиданный ответ',
+  closed: 'закрыто другой стороной',
   ambiguous: 'неоднозначный ответ',
   link_lost: 'соединение потеряно',
 };

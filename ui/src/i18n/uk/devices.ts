@@ -5,6 +5,7 @@ const CAUSES: Record<string, string> = {
   timeout: 'тайм-аут',
   bad_checksum: 'хибна контрольна сума',
   unexpected_reply: 'неочікувана відповідь',
+  closed: 'закрито іншою стороною',
   ambiguous: 'неоднозначна відповідь',
   link_lost: 'з’єднання втрачено',
 };

@@ -58,6 +58,9 @@ export function LineForm({ path }: { path: Path }) {
         {[
           ...(transport === 'serial' ? ['rs485'] : []),
           'byte_timeout',
+          ...(transport === 'tcp'
+            ? ['connection', 'idle_close', 'pause_after_connect', 'connections_per_host', 'length_tolerance']
+            : []),
           'relay_interval',
           'command_interval',
           'command_burst',

@@ -37,7 +37,7 @@ struct LineConfig {
     /// because adapters deliver bytes in bursts; over a stream 50 ms. ASCII: the longest pause between two
     /// characters; zero: 1 s.
     Duration frame_silence{};
-    std::size_t in_flight = 1;  ///< Framing::tcp: transactions at a time, 1..kMaxInFlight
+    std::size_t in_flight = 1;       ///< Framing::tcp: transactions at a time, 1..kMaxInFlight
     bool length_tolerance = false;   ///< Framing::tcp, one at a time: wire::FramerConfig
     Duration pause_after_connect{};  ///< least time from the link's opening to the first request
     Echo echo = Echo::automatic;

@@ -79,6 +79,12 @@ public:
 
     // The engine of the driver. Each call goes to the LineScan of the setting.
     void on_link(Instant t, bool up) override;
+    /// The request in flight is repeated once on the next connection; a unit whose requests are met by closes
+    /// is left.
+    void on_close(Instant t) override { on_link(t, false); }
+    [[nodiscard]] std::optional<Instant> opens_at() const override {
+        return setting_finished() ? std::nullopt : std::optional(Instant::min());
+    }
     void on_bytes(Instant t, Bytes bytes) override;
     void on_tick(Instant t) override;
     [[nodiscard]] Bytes transmit(Instant t) override { return scan_->transmit(t); }

@@ -20,7 +20,8 @@ inline constexpr std::array<std::string_view, 3> kFramings{"rtu", "ascii", "tcp"
 inline constexpr std::array<std::string_view, 3> kParities{"none", "even", "odd"};
 inline constexpr std::array<std::string_view, 4> kRs485{"auto", "kernel", "rts", "none"};
 inline constexpr std::array<std::string_view, 2> kOrders{"deadline", "address"};
-inline constexpr std::array<std::string_view, 4> kConnections{"keep", "per_request", "per_cycle", "on_demand"};
+inline constexpr std::array<std::string_view, 4> kConnections{"keep", "per_request", "per_cycle",
+                                                              "on_demand"};
 inline constexpr std::array<std::string_view, 3> kStrategies{"single", "classic", "optimal"};
 inline constexpr std::array<std::string_view, 3> kGaps{"never", "learn", "always"};
 /// Instead of a time.

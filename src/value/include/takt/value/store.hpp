@@ -36,7 +36,8 @@ struct Slot {
     Value value;
     Quality quality = Quality::never_read;
     Reason reason = Reason::ok;
-    std::optional<Instant> good_at;  ///< when it was last read well, or set (locals)
+    std::optional<Instant> good_at;     ///< when it was last read well, or set (locals)
+    std::optional<Instant> sampled_at;  ///< of that read, the begin: the device had the value then or later
     std::uint64_t batch = 0;  ///< number of the apply() that changed it; members of one request share it
     Value wanted;             ///< what the project last set; std::monostate: never
 };
@@ -47,6 +48,8 @@ struct Update {
     std::optional<Value> value;  ///< nothing: the value stays
     Quality quality = Quality::good;
     Reason reason = Reason::ok;
+    /// Of a good value: the begin of the read; nothing: it is from the instant of apply().
+    std::optional<Instant> sampled_at{};
 };
 
 /// An event: value, quality or reason of a slot changed.
@@ -59,7 +62,7 @@ struct Event {
     Quality quality = Quality::good;
     Reason reason = Reason::ok;
     std::optional<Instant> good_at;      ///< Slot::good_at after the change
-    std::optional<Instant> good_before;  ///< Slot::good_at before it: the value changed after that
+    std::optional<Instant> good_before;  ///< Slot::sampled_at before it: the value changed after that
 };
 
 /// A reader's position in the event ring.
