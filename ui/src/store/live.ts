@@ -3,6 +3,7 @@
 import { type Signal, signal } from '@preact/signals';
 import { openStream, type Stream } from '../api/stream';
 import type { LiveValue, Notice, ReadBatch, Snapshot, Status, ValueBatch } from '../api/types';
+import { checkClock } from './clock';
 import { connected, loadInfo, status } from './info';
 import { refreshProject } from './project';
 
@@ -40,6 +41,7 @@ function remember(value: LiveValue, time: number): void {
 }
 
 function onSnapshot(snapshot: Snapshot): void {
+  checkClock(snapshot.time);
   waiting = [];
   const made = snapshot.values.map((value) => signal(value));
   byName = new Map(made.map((its) => [its.peek().name, its]));
@@ -68,6 +70,7 @@ function apply(): void {
 }
 
 function onValues(batch: ValueBatch): void {
+  checkClock(batch.time);
   waiting.push(batch);
   // A hidden page gets no frames: its memory must not grow.
   if (document.hidden) apply();
@@ -76,6 +79,7 @@ function onValues(batch: ValueBatch): void {
 
 // The value stays as it is, so nothing is drawn for it: what shows an age looks at it with each tick.
 function onReads(batch: ReadBatch): void {
+  checkClock(batch.time);
   if (waiting.length > 0) apply();
   for (const [good_at, first, last] of batch.reads)
     for (let index = first; index <= last; ++index) {
