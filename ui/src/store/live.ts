@@ -18,6 +18,8 @@ export const values = signal<Signal<LiveValue>[]>([]);
 export const valueTime = signal(0);
 export const notices = signal<Notice[]>([]);
 export const recent = new Map<string, Recent>();
+/** Called after values, or the instants of their reads, have changed. */
+export const readObservers = new Set<() => void>();
 
 let byName = new Map<string, Signal<LiveValue>>();
 let waiting: ValueBatch[] = [];
@@ -49,6 +51,11 @@ function onSnapshot(snapshot: Snapshot): void {
   for (const its of made) remember(its.peek(), snapshot.time);
   values.value = made;
   valueTime.value = snapshot.time;
+  notifyObservers();
+}
+
+function notifyObservers(): void {
+  for (const notify of [...readObservers]) notify();
 }
 
 function apply(): void {
@@ -67,6 +74,7 @@ function apply(): void {
     }
     valueTime.value = batch.time;
   }
+  notifyObservers();
 }
 
 function onValues(batch: ValueBatch): void {
@@ -87,6 +95,7 @@ function onReads(batch: ReadBatch): void {
       if (its) its.peek().good_at = good_at;
     }
   valueTime.value = batch.time;
+  notifyObservers();
 }
 
 export function startLive(): Stream {
