@@ -31,7 +31,7 @@ export const live: Translated<typeof source> = {
   doubt: {
     range: (value: string, range: string) => `${value} вне диапазона ${range}.`,
     many_times: (value: string, now: string) =>
-      `${value} больше текущего значения ${now} по модулю не менее чем в десять раз.`,
+      `${value} по модулю не менее чем в десять раз больше текущего значения ${now}.`,
   },
   writeAnyway: 'Всё равно записать',
   done: {

@@ -31,7 +31,7 @@ export const live: Translated<typeof source> = {
   doubt: {
     range: (value: string, range: string) => `${value} поза діапазоном ${range}.`,
     many_times: (value: string, now: string) =>
-      `${value} більше за поточне значення ${now} за модулем щонайменше в десять разів.`,
+      `${value} за модулем щонайменше в десять разів більше за поточне значення ${now}.`,
   },
   writeAnyway: 'Усе одно записати',
   done: {

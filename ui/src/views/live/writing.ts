@@ -1,5 +1,5 @@
-// What is written: the typed text as a value, the change that people see, when to ask back, and the first read
-// after a write. Pure.
+// What is written: the typed text as a value, the change that people see, when to ask back, and the first
+// read after a write. Pure.
 import type { LiveValue, Scalar } from '../../api/types';
 
 /** The limits of the values that a variable takes. */
@@ -36,7 +36,7 @@ export function valueText(value: Scalar, words: { on: string; off: string }, typ
 export const changeText = (before: string, after: string, unit: string): string =>
   `${before} → ${after}${unit && ` ${unit}`}`;
 
-/** Why a write is confirmed first: the value is outside its range; without a range, many times the old one. */
+/** Why a write is confirmed first: the value is outside its range or, without one, many times the old one. */
 export type Doubt = 'range' | 'many_times';
 
 export function doubtOf(
