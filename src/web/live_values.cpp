@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "takt/base/numbers.hpp"
 #include "takt/model/service.hpp"
 #include "takt/report/command_report.hpp"
 #include "takt/report/formatting.hpp"
@@ -29,6 +30,10 @@ void set_variable(file::Json& object, const host::Configuration& configuration,
     object.set("register", variable.register_number);
     if (variable.bit) object.set("bit", *variable.bit);
     object.set("count", variable.items());
+    if (variable.verify) object.set("verify", true);
+    if (!variable.read) object.set("write_only", true);
+    if (device.address == kBroadcast && line.framing != wire::Framing::tcp) object.set("broadcast", true);
+    if (!variable.enumeration.empty()) object.set("enumeration", true);
     object.set("deadline_ms", milliseconds_or_null(variable.deadline));
     object.set("proved_age_ms", milliseconds_or_null(proved_age(configuration, index)));
 }

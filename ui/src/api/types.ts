@@ -37,6 +37,16 @@ export interface LiveValue {
   writable: boolean;
   trigger: boolean;
   local: boolean;
+  /** A write is read back before it is done. */
+  verify?: boolean;
+  /** Nothing reads it: the value is what was written last. */
+  write_only?: boolean;
+  /** All devices of the line get a write, and none acknowledges it. */
+  broadcast?: boolean;
+  /** Its numbers stand for words. */
+  enumeration?: boolean;
+  /** The values that it takes, where the project has such limits. */
+  write_range?: { least?: number; greatest?: number };
   deadline_ms?: number | null;
   proved_age_ms?: number | null;
 }

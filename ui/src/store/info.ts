@@ -9,12 +9,6 @@ export const connected = signal(false);
 export const mayWrite = computed(() => info.value?.allow_write ?? false);
 export const mayEdit = computed(() => info.value?.editable ?? false);
 
-/** The clock of the program minus that of this browser, in milliseconds. */
-export const clockOffset = signal(0);
-export const programNow = () => Date.now() + clockOffset.peek();
-
 export async function loadInfo(): Promise<void> {
-  const answer = await get<Info>('info');
-  clockOffset.value = Date.parse(answer.now) - Date.now();
-  info.value = answer;
+  info.value = await get<Info>('info');
 }

@@ -3,6 +3,7 @@
 import { type Signal, signal } from '@preact/signals';
 import { openStream, type Stream } from '../api/stream';
 import type { LiveValue, Notice, ReadBatch, Snapshot, Status, ValueBatch } from '../api/types';
+import { checkClock } from './clock';
 import { connected, loadInfo, status } from './info';
 import { refreshProject } from './project';
 
@@ -17,6 +18,8 @@ export const values = signal<Signal<LiveValue>[]>([]);
 export const valueTime = signal(0);
 export const notices = signal<Notice[]>([]);
 export const recent = new Map<string, Recent>();
+/** Called after values, or the instants of their reads, have changed. */
+export const readObservers = new Set<() => void>();
 
 let byName = new Map<string, Signal<LiveValue>>();
 let waiting: ValueBatch[] = [];
@@ -40,6 +43,7 @@ function remember(value: LiveValue, time: number): void {
 }
 
 function onSnapshot(snapshot: Snapshot): void {
+  checkClock(snapshot.time);
   waiting = [];
   const made = snapshot.values.map((value) => signal(value));
   byName = new Map(made.map((its) => [its.peek().name, its]));
@@ -47,6 +51,11 @@ function onSnapshot(snapshot: Snapshot): void {
   for (const its of made) remember(its.peek(), snapshot.time);
   values.value = made;
   valueTime.value = snapshot.time;
+  notifyObservers();
+}
+
+function notifyObservers(): void {
+  for (const notify of [...readObservers]) notify();
 }
 
 function apply(): void {
@@ -65,9 +74,11 @@ function apply(): void {
     }
     valueTime.value = batch.time;
   }
+  notifyObservers();
 }
 
 function onValues(batch: ValueBatch): void {
+  checkClock(batch.time);
   waiting.push(batch);
   // A hidden page gets no frames: its memory must not grow.
   if (document.hidden) apply();
@@ -76,6 +87,7 @@ function onValues(batch: ValueBatch): void {
 
 // The value stays as it is, so nothing is drawn for it: what shows an age looks at it with each tick.
 function onReads(batch: ReadBatch): void {
+  checkClock(batch.time);
   if (waiting.length > 0) apply();
   for (const [good_at, first, last] of batch.reads)
     for (let index = first; index <= last; ++index) {
@@ -83,6 +95,7 @@ function onReads(batch: ReadBatch): void {
       if (its) its.peek().good_at = good_at;
     }
   valueTime.value = batch.time;
+  notifyObservers();
 }
 
 export function startLive(): Stream {

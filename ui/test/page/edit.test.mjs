@@ -159,7 +159,7 @@ test('commands are marks in the trends, also after a reload and a restart of the
   await page.getByLabel('New value').fill('21.5');
   await page.getByRole('dialog').locator('code').first().waitFor();
   await page.keyboard.press('Enter');
-  await toast(page, 'Setpoint = 21.5: written');
+  await toast(page, 'Setpoint = 21.5: acknowledged, not read back');
   await page.goto(`${plant.url}?lang=ru#/trends?pens=Setpoint&span=60`);
   await page.reload();
   const marks = page.locator('details.marks');

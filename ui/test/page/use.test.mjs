@@ -79,7 +79,29 @@ test('a value is written after a preview of its frame', async () => {
   await page.getByLabel('New value').fill('21.5');
   await page.getByRole('dialog').locator('code').first().waitFor();
   await page.keyboard.press('Enter');
-  await toast(page, 'Setpoint = 21.5: written');
+  await toast(page, 'Setpoint = 21.5: acknowledged, not read back');
+});
+
+test('typing replaces the old value, and a value ten times as large is confirmed', async () => {
+  const page = await open('#/live');
+  const write = async (typed, change) => {
+    await page.getByRole('button', { name: 'Write: Setpoint' }).click();
+    await page.getByLabel('New value').waitFor();
+    await page.keyboard.type(typed);
+    await page.getByRole('dialog').getByText(change).waitFor();
+    await page.keyboard.press('Enter');
+  };
+  await write('12,5', / → 12\.5 °C$/);
+  await toast(page, 'Setpoint = 12.5: acknowledged, not read back');
+  await page.locator('[role="row"]', { hasText: 'Setpoint' }).getByText('12.5', { exact: true }).waitFor();
+  await write('125', '12.5 → 125 °C');
+  const question = page.getByRole('dialog', { name: 'Write Setpoint?' });
+  await question.getByText('125 is at least ten times the present value 12.5.').waitFor();
+  await page.keyboard.press('Enter'); // Cancel has the focus
+  await page.getByRole('dialog', { name: 'Write Setpoint', exact: true }).waitFor();
+  await page.keyboard.press('Enter');
+  await question.getByRole('button', { name: 'Write anyway' }).click();
+  await toast(page, 'Setpoint = 125: acknowledged, not read back');
 });
 
 test('the age of a value is explained hop by hop', async () => {
@@ -111,7 +133,7 @@ test('two browsers agree', async () => {
   await page.getByLabel('New value').selectOption('true');
   await page.getByRole('dialog').locator('code').first().waitFor();
   await page.getByRole('dialog').getByRole('button', { name: 'Write' }).click();
-  await toast(page, 'Running = true: written');
+  await toast(page, 'Running = on: acknowledged, not read back');
   await other.getByRole('grid').getByText('Running').waitFor();
 });
 

@@ -23,7 +23,20 @@ export const live = {
   noFrame: 'The value is set in the program. No frame is sent for it alone.',
   busTime: 'Bus time',
   rounded: (text: string) => `The device holds the nearest value it can: ${text}`,
-  done: (name: string, text: string) => `${name} = ${text}: written`,
+  change: 'Change',
+  confirmTitle: (name: string) => `Write ${name}?`,
+  doubt: {
+    range: (value: string, range: string) => `${value} is outside the range ${range}.`,
+    many_times: (value: string, now: string) => `${value} is at least ten times the present value ${now}.`,
+  },
+  writeAnyway: 'Write anyway',
+  done: {
+    set: (name: string, text: string) => `${name} = ${text}: set`,
+    verified: (name: string, text: string) => `${name} = ${text}: written and read back`,
+    acknowledged: (name: string, text: string) => `${name} = ${text}: acknowledged, not read back`,
+    broadcast: (name: string, text: string) => `${name} = ${text}: sent; a broadcast is not acknowledged`,
+  },
+  differs: (name: string, written: string, read: string) => `${name}: written ${written}, read ${read}`,
   readBack: (text: string) => `Read back: ${text}`,
   outcome: {
     done: 'written',

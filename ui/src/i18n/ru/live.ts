@@ -26,7 +26,22 @@ export const live: Translated<typeof source> = {
   noFrame: 'Значение задаётся в программе. Отдельный кадр для него не отправляется.',
   busTime: 'Время на линии',
   rounded: (text: string) => `Устройство хранит ближайшее возможное значение: ${text}`,
-  done: (name: string, text: string) => `${name} = ${text}: записано`,
+  change: 'Изменение',
+  confirmTitle: (name: string) => `Записать ${name}?`,
+  doubt: {
+    range: (value: string, range: string) => `${value} вне диапазона ${range}.`,
+    many_times: (value: string, now: string) =>
+      `${value} по модулю не менее чем в десять раз больше текущего значения ${now}.`,
+  },
+  writeAnyway: 'Всё равно записать',
+  done: {
+    set: (name: string, text: string) => `${name} = ${text}: задано`,
+    verified: (name: string, text: string) => `${name} = ${text}: записано и прочитано обратно`,
+    acknowledged: (name: string, text: string) => `${name} = ${text}: подтверждено, обратно не прочитано`,
+    broadcast: (name: string, text: string) =>
+      `${name} = ${text}: отправлено; широковещательный запрос не подтверждается`,
+  },
+  differs: (name: string, written: string, read: string) => `${name}: записано ${written}, прочитано ${read}`,
   readBack: (text: string) => `Прочитано обратно: ${text}`,
   outcome: {
     done: 'записано',

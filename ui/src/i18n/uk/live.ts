@@ -26,7 +26,22 @@ export const live: Translated<typeof source> = {
   noFrame: 'Значення задається в програмі. Окремий кадр для нього не надсилається.',
   busTime: 'Час на лінії',
   rounded: (text: string) => `Пристрій зберігає найближче можливе значення: ${text}`,
-  done: (name: string, text: string) => `${name} = ${text}: записано`,
+  change: 'Зміна',
+  confirmTitle: (name: string) => `Записати ${name}?`,
+  doubt: {
+    range: (value: string, range: string) => `${value} поза діапазоном ${range}.`,
+    many_times: (value: string, now: string) =>
+      `${value} за модулем щонайменше в десять разів більше за поточне значення ${now}.`,
+  },
+  writeAnyway: 'Усе одно записати',
+  done: {
+    set: (name: string, text: string) => `${name} = ${text}: задано`,
+    verified: (name: string, text: string) => `${name} = ${text}: записано і прочитано назад`,
+    acknowledged: (name: string, text: string) => `${name} = ${text}: підтверджено, назад не прочитано`,
+    broadcast: (name: string, text: string) =>
+      `${name} = ${text}: надіслано; широкомовний запит не підтверджується`,
+  },
+  differs: (name: string, written: string, read: string) => `${name}: записано ${written}, прочитано ${read}`,
   readBack: (text: string) => `Прочитано назад: ${text}`,
   outcome: {
     done: 'записано',

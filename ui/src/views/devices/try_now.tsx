@@ -102,8 +102,9 @@ export function AttemptText({ line, device }: { line: LineStatus; device: Device
 export function NextProbe({ device }: { device: DeviceStatus }) {
   const texts = t.value.devices;
   const at = Date.parse(status.value?.time ?? '') + (device.back_off?.next_probe_ms ?? 0);
-  if (!device.back_off || Number.isNaN(at)) return null;
-  const left = at - tick.value;
+  const now = tick.value;
+  if (!device.back_off || Number.isNaN(at) || now === null) return null;
+  const left = at - now;
   return (
     <>
       {left > 0 ? texts.nextProbe(formatDuration(Math.ceil(left / 1000) * 1000)) : texts.probeDue}

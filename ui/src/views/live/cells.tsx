@@ -71,8 +71,10 @@ export function QualityCell({ row }: { row: Row }) {
 
 export function AgeCell({ row }: { row: Row }) {
   const { good_at, proved_age_ms, local, quality } = row.value;
-  if (good_at === null || local) return <span class="muted">–</span>;
-  const age = Math.max(0, tick.value - good_at);
+  const now = tick.value;
+  // A good read in the future means that the program's clock was set: the next exchange corrects it.
+  if (good_at === null || local || now === null || good_at > now) return <span class="muted">–</span>;
+  const age = now - good_at;
   // The program judges the age: a value that is older than proved is not good any more.
   const late = quality !== 'good' && typeof proved_age_ms === 'number' && age > proved_age_ms;
   return <span class={late ? 'late' : ''}>{formatDuration(age < 1000 ? Math.round(age) : age)}</span>;

@@ -1,45 +1,67 @@
-// Writing a value: preview of the frame, confirmation, outcome and what was read back.
+// Writing a value: change and frame before, a question where the value is doubtful, and the outcome.
 import { useEffect, useState } from 'preact/hooks';
 import { post } from '../../api/client';
 import type { CommandPreview, CommandResult, LiveValue, Scalar } from '../../api/types';
 import { formatDuration, t } from '../../i18n';
 import { Dialog } from '../../shell/dialog';
 import { errorText, toast } from '../../shell/toasts';
+import { exchangeTime } from '../../store/clock';
+import { liveValue, values } from '../../store/live';
 import { translated } from '../traffic/words';
+import { endWatch, watchWrite } from './write_watch';
+import { changeText, type Doubt, doubtOf, parsedValue, proofOf, valueText } from './writing';
 
 const PREVIEW_AFTER_MS = 150;
 
-/** The typed text as a value; the program checks range and type. */
-function parsed(type: string, text: string): Scalar {
-  if (type === 'bool') return text === 'true';
-  if (type === 'string') return text;
-  const number = Number(text.trim().replace(',', '.'));
-  return text.trim() === '' || Number.isNaN(number) ? text : number;
+/** Watches the reads that begin after this instant, by the clock of the program. */
+async function watch(name: string, written: Scalar): Promise<void> {
+  try {
+    watchWrite(name, { written, after: await exchangeTime() });
+  } catch {
+    // Without the program there are no reads to compare.
+  }
 }
+
+/** The preview of a typed text. */
+interface Preview extends CommandPreview {
+  of: string;
+}
+
+const rangeText = ({ least, greatest }: NonNullable<LiveValue['write_range']>) =>
+  `${least ?? ''}..${greatest ?? ''}`;
 
 export function WriteDialog({ value, onClose }: { value: LiveValue; onClose: () => void }) {
   const texts = t.value.live;
-  const [text, setText] = useState(String(value.value ?? (value.type === 'bool' ? 'false' : '')));
-  const [preview, setPreview] = useState<CommandPreview | null>(null);
+  // A new snapshot replaces the signals of all values.
+  void values.value;
+  const now = liveValue(value.name)?.value ?? value;
+  const [text, setText] = useState(value.value === null && value.type === 'bool' ? 'false' : value.text);
+  const [preview, setPreview] = useState<Preview | null>(null);
   const [problem, setProblem] = useState('');
   const [busy, setBusy] = useState(false);
+  const [accepted, setAccepted] = useState(false);
+  const [doubt, setDoubt] = useState<Doubt | null>(null);
   const body = {
     kind: value.local ? 'set' : 'write',
     variable: value.name,
-    value: parsed(value.type, text),
+    value: parsedValue(value.type, text),
   };
+  const current = preview?.of === text ? preview : null;
+  const nowText = valueText(now.type === 'bool' ? now.value : now.text, texts.boolean);
+  const nextText = (its: Preview) => valueText(its.value_written, texts.boolean, text.trim());
 
   useEffect(() => {
     const stop = new AbortController();
     const timer = setTimeout(() => {
       post<CommandPreview>('commands/preview', body, stop.signal)
         .then((its) => {
-          setPreview(its);
+          setPreview({ ...its, of: text });
           setProblem('');
         })
         .catch((failure) => {
           if (stop.signal.aborted) return;
           setPreview(null);
+          setAccepted(false);
           setProblem(errorText(failure));
         });
     }, PREVIEW_AFTER_MS);
@@ -49,18 +71,22 @@ export function WriteDialog({ value, onClose }: { value: LiveValue; onClose: () 
     };
   }, [text]);
 
-  const send = async () => {
+  const send = async (its: Preview) => {
     setBusy(true);
+    endWatch(value.name);
     try {
       const result = await post<CommandResult>('commands', body);
       const good = result.outcome === 'done' || result.outcome === 'waiting';
       const read = result.read_back === undefined ? '' : ` ${texts.readBack(String(result.read_back))}`;
+      const proof = proofOf(now);
       toast(
         good ? 'good' : 'bad',
         result.outcome === 'done'
-          ? texts.done(value.name, text) + (read && `.${read}`)
+          ? texts.done[proof](value.name, nextText(its))
           : `${value.name}: ${texts.outcome[result.outcome]}${result.text ? `. ${result.text}` : ''}${read}`,
       );
+      if (result.outcome === 'done' && proof === 'acknowledged' && !now.write_only)
+        void watch(value.name, its.value_written);
       onClose();
     } catch (failure) {
       setProblem(errorText(failure));
@@ -68,18 +94,53 @@ export function WriteDialog({ value, onClose }: { value: LiveValue; onClose: () 
     setBusy(false);
   };
 
+  const accept = (its: Preview) => {
+    const why = doubtOf(now, its.value_written);
+    if (why) setDoubt(why);
+    else void send(its);
+  };
+  // Enter may come before the preview, which decides whether to ask back.
+  useEffect(() => {
+    if (!accepted || !current) return;
+    setAccepted(false);
+    accept(current);
+  }, [accepted, current]);
+
+  if (doubt && current)
+    return (
+      <Dialog
+        key="doubt"
+        title={texts.confirmTitle(value.name)}
+        accept={texts.writeAnyway}
+        acceptDisabled={busy}
+        onAccept={() => void send(current)}
+        onClose={() => setDoubt(null)}
+      >
+        <p>
+          {texts.doubt[doubt](
+            nextText(current),
+            doubt === 'range' && now.write_range ? rangeText(now.write_range) : nowText,
+          )}
+        </p>
+        <p class="value">{changeText(nowText, nextText(current), value.unit)}</p>
+        <p role="alert" class="problem">
+          {problem}
+        </p>
+      </Dialog>
+    );
   return (
     <Dialog
+      key="write"
       title={texts.writeTitle(value.name)}
       accept={texts.write}
-      acceptDisabled={busy || preview === null}
-      onAccept={() => void send()}
+      acceptDisabled={busy || accepted || preview === null}
+      onAccept={() => setAccepted(true)}
       onClose={onClose}
     >
       <div class="write-form">
         <span class="muted">{texts.current}</span>
         <span>
-          {value.text || '–'} {value.unit}
+          {nowText} {value.unit}
         </span>
         <label class="muted" for="new-value">
           {texts.newValue}
@@ -97,11 +158,18 @@ export function WriteDialog({ value, onClose }: { value: LiveValue; onClose: () 
               value={text}
               aria-invalid={problem !== ''}
               aria-describedby="write-problem"
-              onInput={(event) => setText(event.currentTarget.value)}
+              // A dialog puts the cursor behind the text: typing would append.
+              onFocus={(event) => event.currentTarget.select()}
+              onInput={(event) => {
+                setText(event.currentTarget.value);
+                setAccepted(false);
+              }}
             />
           )}{' '}
           {value.unit}
         </span>
+        <span class="muted">{texts.change}</span>
+        <span class="change">{current && changeText(nowText, nextText(current), value.unit)}</span>
         <span class="muted">{texts.frame}</span>
         <span>
           {preview?.frames.map((frame) => (

@@ -3,7 +3,7 @@ import { computed, effect, signal } from '@preact/signals';
 import { get } from '../../api/client';
 import type { History, HistoryMark, HistorySeries } from '../../api/types';
 import { query, setQuery, view } from '../../shell/route';
-import { programNow } from '../../store/info';
+import { clockKnown, programNow } from '../../store/clock';
 
 export interface Range {
   from: number;
@@ -126,7 +126,7 @@ export async function loadSeries(): Promise<void> {
 export function follow(): () => void {
   void loadSeries();
   const stop = effect(() => {
-    void [pens.value, frozen.value, span.value, width.value];
+    void [pens.value, frozen.value, span.value, width.value, clockKnown.value];
     void refresh();
   });
   const timer = setInterval(() => {
