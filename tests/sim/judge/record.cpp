@@ -145,7 +145,13 @@ void LineJudge::on_link(Instant t, bool up) {
     for (Transaction& transaction : transactions_) {
         if (transaction.over) continue;
         transaction.cut = true;
-        if (transaction.request && transaction.is_its_read()) ++requests_[*transaction.request].cuts;
+        if (transaction.request && transaction.is_its_read()) {
+            RequestState& request = requests_[*transaction.request];
+            ++request.cuts;
+            // A probe serves what is due; where the device does not answer, that is of no account.
+            if (transaction.purpose == Purpose::probe)
+                request.served_until = std::max(request.served_until, transaction.start);
+        }
         settle(transaction, t);
     }
     forget_between();
@@ -162,7 +168,7 @@ void LineJudge::on_link(Instant t, bool up) {
     for (auto& request : requests_) {
         // The schedule survives the link.
         if (first) request.served_until = t - Duration(1);
-        request.held = request.at_once = false;
+        request.held = false;
         request.failures = 0;
     }
     ++recoveries_["link_came_up"];
