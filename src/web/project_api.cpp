@@ -36,7 +36,7 @@ struct SentProject {
     }
     [[nodiscard]] bool flag(std::string_view key) const {
         const auto* const value = object.find(key);
-        return value != nullptr && *value == Json(true);
+        return value != nullptr && *value == file::Json(true);
     }
 };
 
@@ -232,6 +232,8 @@ struct ProjectApi::Impl {
         auto wanted = edited(request, *saved);
         if (!wanted) return std::move(wanted.error());
         const auto& old = (*saved)->alone.document.root;
+        if (const auto key = redirecting_key(old, wanted->sent.document); !key.empty())
+            return project_refusal(request, 403, "protected", {{"key", key}, {"file", options.file}});
         if (const auto key = new_protected_key(old, wanted->sent.document); !key.empty())
             return project_refusal(request, 403, "protected_key", {{"key", key}, {"file", options.file}});
         auto read = file::load_text(options.file, wanted->text, restricted_reader(options.file, old));

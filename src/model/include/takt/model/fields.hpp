@@ -20,7 +20,8 @@ inline constexpr std::array<std::string_view, 3> kFramings{"rtu", "ascii", "tcp"
 inline constexpr std::array<std::string_view, 3> kParities{"none", "even", "odd"};
 inline constexpr std::array<std::string_view, 4> kRs485{"auto", "kernel", "rts", "none"};
 inline constexpr std::array<std::string_view, 2> kOrders{"deadline", "address"};
-inline constexpr std::array<std::string_view, 4> kConnections{"keep", "per_request", "per_cycle", "on_demand"};
+inline constexpr std::array<std::string_view, 4> kConnections{"keep", "per_request", "per_cycle",
+                                                              "on_demand"};
 inline constexpr std::array<std::string_view, 3> kStrategies{"single", "classic", "optimal"};
 inline constexpr std::array<std::string_view, 3> kGaps{"never", "learn", "always"};
 /// Instead of a time.
@@ -154,6 +155,14 @@ struct Field {
     std::int64_t (*zero_means)(const Context&) = nullptr;
     /// The object of a mapping (kind mapping), or of a mapping allowed instead of the value (other kinds).
     std::optional<Object> object;
+    /// The value names a command, a file or an environment variable of the host. Only a person with access to
+    /// the project file may add or change it.
+    bool names_host_resource = false;
+    /// The value is a secret or names one. The program sends it to, or uses it at, another computer.
+    bool secret = false;
+    /// Decides where the secrets of its object go, and how that computer is verified. While a secret of the
+    /// object is set, only a person with access to the project file may change it.
+    bool directs_secret = false;
 };
 
 /// The keys of an object, in the order in which they are described.
