@@ -16,7 +16,7 @@ namespace takt::os {
 namespace {
 
 constexpr int kMostExchanges = 16;
-constexpr int kMostConflicts = 100;
+constexpr int kMostConflicts = 1000;
 
 /// Device and inode.
 using Identity = std::pair<::dev_t, ::ino_t>;

@@ -5,11 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <set>
+#include <stop_token>
 #include <thread>
+#include <utility>
 
 #include "folder.hpp"
 #include "takt/os/replace.hpp"
@@ -166,19 +167,19 @@ TEST(ExchangeFile, WritesNothingWhereTheBackupIsAFolder) {
 /// which files it displaced itself: each of its edits that it did not displace must be found.
 class Writer {
 public:
-    explicit Writer(const Folder& folder) : folder_(folder), thread_([this] { run(); }) {}
+    explicit Writer(const Folder& folder)
+        : folder_(folder), thread_([this](const std::stop_token& ended) { run(ended); }) {}
 
     /// Ends the loop. @returns the edits that were at the path and that the writer did not displace
     std::set<std::string> end() {
-        ended_ = true;
-        thread_.join();
+        thread_ = {};
         for (const auto& text : displaced_) written_.erase(text);
         return written_;
     }
 
 private:
-    void run() {
-        for (int i = 0; !ended_; ++i) {
+    void run(const std::stop_token& ended) {
+        for (int i = 0; !ended.stop_requested(); ++i) {
             const auto text = "edit " + std::to_string(i);
             folder_.write("edit", text);
             replace();
@@ -203,12 +204,17 @@ private:
     const Folder& folder_;
     std::set<std::string> written_;
     std::set<std::string> displaced_;
-    std::atomic<bool> ended_ = false;
-    std::thread thread_;  // the last one
+    std::jthread thread_;  // the last one
 };
 
+/// Without a disk, on which 1,000 saves take longer than a test may.
+std::filesystem::path in_memory() {
+    const std::filesystem::path memory = "/dev/shm";
+    return ::access(memory.c_str(), W_OK) == 0 ? memory : std::filesystem::temp_directory_path();
+}
+
 void lose_nothing(const ExchangeOptions& options, int saves) {
-    const Folder folder;
+    const Folder folder(in_memory());
     folder.write("a", "first");
     Writer writer(folder);
     std::set<std::string> found;
@@ -217,7 +223,10 @@ void lose_nothing(const ExchangeOptions& options, int saves) {
         const auto expected = folder.read("a");
         const auto done = exchange_file(folder / "a", "save " + std::to_string(i), expected, options);
         ASSERT_TRUE(done);
-        for (const auto& kept : done->kept) found.insert(folder.read(kept.substr(folder.path().size() + 1)));
+        for (const auto& kept : done->kept) {
+            found.insert(folder.read(kept.substr(folder.path().size() + 1)));
+            std::filesystem::remove(kept);
+        }
         if (!done->replaced) continue;
         ++replaced;
         EXPECT_EQ(folder.read("a~"), expected);

@@ -1,6 +1,7 @@
 #include "takt/web/project_api.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <optional>
@@ -141,6 +142,16 @@ TEST_F(ProjectApiTest, SavesKeepsTheOldFileAndApplies) {
     // A second save with the old revision would undo the first one.
     EXPECT_EQ(code_of(call(Method::put, "/project", body_of(wanted, *loaded.find("revision")))),
               "409 changed_on_disk");
+}
+
+TEST_F(ProjectApiTest, KeepsTheModeInTheBackup) {
+    ASSERT_EQ(::chmod(file_.c_str(), 0600), 0);
+    const auto loaded = project();
+    const auto wanted = changed(*loaded.find("document"), "Boiler", "Kettle");
+    ASSERT_EQ(call(Method::put, "/project", body_of(wanted, *loaded.find("revision"))).status, 200);
+    constexpr std::filesystem::perms kOwnerOnly{0600};
+    EXPECT_EQ(std::filesystem::status(file_).permissions(), kOwnerOnly);
+    EXPECT_EQ(std::filesystem::status(file_ + "~").permissions(), kOwnerOnly);
 }
 
 TEST_F(ProjectApiTest, ReportsAnApplicationThatFails) {
