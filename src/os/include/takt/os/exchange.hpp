@@ -23,8 +23,8 @@ struct ExchangeOptions {
 struct Exchanged {
     bool replaced = false;  ///< false: the file had other contents, and stays as another program left it
     std::string backup;     ///< with `replaced`: the old file
-    /// Files with edits of other programs that are not at the path any more. After 1,000 files PATH.conflict.N
-    /// a further one keeps its temporary name.
+    /// Files with edits of other programs that are not at the path any more. After 1,000 files
+    /// PATH.conflict.N a further one keeps its temporary name.
     std::vector<std::string> kept;
 };
 
