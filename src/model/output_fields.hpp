@@ -32,16 +32,16 @@ inline constexpr auto kOutput = joined(
     {
         {.key = "name", .required = true, .range = kOutputName},
         {.key = "transport", .kind = Kind::word, .required = true, .words = kOutputTransports},
-        {.key = "brokers", .kind = Kind::list},
+        {.key = "brokers", .kind = Kind::list, .directs_secret = true},
         {.key = "version", .kind = Kind::word, .words = kMqttVersions},
         {.key = "client_id", .range = between<1, 256>},
         {.key = "user", .range = between<1, 1000>},
-        {.key = "password_file", .range = kPath},
-        {.key = "password_env", .range = between<1, 128>},
-        {.key = "ca_file", .range = kPath},
-        {.key = "certificate_file", .range = kPath},
-        {.key = "key_file", .range = kPath},
-        {.key = "alpn", .range = between<1, 255>},
+        {.key = "password_file", .range = kPath, .names_host_resource = true, .secret = true},
+        {.key = "password_env", .range = between<1, 128>, .names_host_resource = true, .secret = true},
+        {.key = "ca_file", .range = kPath, .names_host_resource = true, .directs_secret = true},
+        {.key = "certificate_file", .range = kPath, .names_host_resource = true},
+        {.key = "key_file", .range = kPath, .names_host_resource = true, .secret = true},
+        {.key = "alpn", .range = between<1, 255>, .directs_secret = true},
         {.key = "keep_alive", .kind = Kind::duration, .range = between<in_ns(5s), in_ns(18h)>},
         {.key = "in_flight", .kind = Kind::integer, .range = between<1, 256>},
     },
@@ -54,7 +54,7 @@ inline constexpr auto kOutput = joined(
         {.key = "quota_mb", .kind = Kind::integer, .range = between<32, 4'194'304>},
         {.key = "retention", .kind = Kind::duration, .range = between<0, in_ns(3650 * 24h)>},
         {.key = "buffer_mb", .kind = Kind::integer, .range = between<1, 256>},
-        {.key = "directory", .range = kPath},
+        {.key = "directory", .range = kPath, .names_host_resource = true},
     });
 
 }  // namespace takt::model

@@ -26,7 +26,7 @@ inline constexpr auto kServer = joined(
         {.key = "idle_timeout", .kind = Kind::duration, .range = kLongTime},
         {.key = "write_timeout", .kind = Kind::duration, .range = kLongTime},
         {.key = "access", .kind = Kind::list},
-        {.key = "audit", .range = between<1, 255>},
+        {.key = "audit", .range = between<1, 255>, .names_host_resource = true},
         {.key = "units", .kind = Kind::list},
         {.key = "relay", .kind = Kind::list},
     });
@@ -53,7 +53,7 @@ inline constexpr Field kUnit[] = {
     {.key = "fifos", .kind = Kind::list},
     {.key = "exception_coils", .kind = Kind::integer, .range = between<0, 65528>},
     {.key = "durability", .kind = Kind::word, .words = kDurabilities},
-    {.key = "state", .range = between<1, 255>},
+    {.key = "state", .range = between<1, 255>, .names_host_resource = true},
     {.key = "restart", .kind = Kind::boolean},
     {.key = "listen_only", .kind = Kind::boolean},
     kHighByteFirstKey,

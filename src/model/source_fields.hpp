@@ -27,7 +27,7 @@ inline constexpr Field kSource[] = {
     {.key = "counter", .kind = Kind::mapping, .object = Object::counter},
     {.key = "replay", .kind = Kind::mapping, .object = Object::replay},
     {.key = "file", .kind = Kind::mapping, .object = Object::file_source},
-    {.key = "command", .kind = Kind::mapping, .object = Object::command_source},
+    {.key = "command", .kind = Kind::mapping, .object = Object::command_source, .names_host_resource = true},
     {.key = "variable", .range = kName},
     {.key = "local", .range = kName},
     {.key = "instrument", .range = between<1, 257>},
@@ -61,34 +61,34 @@ inline constexpr Field kCounter[] = {
 };
 
 inline constexpr Field kReplay[] = {
-    {.key = "file", .required = true, .range = kPath},
+    {.key = "file", .required = true, .range = kPath, .names_host_resource = true},
     {.key = "column", .required = true, .range = kName},
     {.key = "every", .kind = Kind::duration, .range = kShortest},
     {.key = "loop", .kind = Kind::boolean},
 };
 
 inline constexpr Field kFileSource[] = {
-    {.key = "path", .required = true, .range = kPath},
+    {.key = "path", .required = true, .range = kPath, .names_host_resource = true},
     {.key = "every", .kind = Kind::duration, .range = kShortest},
     {.key = "pattern", .range = kPattern},
 };
 
 inline constexpr Field kCommandSource[] = {
-    {.key = "run", .kind = Kind::list, .required = true},
+    {.key = "run", .kind = Kind::list, .required = true, .names_host_resource = true},
     {.key = "every", .kind = Kind::duration, .range = kShortest},
     {.key = "timeout", .kind = Kind::duration, .range = kCommandTime},
     {.key = "pattern", .range = kPattern},
 };
 
 inline constexpr Field kCommand[] = {
-    {.key = "run", .kind = Kind::list, .required = true},
+    {.key = "run", .kind = Kind::list, .required = true, .names_host_resource = true},
     {.key = "timeout", .kind = Kind::duration, .range = kCommandTime},
 };
 
 inline constexpr Field kSink[] = {
     {.key = "variable", .range = kName},
     {.key = "local", .range = kName},
-    {.key = "command", .kind = Kind::mapping, .object = Object::command},
+    {.key = "command", .kind = Kind::mapping, .object = Object::command, .names_host_resource = true},
     {.key = "instrument", .range = between<1, 257>},
 };
 

@@ -19,8 +19,8 @@ namespace {
 constexpr int kNames = 100;
 constexpr ::mode_t kModeBits = 07777;
 
-/// Checks the file that is to be replaced. @returns its mode; none: there is no file
-Result<std::optional<::mode_t>> mode_of_existing(const std::string& path, bool replace) {
+/// Checks the file that is to be replaced. @returns its status; none: there is no file
+Result<std::optional<struct stat>> status_of_existing(const std::string& path, bool replace) {
     if (path.empty() || path.find('\0') != std::string::npos) return fail(Code::cannot_open, path, ENOENT);
     struct stat status{};
     if (::stat(path.c_str(), &status) != 0) {
@@ -31,7 +31,18 @@ Result<std::optional<::mode_t>> mode_of_existing(const std::string& path, bool r
     if (!S_ISREG(status.st_mode)) return fail(Code::unsupported, path);
     if (!replace) return fail(Code::cannot_open, path, EEXIST);
     if (::access(path.c_str(), W_OK) != 0) return fail(Code::cannot_open, path, errno);
-    return status.st_mode & kModeBits;
+    return status;
+}
+
+/// Only root may give a file away, and others only to their own groups: where that fails, the file stays
+/// ours. The mode is set last, because a change of the owner clears bits of it.
+bool pass_on(int descriptor, const struct stat& old) {
+    struct stat created{};
+    if (::fstat(descriptor, &created) != 0) return false;
+    if ((created.st_uid != old.st_uid || created.st_gid != old.st_gid) &&
+        ::fchown(descriptor, old.st_uid, old.st_gid) != 0)
+        static_cast<void>(::fchown(descriptor, static_cast<::uid_t>(-1), old.st_gid));
+    return ::fchmod(descriptor, old.st_mode & kModeBits) == 0;
 }
 
 /// Whether another user may have created a link at the path, to have one of our files replaced.
@@ -69,14 +80,14 @@ FileReplacement::~FileReplacement() {
 }
 
 Result<FileReplacement> FileReplacement::begin(const std::string& path, const Options& options) {
-    TAKT_TRY(const auto existing, mode_of_existing(path, options.replace));
+    TAKT_TRY(const auto existing, status_of_existing(path, options.replace));
     if (existing && is_link_of_another(path)) return fail(Code::cannot_open, path, ELOOP);
     FileReplacement made(existing ? real_path(path) : path, options.replace);
     if (options.temporary_suffix.empty())
         TAKT_CHECK(made.create_unique(options.mode));
     else
         TAKT_CHECK(made.create_named(made.path_ + options.temporary_suffix, options));
-    if (existing && ::fchmod(made.file_.get(), *existing) != 0) return fail(Code::io_failed, path, errno);
+    if (existing && !pass_on(made.file_.get(), *existing)) return fail(Code::io_failed, path, errno);
     return made;
 }
 
@@ -119,21 +130,34 @@ Result<void> FileReplacement::create_named(const std::string& name, const Option
 }
 
 Result<void> FileReplacement::rename_temporary() {
-    const unsigned flags = replace_ ? 0 : RENAME_NOREPLACE;
-    if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), flags) == 0) {
-        temporary_.clear();
-        return {};
-    }
-    // A file system without RENAME_NOREPLACE: a hard link also refuses a name that exists. The destructor
-    // removes the temporary name.
-    if (errno == EINVAL && !replace_ && ::link(temporary_.c_str(), path_.c_str()) == 0) return {};
-    return fail(errno == EEXIST ? Code::cannot_open : Code::io_failed, path_, errno);
+    int error = 0;
+    if (!replace_)
+        error = rename_to_free(temporary_, path_);
+    else if (std::rename(temporary_.c_str(), path_.c_str()) != 0)
+        error = errno;
+    if (error != 0) return fail(error == EEXIST ? Code::cannot_open : Code::io_failed, path_, error);
+    temporary_.clear();
+    return {};
+}
+
+Result<void> FileReplacement::sync_contents() const {
+    // EINVAL: the file system has nothing to synchronise.
+    if (::fsync(file_.get()) != 0 && errno != EINVAL) return fail(Code::io_failed, path_, errno);
+    return {};
 }
 
 Result<void> FileReplacement::commit() {
-    // EINVAL: the file system has nothing to synchronise.
-    if (::fsync(file_.get()) != 0 && errno != EINVAL) return fail(Code::io_failed, path_, errno);
+    TAKT_CHECK(sync_contents());
     TAKT_CHECK(rename_temporary());
+    return sync_names();
+}
+
+Result<std::string> FileReplacement::release() {
+    TAKT_CHECK(sync_contents());
+    return std::exchange(temporary_, {});
+}
+
+Result<void> FileReplacement::sync_names() const {
     auto synced = sync_folder(path_);
     // A folder that may be written but not read: synchronise the whole file system instead.
     if (!synced && synced.error().code == Code::cannot_open && ::syncfs(file_.get()) == 0) return {};
@@ -145,6 +169,19 @@ Result<void> replace_file(const std::string& path, std::string_view bytes,
     TAKT_TRY(auto replacement, FileReplacement::begin(path, options));
     if (!write_all(replacement.descriptor(), bytes)) return fail(Code::io_failed, path, errno);
     return replacement.commit();
+}
+
+int rename_to_free(const std::string& from, const std::string& to) {
+    if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
+    if (errno != EINVAL && errno != ENOSYS) return errno;
+    if (::link(from.c_str(), to.c_str()) == 0) {
+        ::unlink(from.c_str());
+        return 0;
+    }
+    if (errno != EPERM && errno != EOPNOTSUPP && errno != ENOSYS) return errno;
+    struct stat status{};
+    if (::lstat(to.c_str(), &status) == 0) return EEXIST;
+    return std::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
 }
 
 Result<void> sync_folder(const std::string& path) {

@@ -17,7 +17,7 @@
 #include "takt/file/convert.hpp"
 #include "takt/file/document_json.hpp"
 #include "takt/file/schema.hpp"
-#include "takt/file/write.hpp"
+#include "takt/os/exchange.hpp"
 #include "takt/report/findings_report.hpp"
 #include "takt/report/plan_report.hpp"
 #include "unified_diff.hpp"
@@ -36,7 +36,7 @@ struct SentProject {
     }
     [[nodiscard]] bool flag(std::string_view key) const {
         const auto* const value = object.find(key);
-        return value != nullptr && *value == Json(true);
+        return value != nullptr && *value == file::Json(true);
     }
 };
 
@@ -232,6 +232,8 @@ struct ProjectApi::Impl {
         auto wanted = edited(request, *saved);
         if (!wanted) return std::move(wanted.error());
         const auto& old = (*saved)->alone.document.root;
+        if (const auto key = redirecting_key(old, wanted->sent.document); !key.empty())
+            return project_refusal(request, 403, "protected", {{"key", key}, {"file", options.file}});
         if (const auto key = new_protected_key(old, wanted->sent.document); !key.empty())
             return project_refusal(request, 403, "protected_key", {{"key", key}, {"file", options.file}});
         auto read = file::load_text(options.file, wanted->text, restricted_reader(options.file, old));
@@ -243,11 +245,12 @@ struct ProjectApi::Impl {
         shifted.correct(shown);
         auto findings = report::findings_json(request.texts, loaded.files, shown);
         if (loaded.has_errors()) return not_valid(request, std::move(findings));
-        if (const auto written = write((*saved)->text, wanted->text); !written)
-            return project_failure(request, written.error());
+        const auto written = write((*saved)->text, wanted->text);
+        if (!written) return project_failure(request, written.error());
+        if (!written->replaced) return changed_meanwhile(request, written->kept);
         auto object = Json::object();
         object.set("revision", revision_of(wanted->text));
-        object.set("backup", wanted->text == (*saved)->text ? Json() : Json(options.file + "~"));
+        object.set("backup", written->backup.empty() ? Json() : Json(written->backup));
         apply(request, std::move(loaded), wanted->sent.flag("apply"), object);
         object.set("findings", std::move(findings));
         return ApiResponse::json(object);
@@ -263,11 +266,18 @@ struct ProjectApi::Impl {
         return ApiResponse::json(object, 422);
     }
 
-    // The copy is made first: without it nothing is written.
-    [[nodiscard]] Result<void> write(const std::string& old_text, const std::string& new_text) const {
-        if (old_text == new_text) return {};
-        TAKT_CHECK(file::write_file(options.file + "~", old_text, true));
-        return file::write_file(options.file, new_text, true);
+    [[nodiscard]] Result<os::Exchanged> write(const std::string& old_text,
+                                              const std::string& new_text) const {
+        if (old_text == new_text) return os::Exchanged{.replaced = true, .backup = {}, .kept = {}};
+        return os::exchange_file(options.file, new_text, old_text);
+    }
+
+    [[nodiscard]] ApiResponse changed_meanwhile(const ApiRequest& request,
+                                                const std::vector<std::string>& kept) const {
+        if (kept.empty()) return project_refusal(request, 409, "changed_on_disk", {{"file", options.file}});
+        return ApiResponse::error(
+            409, "changed_on_disk",
+            request.texts("web.project.changed_twice", {{"file", options.file}, {"kept", kept.front()}}));
     }
 
     void apply(const ApiRequest& request, host::LoadedProject loaded, bool wanted, Json& object) const {

@@ -119,11 +119,17 @@ def test_keys_of_projects_are_documented():
 
 
 def test_protected_keys_are_documented():
-    source = (ROOT / "src/web/protected_keys.cpp").read_text(encoding="utf-8")
-    listed = re.search(r"kProtected\{([^}]*)\}", source)[1]
+    tables = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "src/model").glob("*_fields.hpp"))
     page = (ROOT / "docs/project-file.md").read_text(encoding="utf-8")
-    stated = re.search(r"\*\*Keys that name commands or files of the host\*\*([^.]*)\.", page)[1]
-    assert {"file", *re.findall(r'"(\w+)"', listed)} == set(re.findall(r"`(\w+)`", stated))
+
+    def marked(mark):
+        return set(re.findall(r'\.key = "(\w+)"[^{}]*\.' + mark + " = true", tables))
+
+    def stated(title):
+        return set(re.findall(r"`(\w+)`", re.search(rf"\*\*{title}\*\*([^.]*)\.", page)[1]))
+
+    assert marked("names_host_resource") == stated("Keys that name commands or files of the host")
+    assert marked("secret") | marked("directs_secret") == stated("Keys that decide where a secret goes")
 
 
 # --- links

@@ -17,8 +17,8 @@ namespace takt::test {
 /// A new folder, which is removed with all that is in it.
 class Folder {
 public:
-    Folder() {
-        std::string name = std::filesystem::temp_directory_path() / "takt-test-XXXXXX";
+    explicit Folder(const std::filesystem::path& parent = std::filesystem::temp_directory_path()) {
+        std::string name = parent / "takt-test-XXXXXX";
         path_ = ::mkdtemp(name.data());
     }
     ~Folder() { std::filesystem::remove_all(path_); }

@@ -1,6 +1,7 @@
 #include "takt/web/project_api.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <optional>
@@ -141,6 +142,16 @@ TEST_F(ProjectApiTest, SavesKeepsTheOldFileAndApplies) {
     // A second save with the old revision would undo the first one.
     EXPECT_EQ(code_of(call(Method::put, "/project", body_of(wanted, *loaded.find("revision")))),
               "409 changed_on_disk");
+}
+
+TEST_F(ProjectApiTest, KeepsTheModeInTheBackup) {
+    ASSERT_EQ(::chmod(file_.c_str(), 0600), 0);
+    const auto loaded = project();
+    const auto wanted = changed(*loaded.find("document"), "Boiler", "Kettle");
+    ASSERT_EQ(call(Method::put, "/project", body_of(wanted, *loaded.find("revision"))).status, 200);
+    constexpr std::filesystem::perms kOwnerOnly{0600};
+    EXPECT_EQ(std::filesystem::status(file_).permissions(), kOwnerOnly);
+    EXPECT_EQ(std::filesystem::status(file_ + "~").permissions(), kOwnerOnly);
 }
 
 TEST_F(ProjectApiTest, ReportsAnApplicationThatFails) {
@@ -298,6 +309,71 @@ TEST_F(ProjectApiTest, NeitherReadsNorNamesOtherFilesOfTheHost) {
     EXPECT_EQ(code_of(call(Method::put, "/project",
                            body_of(Json::parse(wanted).value(), *loaded.find("revision")))),
               "403 protected_key");
+}
+
+constexpr const char* kWithOutputs =
+    "takt: 1\nlines:\n  - name: bus\n    transport: simulated\n    devices:\n"
+    "      - {name: D, address: 1, variables: [{name: V, type: int16, register: 1, read: 0x03}]}\n"
+    "outputs:\n"
+    "  - {name: one, transport: mqtt, brokers: [mqtts://one.example], user: u, password_file: p1}\n"
+    "  - {name: two, transport: mqtt, brokers: [mqtts://two.example], ca_file: c, user: u, password_env: "
+    "P2}\n"
+    "  - {name: open, transport: mqtt, brokers: [mqtts://open.example]}\n";
+
+TEST_F(ProjectApiTest, SendsNoSecretElsewhere) {
+    folder_.write("plant.yaml", kWithOutputs);
+    const auto loaded = project();
+    using Changes = std::vector<std::pair<std::string, std::string>>;
+    const auto refused = [&](const Changes& changes) {
+        auto document = *loaded.find("document");
+        for (const auto& [from, to] : changes) document = changed(document, from, to);
+        const auto answer = call(Method::put, "/project", body_of(document, *loaded.find("revision")));
+        EXPECT_EQ(folder_.read("plant.yaml"), kWithOutputs) << answer.body;
+        return code_of(answer) + " " +
+               std::string(answer.body.find("`brokers`") != std::string::npos   ? "brokers"
+                           : answer.body.find("`ca_file`") != std::string::npos ? "ca_file"
+                                                                                : answer.body);
+    };
+    EXPECT_EQ(refused({{"mqtts://one.example", "mqtts://evil.example"}}), "403 protected brokers");
+    EXPECT_EQ(refused({{"mqtts://one.example", "mqtt://one.example"}}), "403 protected brokers");
+    EXPECT_EQ(refused({{"mqtts://one.example", "mqtts://one.example:8884"}}), "403 protected brokers");
+    EXPECT_EQ(refused({{R"("mqtts://one.example")", R"("mqtts://one.example","mqtts://evil.example")"}}),
+              "403 protected brokers");
+    EXPECT_EQ(refused({{R"("ca_file":"c",)", ""}}), "403 protected ca_file");
+    EXPECT_EQ(refused({{R"("ca_file":"c")", R"("ca_file":"other")"}}), "403 protected ca_file");
+    // The names of two outputs change places, or their origins do.
+    EXPECT_EQ(refused({{R"("name":"one")", R"("name":"x")"},
+                       {R"("name":"open")", R"("name":"one")"},
+                       {"mqtts://one.example", "mqtts://evil.example"}}),
+              "403 protected brokers");
+    EXPECT_EQ(refused({{R"("password_file":"p1","$from":0)", R"("password_file":"p1","$from":2)"},
+                       {R"(open.example"],"$from":2)", R"(open.example"],"$from":0)"},
+                       {"mqtts://one.example", "mqtts://open.example:1"}}),
+              "403 protected brokers");
+    // The secret of one output in another one, and in a new one.
+    EXPECT_EQ(refused({{R"("user":"u","password_file":"p1",)", ""},
+                       {R"(open.example"])", R"(open.example"],"user":"u","password_file":"p1")"}}),
+              "403 protected brokers");
+    EXPECT_EQ(refused({{R"("outputs":[)", R"("outputs":[{"name":"new","transport":"mqtt","brokers":)"
+                                          R"(["mqtts://evil.example"],"user":"u","password_env":"P2"},)"}}),
+              "403 protected brokers");
+}
+
+TEST_F(ProjectApiTest, ChangesWhatSendsNoSecretElsewhere) {
+    using Changes = std::vector<std::pair<std::string, std::string>>;
+    const auto saved = [&](const Changes& changes) {
+        folder_.write("plant.yaml", kWithOutputs);
+        const auto loaded = project();
+        auto document = *loaded.find("document");
+        for (const auto& [from, to] : changes) document = changed(document, from, to);
+        const auto answer = call(Method::put, "/project", body_of(document, *loaded.find("revision")));
+        return answer.status == 200 ? std::string() : answer.body;
+    };
+    EXPECT_EQ(saved({{"open.example", "other.example"}}), "");
+    EXPECT_EQ(saved({{R"("name":"one")", R"("name":"renamed")"}, {R"("user":"u")", R"("user":"v")"}}), "");
+    EXPECT_EQ(saved({{"mqtts://one.example", "mqtts://other.example"},
+                     {R"("user":"u","password_file":"p1",)", ""}}),
+              "");
 }
 
 TEST_F(ProjectApiTest, GivesFieldsSchemaAndImportedRows) {

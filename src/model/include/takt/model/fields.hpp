@@ -155,6 +155,14 @@ struct Field {
     std::int64_t (*zero_means)(const Context&) = nullptr;
     /// The object of a mapping (kind mapping), or of a mapping allowed instead of the value (other kinds).
     std::optional<Object> object;
+    /// The value names a command, a file or an environment variable of the host. Only a person with access to
+    /// the project file may add or change it.
+    bool names_host_resource = false;
+    /// The value is a secret or names one. The program sends it to, or uses it at, another computer.
+    bool secret = false;
+    /// Decides where the secrets of its object go, and how that computer is verified. While a secret of the
+    /// object is set, only a person with access to the project file may change it.
+    bool directs_secret = false;
 };
 
 /// The keys of an object, in the order in which they are described.

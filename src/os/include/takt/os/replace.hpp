@@ -18,7 +18,8 @@ namespace takt::os {
 class FileReplacement {
 public:
     struct Options {
-        /// Mode of a new file, less the umask. An existing file passes its own mode on.
+        /// Mode of a new file, less the umask. An existing file passes its own mode on, and its owner and
+        /// group as far as the system allows it.
         ::mode_t mode = 0666;
         /// Whether an existing file is replaced; else begin() and commit() return EEXIST.
         bool replace = true;
@@ -46,6 +47,9 @@ public:
     /// Open for reading and writing, at the file's beginning.
     [[nodiscard]] int descriptor() const { return file_.get(); }
 
+    /// The path of the file that is replaced, with links followed.
+    [[nodiscard]] const std::string& path() const { return path_; }
+
     /// The temporary file's path, for a library that opens the file itself. It must not have the file open
     /// any more when commit() is called.
     [[nodiscard]] const std::string& temporary() const { return temporary_; }
@@ -55,10 +59,17 @@ public:
     ///          system's error number: 28, the disk is full)
     [[nodiscard]] Result<void> commit();
 
+    /// Synchronises the file with the disk and leaves it under its temporary name, which the caller renames
+    /// or removes. Then sync_names() synchronises the folder.
+    /// @returns the temporary name; io_failed (path, system's error number)
+    [[nodiscard]] Result<std::string> release();
+    [[nodiscard]] Result<void> sync_names() const;
+
 private:
     FileReplacement(std::string path, bool replace) : path_(std::move(path)), replace_(replace) {}
     [[nodiscard]] Result<void> create_unique(::mode_t mode);
     [[nodiscard]] Result<void> create_named(const std::string& name, const Options& options);
+    [[nodiscard]] Result<void> sync_contents() const;
     [[nodiscard]] Result<void> rename_temporary();
 
     std::string path_;
@@ -71,6 +82,11 @@ private:
 /// @returns as FileReplacement
 [[nodiscard]] Result<void> replace_file(const std::string& path, std::string_view bytes,
                                         const FileReplacement::Options& options);
+
+/// Renames a file to a name that must be free. A file system without RENAME_NOREPLACE gets a hard link
+/// instead; one without links is asked first whether the name is free.
+/// @returns 0, or the system's error number: EEXIST, the name is taken
+[[nodiscard]] int rename_to_free(const std::string& from, const std::string& to);
 
 /// Makes what was renamed or created in the folder of `path` durable.
 /// @returns cannot_open, io_failed (folder, system's error number)
