@@ -184,11 +184,14 @@ ReadCause ReadSchedule::start(Instant t, std::size_t index, bool by_trigger) {
         read.triggered = false;
         return ReadCause::trigger;
     }
-    if (std::exchange(read.retry, std::nullopt)) return ReadCause::repetition;
-    if (!request(index).read->polled || t < read.release.next()) return ReadCause::probe;
-    read.skipped += read.release.serve(t);
-    read.round = read.release.last();
-    return ReadCause::release;
+    // A repetition that comes so late that the next release is due serves that one too.
+    const bool repeats = std::exchange(read.retry, std::nullopt).has_value();
+    const bool due = request(index).read->polled && t >= read.release.next();
+    if (due) {
+        read.skipped += read.release.serve(t);
+        read.round = read.release.last();
+    }
+    return repeats ? ReadCause::repetition : due ? ReadCause::release : ReadCause::probe;
 }
 
 void ReadSchedule::ended(std::size_t read) {

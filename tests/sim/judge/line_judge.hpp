@@ -147,7 +147,6 @@ private:
         bool retry = false;                     // the last attempt failed
         Instant failed_at;
         unsigned failures = 0;             // in a row
-        unsigned cuts = 0;                 // in a row: the link was lost before its response
         bool busy = false;                 // its device answered with exception 5 or 6
         bool held = false;                 // it failed or was put off: not judged by priority
         std::optional<Instant> edge;       // of its trigger, unserved

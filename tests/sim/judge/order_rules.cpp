@@ -161,6 +161,7 @@ std::optional<std::string> LineJudge::doubt_polled(Transaction& transaction) {
         transaction.repeated = true;
         if (request.retry) transaction.due_since = request.failed_at;  // else not known
         request.retry = false;
+        request.served_until = t;  // with what has become due meanwhile
         return std::nullopt;
     }
     if (!request.plan->period || !is_due(request, t)) return "a request that is due";

@@ -147,7 +147,6 @@ void LineJudge::on_link(Instant t, bool up) {
         transaction.cut = true;
         if (transaction.request && transaction.is_its_read()) {
             RequestState& request = requests_[*transaction.request];
-            ++request.cuts;
             // A probe serves what is due; where the device does not answer, that is of no account.
             if (transaction.purpose == Purpose::probe)
                 request.served_until = std::max(request.served_until, transaction.start);

@@ -89,10 +89,7 @@ void LineJudge::settle_request(Transaction& transaction, Instant t) {
     if (transaction.purpose == Purpose::trigger)
         request.trigger_failed = failed || refused || transaction.partial;
     const bool learns = devices_[transaction.device].model->gaps == model::Gaps::learn;
-    if (!failed) request.cuts = 0;
-    // A read that the link was lost with is sent again at once, but not twice in a row.
-    const bool again = (failed || transaction.partial || (refused && (learns || transaction.replaces))) &&
-                       !(transaction.cut && request.cuts > 1 && transaction.purpose != Purpose::trigger);
+    const bool again = failed || transaction.partial || (refused && (learns || transaction.replaces));
     if (again && transaction.purpose == Purpose::trigger) {
         transaction.waits_again = !request.edge;
         request.edge = request.edge.value_or(transaction.start);
