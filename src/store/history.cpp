@@ -32,7 +32,8 @@ struct History::State {
           options(its_options),
           open(options.chunk_samples) {}
 
-    Result<void> load();
+    /// @returns the damaged rows; gaps are in their place
+    Result<std::vector<HistoryDamage>> load();
     Result<void> write(std::int64_t wall_ns);
     Result<void> fold(std::int64_t wall_ns);
     Result<void> drop(std::int64_t wall_ns);
@@ -66,14 +67,20 @@ Result<void> History::State::transaction(Statements statements) {
     });
 }
 
-Result<void> History::State::load() {
-    return with_results(path, file.database.get(), [&]() -> Result<void> {
+// Damaged rows are replaced in one transaction: a second start does not record the same gap again.
+Result<std::vector<HistoryDamage>> History::State::load() {
+    return with_results(path, file.database.get(), [&]() -> Result<std::vector<HistoryDamage>> {
         committed = read_state(*file.database);
         position = committed.position;
         all_series = read_series(*file.database);
-        open.load(*file.database);
+        auto damage = open.load(*file.database);
         log_commits = open.samples() > 0 ? options.log_commits : 0;  // fold what is there
-        return {};
+        if (damage.empty()) return damage;
+        TAKT_CHECK(transaction([&](SQLite::Database& database) {
+            open.replace_damaged(database, damage, committed.known_until_ns);
+        }));
+        static_cast<void>(open.folded());
+        return damage;
     });
 }
 
@@ -139,13 +146,13 @@ History::History(std::unique_ptr<State> state) : state_(std::move(state)) {}
 History::~History() = default;
 
 Result<History::Opened> History::open(const std::string& path, const HistoryOptions& options) {
+    Opened opened;
     const auto load = [&]() -> Result<std::unique_ptr<State>> {
         TAKT_TRY(HistoryFile file, open_history_file(path));
         auto state = std::make_unique<State>(std::move(file), path, options);
-        TAKT_CHECK(state->load());
+        TAKT_TRY(opened.damage, state->load());
         return state;
     };
-    Opened opened;
     auto state = load();
     if (!state && state.error().code == Code::malformed) {
         TAKT_TRY(opened.set_aside, set_history_aside(path));

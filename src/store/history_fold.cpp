@@ -27,26 +27,46 @@ std::size_t chunk_length(std::span<const HistorySample> samples, std::size_t mos
 
 }  // namespace
 
-void OpenChunks::load(SQLite::Database& database) {
+std::vector<HistoryDamage> OpenChunks::load(SQLite::Database& database) {
+    std::vector<HistoryDamage> damage;
     next_id_ = last_chunk(database) + 1;
     std::int64_t oldest = INT64_MAX;
     for (const ChunkRow& row : read_open_chunks(database)) {
-        const auto samples = decode_history(read_chunk_data(database, row.id));
-        if (!samples) continue;
+        const auto samples = read_samples(database, row);
+        if (!samples) {
+            damage.push_back(damage_of(database, row));
+            bad_.push_back(row);
+            continue;
+        }
         for (const auto& sample : *samples) add(LoggedSample{row.series, sample});
         entries_[row.series.value].changed = false;
         entries_[row.series.value].row = Row{row.id, row.summary.begin_ns};
         oldest = std::min(oldest, row.summary.begin_ns);
     }
-    for (const auto& bytes : read_log(database)) {
-        const auto logged = decode_log(bytes);
-        if (!logged) continue;
-        for (const auto& sample : *logged) {
-            add(sample);
-            oldest = std::min(oldest, sample.sample.time_ns);
-        }
+    auto log = read_logged(database);
+    for (const auto& logged : log.samples) {
+        add(logged);
+        oldest = std::min(oldest, logged.sample.time_ns);
     }
+    damage.insert(damage.end(), log.damage.begin(), log.damage.end());
     if (samples_ > 0) gaps_ = read_gaps(database, oldest, INT64_MAX);
+    return damage;
+}
+
+void OpenChunks::replace_damaged(SQLite::Database& database, const std::vector<HistoryDamage>& damage,
+                                 std::int64_t wall_ns) {
+    std::optional<HistoryGap> last;
+    for (const auto& its : damage) {
+        if (!its.first_ns || !its.last_ns) continue;
+        const HistoryGap gap{*its.first_ns, *its.last_ns, GapCause::damaged, its.samples};
+        if (gap == last) continue;  // neighbours in the log
+        write_gap(database, gap);
+        add(gap);
+        last = gap;
+    }
+    ChunkWriter writer(database);
+    for (const ChunkRow& row : bad_) writer.erase(row.series, row.summary.begin_ns, row.id);
+    fold(database, wall_ns);
 }
 
 void OpenChunks::add(const LoggedSample& logged) {

@@ -15,8 +15,13 @@ class OpenChunks {
 public:
     explicit OpenChunks(std::size_t chunk_samples) : chunk_samples_(chunk_samples) {}
 
-    /// Reads the open chunks and the log. Damaged ones are skipped.
-    void load(SQLite::Database& database);
+    /// Reads the open chunks and the log. Damaged ones are left out.
+    /// @returns the damage; then replace_damaged() is to be called
+    [[nodiscard]] std::vector<HistoryDamage> load(SQLite::Database& database);
+    /// Writes gaps in the place of the damage of load(), removes the damaged rows and folds the rest, within
+    /// the transaction of the caller.
+    void replace_damaged(SQLite::Database& database, const std::vector<HistoryDamage>& damage,
+                         std::int64_t wall_ns);
     void add(const LoggedSample& logged);
     void add(const HistoryGap& gap);
 
@@ -48,6 +53,7 @@ private:
     std::size_t chunk_samples_;
     std::vector<Entry> entries_;  // by number of the series
     HistoryGaps gaps_;            // of the time of open chunks, by their first times
+    std::vector<ChunkRow> bad_;   // open chunks that are damaged
     std::size_t samples_ = 0;
     std::size_t closed_ = 0;
     std::int64_t next_id_ = 1;

@@ -9,10 +9,8 @@
 #include <utility>
 
 #include "history_file.hpp"
-#include "history_log.hpp"
 #include "history_picture.hpp"
 #include "history_tables.hpp"
-#include "takt/store/history_codec.hpp"
 
 namespace takt::store {
 namespace {
@@ -51,7 +49,8 @@ Cluster next_cluster(Cluster chunks) {
 struct HistoryReader::State {
     std::string path;
     std::unique_ptr<SQLite::Database> database;
-    std::uint64_t damaged = 0;  // chunks of the current query
+    std::uint64_t damaged = 0;  // chunks and rows of the log that the current query lacks
+    std::vector<HistoryDamage> damage;
 
     /// Runs `query` on one state of the file.
     template <class Query>
@@ -63,20 +62,33 @@ struct HistoryReader::State {
         });
     }
 
-    Samples samples_of(std::int64_t chunk) {
-        auto samples = decode_history(read_chunk_data(*database, chunk));
-        if (!samples) ++damaged;
-        return samples ? std::move(*samples) : Samples();
+    void note(const HistoryDamage& found) {
+        if (std::ranges::find(damage, found) == damage.end()) damage.push_back(found);
     }
-    /// The samples of the log, in order of time.
+    /// Notes the gaps that a writer has put in the place of damaged samples.
+    void note_recorded(std::span<const HistoryGap> gaps, const HistoryRange& range) {
+        for (const auto& gap : gaps)
+            if (gap.cause == GapCause::damaged && gap.last_ns >= range.from_ns && gap.first_ns < range.to_ns)
+                note({.part = HistoryPart::recorded,
+                      .first_ns = gap.first_ns,
+                      .last_ns = gap.last_ns,
+                      .samples = gap.samples});
+    }
+    Samples samples_of(const ChunkRow& row) {
+        auto samples = read_samples(*database, row);
+        if (samples) return std::move(*samples);
+        ++damaged;
+        note(damage_of(*database, row));
+        return {};
+    }
+    /// The samples of the log, in order of time. The variables of a damaged row are unknown.
     Samples logged(SeriesId series) {
         Samples samples;
-        for (const auto& row : read_log(*database)) {
-            const auto all = decode_log(row);
-            if (!all) continue;
-            for (const auto& entry : *all)
-                if (entry.series == series) samples.push_back(entry.sample);
-        }
+        const auto log = read_logged(*database);
+        for (const auto& found : log.damage) note(found);
+        damaged += log.damage.size();
+        for (const auto& entry : log.samples)
+            if (entry.series == series) samples.push_back(entry.sample);
         std::ranges::stable_sort(samples, {}, &HistorySample::time_ns);
         return samples;
     }
@@ -97,12 +109,12 @@ struct HistoryReader::State {
         return rows;
     }
     Samples merged(Cluster cluster, const Samples& log) {
-        if (cluster.size() == 1) return cluster[0].id == 0 ? log : samples_of(cluster[0].id);
+        if (cluster.size() == 1) return cluster[0].id == 0 ? log : samples_of(cluster[0]);
         std::vector<ChunkRow> by_arrival(cluster.begin(), cluster.end());
         std::ranges::sort(by_arrival, {}, arrival);
         Samples all;
         for (const ChunkRow& row : by_arrival) {
-            const auto samples = row.id == 0 ? log : samples_of(row.id);
+            const auto samples = row.id == 0 ? log : samples_of(row);
             all.insert(all.end(), samples.begin(), samples.end());
         }
         std::ranges::stable_sort(all, {}, &HistorySample::time_ns);
@@ -130,7 +142,7 @@ std::optional<HistorySample> HistoryReader::State::before(SeriesId series, std::
         auto rows = read_chunks(*database, series, begin - kHour, time_ns);
         std::ranges::sort(rows, {}, arrival);
         for (const ChunkRow& row : rows)
-            if (row.summary.end_ns >= begin) take(samples_of(row.id));
+            if (row.summary.end_ns >= begin) take(samples_of(row));
     }
     take(log);
     return best;
@@ -148,6 +160,7 @@ HistoryPicture HistoryReader::State::picture(SeriesId series, const HistoryRange
     const auto first = before(series, range.from_ns, log);
     const auto all_gaps =
         read_gaps(*database, first ? std::min(first->time_ns, range.from_ns) : range.from_ns, range.to_ns);
+    note_recorded(all_gaps, range);
     PictureBuilder builder(range, pixels, all_gaps);
     if (first) builder.begin(*first);
     const auto rows = chunks(series, range, log);
@@ -213,12 +226,17 @@ Result<std::optional<HistorySample>> HistoryReader::before(SeriesId series, std:
 }
 
 Result<std::vector<HistoryGap>> HistoryReader::gaps(const HistoryRange& range) {
-    return state_->consistent([&] { return read_gaps(*state_->database, range.from_ns, range.to_ns - 1); });
+    return state_->consistent([&] {
+        auto gaps = read_gaps(*state_->database, range.from_ns, range.to_ns - 1);
+        state_->note_recorded(gaps, range);
+        return gaps;
+    });
 }
 
 Result<void> HistoryReader::read(SeriesId series, const HistoryRange& range,
                                  const std::function<bool(const HistorySample&)>& sample) {
     const auto done = state_->consistent([&] {
+        state_->note_recorded(read_gaps(*state_->database, range.from_ns, range.to_ns - 1), range);
         const auto log = state_->logged(series);
         const auto rows = state_->chunks(series, range, log);
         for (Cluster left(rows); !left.empty();) {
@@ -240,6 +258,10 @@ Result<HistoryPicture> HistoryReader::picture(SeriesId series, const HistoryRang
     if (range.from_ns >= range.to_ns || pixels < 1 || pixels > kMostPixels)
         return fail(Code::out_of_range, static_cast<std::int64_t>(pixels), 1, kMostPixels);
     return state_->consistent([&] { return state_->picture(series, range, pixels); });
+}
+
+const std::vector<HistoryDamage>& HistoryReader::damage() const {
+    return state_->damage;
 }
 
 }  // namespace takt::store

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "history_bytes.hpp"
+#include "takt/store/history_codec.hpp"
 
 namespace takt::store {
 namespace {
@@ -104,6 +105,19 @@ void execute(SQLite::Statement& statement) {
 }
 
 }  // namespace
+
+std::string_view name(HistoryPart part) {
+    switch (part) {
+        case HistoryPart::log: return "log";
+        case HistoryPart::chunk: return "chunk";
+        case HistoryPart::rollup: return "rollup";
+        case HistoryPart::gap: return "gap";
+        case HistoryPart::series: return "series";
+        case HistoryPart::state: return "state";
+        case HistoryPart::recorded: return "recorded";
+    }
+    return "other";
+}
 
 void make_history_tables(SQLite::Database& database) {
     SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
@@ -280,6 +294,27 @@ std::vector<std::uint8_t> read_chunk_data(SQLite::Database& database, std::int64
     return read_blob(database, "SELECT data FROM chunk WHERE id = ?", id);
 }
 
+Result<std::vector<HistorySample>> read_samples(SQLite::Database& database, const ChunkRow& row) {
+    auto samples = decode_history(read_chunk_data(database, row.id));
+    if (!samples) return samples;
+    const auto& summary = row.summary;
+    if (samples->empty() || samples->size() != summary.samples ||
+        samples->front().time_ns != summary.begin_ns || samples->back().time_ns != summary.end_ns)
+        return fail(Code::malformed);
+    return samples;
+}
+
+HistoryDamage damage_of(SQLite::Database& database, const ChunkRow& row) {
+    HistoryDamage damage{.part = HistoryPart::chunk,
+                         .row = row.id,
+                         .first_ns = row.summary.begin_ns,
+                         .last_ns = row.summary.end_ns,
+                         .samples = row.summary.samples};
+    for (const auto& info : read_series(database))
+        if (info.id == row.series) damage.variable = info.series.name;
+    return damage;
+}
+
 std::size_t drop_chunks(SQLite::Database& database, std::int64_t cutoff_ns, std::size_t most) {
     SQLite::Statement select(
         database, "SELECT series, t0, chunk FROM rollup WHERE t1 < ? AND open = 0 ORDER BY t1 LIMIT ?");
@@ -311,11 +346,22 @@ void write_log(SQLite::Database& database, const std::vector<std::uint8_t>& row)
     insert.exec();
 }
 
-std::vector<std::vector<std::uint8_t>> read_log(SQLite::Database& database) {
-    SQLite::Statement select(database, "SELECT data FROM log ORDER BY id");
-    std::vector<std::vector<std::uint8_t>> rows;
-    while (select.executeStep()) rows.push_back(bytes_of(select.getColumn(0)));
+std::vector<LogRow> read_log(SQLite::Database& database) {
+    SQLite::Statement select(database, "SELECT id, data FROM log ORDER BY id");
+    std::vector<LogRow> rows;
+    while (select.executeStep())
+        rows.push_back({select.getColumn(0).getInt64(), bytes_of(select.getColumn(1))});
     return rows;
+}
+
+// The log is newer than the chunks that are closed, and older than the last commit.
+DecodedLog read_logged(SQLite::Database& database) {
+    const auto rows = read_log(database);
+    if (rows.empty()) return {};
+    const auto until = read_state(database).known_until_ns;
+    SQLite::Statement select(database, "SELECT max(t1) FROM rollup");
+    const bool has_chunks = select.executeStep() && !select.isColumnNull(0);
+    return decode_log(rows, has_chunks ? nanoseconds(select.getColumn(0).getInt64()) : until, until);
 }
 
 void clear_log(SQLite::Database& database) {

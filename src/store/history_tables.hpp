@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "database.hpp"
+#include "history_log.hpp"
 #include "history_summary.hpp"
 #include "takt/store/history_reader.hpp"
 
@@ -69,12 +70,22 @@ private:
 /// Empty where there is no such chunk.
 [[nodiscard]] std::vector<std::uint8_t> read_chunk_data(SQLite::Database& database, std::int64_t id);
 
+/// The samples of a chunk, in order of time.
+/// @returns malformed: they are damaged, or not those of the row
+[[nodiscard]] Result<std::vector<HistorySample>> read_samples(SQLite::Database& database,
+                                                              const ChunkRow& row);
+/// The damage of a chunk, with the name of its variable.
+[[nodiscard]] HistoryDamage damage_of(SQLite::Database& database, const ChunkRow& row);
+
 /// Deletes up to `most` closed chunks, the oldest first, that end before `cutoff_ns`. @returns how many
 [[nodiscard]] std::size_t drop_chunks(SQLite::Database& database, std::int64_t cutoff_ns, std::size_t most);
 void drop_gaps(SQLite::Database& database, std::int64_t cutoff_ns);
 
 void write_log(SQLite::Database& database, const std::vector<std::uint8_t>& row);
-[[nodiscard]] std::vector<std::vector<std::uint8_t>> read_log(SQLite::Database& database);
+/// The rows, in the order of their numbers.
+[[nodiscard]] std::vector<LogRow> read_log(SQLite::Database& database);
+/// The samples of the log, and its damaged rows.
+[[nodiscard]] DecodedLog read_logged(SQLite::Database& database);
 void clear_log(SQLite::Database& database);
 
 struct HistoryPages {
