@@ -44,8 +44,8 @@ public:
     struct Opened;
 
     /// Opens or creates the file. One that SQLite cannot read is moved aside, with its log, to the first free
-    /// of "PATH.damaged-1" to "-999", and a new one begun. Damaged rows of the log and damaged open chunks are
-    /// replaced by gaps; other chunks are not read here (HistoryReader::damage()).
+    /// of "PATH.damaged-1" to "-999", and a new one begun. Damaged rows of the log and damaged open chunks
+    /// are replaced by gaps; other chunks are not read here (HistoryReader::damage()).
     /// @returns busy (another program writes it); unsupported (not a history, or of a newer version: it is
     ///          left alone); cannot_open, io_failed
     [[nodiscard]] static Result<Opened> open(const std::string& path, const HistoryOptions& options = {});
