@@ -10,6 +10,7 @@
 #include "history_bytes.hpp"
 #include "history_file.hpp"
 #include "history_fold.hpp"
+#include "history_load.hpp"
 #include "history_log.hpp"
 #include "history_tables.hpp"
 
@@ -67,20 +68,14 @@ Result<void> History::State::transaction(Statements statements) {
     });
 }
 
-// Damaged rows are replaced in one transaction: a second start does not record the same gap again.
 Result<std::vector<HistoryDamage>> History::State::load() {
     return with_results(path, file.database.get(), [&]() -> Result<std::vector<HistoryDamage>> {
-        committed = read_state(*file.database);
+        auto loaded = load_history(*file.database, open);
+        committed = loaded.state;
         position = committed.position;
-        all_series = read_series(*file.database);
-        auto damage = open.load(*file.database);
+        all_series = std::move(loaded.series);
         log_commits = open.samples() > 0 ? options.log_commits : 0;  // fold what is there
-        if (damage.empty()) return damage;
-        TAKT_CHECK(transaction([&](SQLite::Database& database) {
-            open.replace_damaged(database, damage, committed.known_until_ns);
-        }));
-        static_cast<void>(open.folded());
-        return damage;
+        return std::move(loaded.damage);
     });
 }
 
@@ -90,11 +85,13 @@ Result<void> History::State::write(std::int64_t wall_ns) {
         wall_ns + kStateInterval > committed.known_until_ns)
         return {};
     TAKT_CHECK(check_unmoved(*file.database, path));
-    const HistoryState next{position, wall_ns};
+    HistoryState next = committed;
+    next.position = position;
+    next.known_until_ns = wall_ns;
     const auto row = pending.empty() ? std::vector<std::uint8_t>() : encode_log(pending);
     TAKT_CHECK(transaction([&](SQLite::Database& database) {
-        if (!row.empty()) write_log(database, row);
-        for (const auto& gap : pending_gaps) write_gap(database, gap);
+        if (!row.empty()) write_log(database, next, row);
+        for (const auto& gap : pending_gaps) write_gap(database, next, gap);
         write_state(database, next);
     }));
     committed = next;
@@ -110,7 +107,12 @@ Result<void> History::State::write(std::int64_t wall_ns) {
 
 Result<void> History::State::fold(std::int64_t wall_ns) {
     if (log_bytes < options.log_bytes && log_commits < options.log_commits) return {};
-    TAKT_CHECK(transaction([&](SQLite::Database& database) { open.fold(database, wall_ns); }));
+    HistoryState next = committed;
+    TAKT_CHECK(transaction([&](SQLite::Database& database) {
+        open.fold(database, next, wall_ns);
+        write_state(database, next);
+    }));
+    committed = next;
     status.chunks += open.folded();
     log_bytes = 0;
     log_commits = 0;
@@ -131,10 +133,13 @@ Result<void> History::State::drop(std::int64_t wall_ns) {
         }));
         const bool too_large = options.quota_bytes > 0 && pages.used_bytes > options.quota_bytes;
         const std::int64_t cutoff = too_large ? INT64_MAX : oldest;
+        HistoryState next = committed;
         TAKT_CHECK(transaction([&](SQLite::Database& database) {
-            dropped = drop_chunks(database, cutoff, kDropBatch);
-            if (dropped > 0 && oldest != INT64_MIN) drop_gaps(database, oldest);
+            dropped = drop_chunks(database, next, cutoff, kDropBatch);
+            if (dropped > 0 && oldest != INT64_MIN) drop_gaps(database, next, oldest);
+            if (dropped > 0) write_state(database, next);
         }));
+        committed = next;
         status.dropped += dropped;
     }
     status.used_bytes = pages.used_bytes;
@@ -170,7 +175,12 @@ Result<SeriesId> History::series(const HistorySeries& properties) {
                                          [](const auto& info) -> const auto& { return info.series.name; });
     if (known != s.all_series.end() && known->series == properties) return known->id;
     SeriesId id;
-    TAKT_CHECK(s.transaction([&](SQLite::Database& database) { id = write_series(database, properties); }));
+    HistoryState next = s.committed;
+    TAKT_CHECK(s.transaction([&](SQLite::Database& database) {
+        id = write_series(database, next, properties);
+        write_state(database, next);
+    }));
+    s.committed = next;
     if (known != s.all_series.end())
         known->series = properties;
     else

@@ -27,46 +27,21 @@ std::size_t chunk_length(std::span<const HistorySample> samples, std::size_t mos
 
 }  // namespace
 
-std::vector<HistoryDamage> OpenChunks::load(SQLite::Database& database) {
-    std::vector<HistoryDamage> damage;
-    next_id_ = last_chunk(database) + 1;
-    std::int64_t oldest = INT64_MAX;
-    for (const ChunkRow& row : read_open_chunks(database)) {
-        const auto samples = read_samples(database, row);
-        if (!samples) {
-            damage.push_back(damage_of(database, row));
-            bad_.push_back(row);
-            continue;
-        }
-        for (const auto& sample : *samples) add(LoggedSample{row.series, sample});
-        entries_[row.series.value].changed = false;
-        entries_[row.series.value].row = Row{row.id, row.summary.begin_ns};
-        oldest = std::min(oldest, row.summary.begin_ns);
-    }
-    auto log = read_logged(database);
-    for (const auto& logged : log.samples) {
-        add(logged);
-        oldest = std::min(oldest, logged.sample.time_ns);
-    }
-    damage.insert(damage.end(), log.damage.begin(), log.damage.end());
-    if (samples_ > 0) gaps_ = read_gaps(database, oldest, INT64_MAX);
-    return damage;
+void OpenChunks::load(const DecodedLog& log) {
+    for (const auto& logged : log.samples) add(logged);
 }
 
-void OpenChunks::replace_damaged(SQLite::Database& database, const std::vector<HistoryDamage>& damage,
-                                 std::int64_t wall_ns) {
-    std::optional<HistoryGap> last;
-    for (const auto& its : damage) {
-        if (!its.first_ns || !its.last_ns) continue;
-        const HistoryGap gap{*its.first_ns, *its.last_ns, GapCause::damaged, its.samples};
-        if (gap == last) continue;  // neighbours in the log
-        write_gap(database, gap);
-        add(gap);
-        last = gap;
-    }
-    ChunkWriter writer(database);
-    for (const ChunkRow& row : bad_) writer.erase(row.series, row.summary.begin_ns, row.id);
-    fold(database, wall_ns);
+void OpenChunks::load(const ChunkRow& row, const std::vector<HistorySample>& samples) {
+    for (const auto& sample : samples) add(LoggedSample{row.series, sample});
+    entries_[row.series.value].changed = false;
+    entries_[row.series.value].row = Row{row.id, row.summary.begin_ns};
+}
+
+void OpenChunks::load(const HistoryGaps& gaps) {
+    std::int64_t oldest = INT64_MAX;
+    for (const Entry& entry : entries_)
+        for (const auto& sample : entry.samples) oldest = std::min(oldest, sample.time_ns);
+    if (samples_ > 0) gaps_ = gaps_in(gaps, oldest, INT64_MAX);
 }
 
 void OpenChunks::add(const LoggedSample& logged) {
@@ -85,13 +60,14 @@ void OpenChunks::add(const HistoryGap& gap) {
         std::erase_if(gaps_, [old](const HistoryGap& entry) { return entry.last_ns < old; });
 }
 
-void OpenChunks::fold(SQLite::Database& database, std::int64_t wall_ns) {
+void OpenChunks::fold(SQLite::Database& database, HistoryState& state, std::int64_t wall_ns) {
     ChunkWriter writer(database);
     closed_ = 0;
     close_all_ = samples_ > kMostOpenSamples;
     for (std::size_t i = 0; i < entries_.size(); ++i)
         fold(writer, SeriesId{static_cast<std::uint32_t>(i)}, entries_[i], wall_ns);
-    clear_log(database);
+    writer.finish(state);
+    clear_log(database, state);
 }
 
 void OpenChunks::fold(ChunkWriter& writer, SeriesId series, Entry& entry, std::int64_t wall_ns) {

@@ -124,7 +124,7 @@ DecodedLog decode_log(std::span<const LogRow> rows, std::int64_t from_ns, std::i
         from_ns = newest.sample.time_ns;
         log.samples.insert(log.samples.end(), samples->begin(), samples->end());
     }
-    bound(to_ns);
+    bound(std::max(from_ns, to_ns));
     return log;
 }
 
