@@ -56,6 +56,7 @@ Result<void> HistoryWork::open() {
     TAKT_TRY(auto opened, store::History::open(path_, options_));
     history_ = std::move(opened.history);
     if (!opened.set_aside.empty()) set_aside_ = opened.set_aside;
+    damaged_ += opened.damage.size();
     series_.clear();
     records_ = 0;
     journal_->rewind(destination_);
@@ -148,6 +149,7 @@ void HistoryWork::report(Instant, OutputStatus& status) const {
     status.state = failure_ ? OutputState::waiting : OutputState::delivering;
     status.destination = path_;
     if (failure_) status.failure = error_text(*failure_);
+    status.damaged = damaged_;
     status.set_aside = set_aside_;
 }
 

@@ -18,6 +18,7 @@ void OutputLog::note(const OutputStatus& status) {
     note_journal(status);
     note_unrecorded(status);
     note_too_large(status);
+    note_damaged(status);
     note_set_aside(status);
 }
 
@@ -56,6 +57,16 @@ void OutputLog::note_too_large(const OutputStatus& status) {
                                LogArgument{.name = "destination", .text = status.destination},
                                LogArgument{.name = "bytes", .text = bytes}};
     log_.message(LogLevel::error, "log.output.too_large", arguments);
+}
+
+void OutputLog::note_damaged(const OutputStatus& status) {
+    if (status.damaged == damaged_) return;
+    damaged_ = status.damaged;
+    const auto count = std::to_string(damaged_);
+    const std::array arguments{LogArgument{.name = "name", .text = status.name},
+                               LogArgument{.name = "destination", .text = status.destination},
+                               LogArgument{.name = "count", .text = count}};
+    log_.message(LogLevel::error, "log.output.damaged", arguments);
 }
 
 void OutputLog::note_set_aside(const OutputStatus& status) {

@@ -202,6 +202,24 @@ file::Json gaps_json(std::span<const store::HistoryGap> gaps) {
     return file::Json(std::move(items));
 }
 
+file::Json damage_json(std::span<const store::HistoryDamage> damage) {
+    const auto time = [](std::optional<std::int64_t> time_ns) {
+        return time_ns ? file::Json(utc_time_text(*time_ns)) : file::Json();
+    };
+    file::Json::Array items;
+    for (const auto& its : damage) {
+        auto item = file::Json::object();
+        item.set("part", store::name(its.part));
+        item.set("row", its.row > 0 ? file::Json(its.row) : file::Json());
+        item.set("variable", its.variable.empty() ? file::Json() : file::Json(its.variable));
+        item.set("from", time(its.first_ns));
+        item.set("to", time(its.last_ns));
+        item.set("samples", its.samples > 0 ? file::Json(its.samples) : file::Json());
+        items.push_back(std::move(item));
+    }
+    return file::Json(std::move(items));
+}
+
 }  // namespace
 
 std::string_view gap_word(store::GapCause cause) {
@@ -249,7 +267,8 @@ std::string history_text(const Texts& texts, const std::vector<HistoryView>& vie
     return text;
 }
 
-file::Json history_json(const std::vector<HistoryView>& views, const store::HistoryRange& range) {
+file::Json history_json(const std::vector<HistoryView>& views, const store::HistoryRange& range,
+                        std::span<const store::HistoryDamage> damage) {
     auto object = file::Json::object();
     object.set("from", utc_time_text(range.from_ns));
     object.set("to", utc_time_text(range.to_ns));
@@ -257,7 +276,22 @@ file::Json history_json(const std::vector<HistoryView>& views, const store::Hist
     for (const auto& view : views) variables.push_back(view_json(view));
     object.set("variables", file::Json(std::move(variables)));
     object.set("gaps", views.empty() ? file::Json::array() : gaps_json(views.front().picture.gaps));
+    object.set("damage", damage_json(damage));
     return object;
+}
+
+std::string history_damage_text(const Texts& texts, std::span<const store::HistoryDamage> damage) {
+    if (damage.empty()) return {};
+    using enum TextTable::Align;
+    TextTable table({left, left, left, right});
+    for (const auto& its : damage)
+        table.add(
+            {its.variable.empty() ? "–" : its.variable,
+             its.first_ns && its.last_ns ? range_of_times({*its.first_ns, *its.last_ns}) : "–",
+             texts("app.history.part." + std::string(store::name(its.part))),
+             its.samples > 0 ? texts("app.history.lost", {{"count", std::to_string(its.samples)}}) : ""});
+    return texts("app.history.damage", {{"count", std::to_string(damage.size())}}) + '\n' +
+           table.render("  ");
 }
 
 std::string history_list_text(const Texts& texts, const std::vector<HistoryListEntry>& entries,
@@ -273,7 +307,8 @@ std::string history_list_text(const Texts& texts, const std::vector<HistoryListE
     return table.render("", columns);
 }
 
-file::Json history_list_json(const std::vector<HistoryListEntry>& entries) {
+file::Json history_list_json(const std::vector<HistoryListEntry>& entries,
+                             std::span<const store::HistoryDamage> damage) {
     file::Json::Array variables;
     for (const auto& [series, extent] : entries) {
         auto item = file::Json::object();
@@ -287,6 +322,7 @@ file::Json history_list_json(const std::vector<HistoryListEntry>& entries) {
     }
     auto object = file::Json::object();
     object.set("variables", file::Json(std::move(variables)));
+    object.set("damage", damage_json(damage));
     return object;
 }
 
@@ -305,6 +341,14 @@ std::string history_csv_row(const store::HistorySeries& series, const store::His
                        csv_cell(value::format(series.type, series.scaled, sample.value), ','),
                        value::name(sample.quality), reason,
                        sample.previous_ns ? utc_time_text(*sample.previous_ns) : "");
+}
+
+std::string history_csv_row(const store::HistoryDamage& damage) {
+    std::string reason(store::name(damage.part));
+    if (damage.last_ns) reason += " until " + utc_time_text(*damage.last_ns);
+    return fmt::format("{},{},{},,damaged,{},\n", csv_cell(damage.variable, ','),
+                       damage.first_ns ? utc_time_text(*damage.first_ns) : "",
+                       damage.first_ns ? local_time_text(*damage.first_ns) : "", reason);
 }
 
 }  // namespace takt::report

@@ -81,6 +81,8 @@ std::string output_line(const Texts& texts, const file::Json& output) {
         text += texts("app.output.unrecorded", {{"count", count}});
     if (const auto count = scalar_text(output, "too_large"); !count.empty() && count != "0")
         text += texts("app.output.too_large", {{"count", count}});
+    if (const auto count = scalar_text(output, "damaged"); !count.empty() && count != "0")
+        text += texts("app.output.damaged", {{"count", count}});
     if (const auto aside = scalar_text(output, "set_aside"); !aside.empty())
         text += texts("app.output.set_aside", {{"file", aside}});
     const auto* const journal = output.find("journal");
@@ -139,6 +141,7 @@ file::Json output_json(const Texts& texts, const publish::OutputStatus& status, 
     object.set("answers_dropped", status.answers_dropped);
     object.set("commands_unrecorded", status.commands_unrecorded);
     object.set("too_large", status.too_large);
+    object.set("damaged", status.damaged);
     object.set("set_aside", status.set_aside.empty() ? file::Json() : file::Json(status.set_aside));
     object.set("journal", journal_json(texts, status));
     if (status.mqtt) object.set("mqtt", mqtt_json(*status.mqtt));

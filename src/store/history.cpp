@@ -10,6 +10,7 @@
 #include "history_bytes.hpp"
 #include "history_file.hpp"
 #include "history_fold.hpp"
+#include "history_load.hpp"
 #include "history_log.hpp"
 #include "history_tables.hpp"
 
@@ -32,7 +33,8 @@ struct History::State {
           options(its_options),
           open(options.chunk_samples) {}
 
-    Result<void> load();
+    /// @returns the damaged rows; gaps are in their place
+    Result<std::vector<HistoryDamage>> load();
     Result<void> write(std::int64_t wall_ns);
     Result<void> fold(std::int64_t wall_ns);
     Result<void> drop(std::int64_t wall_ns);
@@ -66,14 +68,14 @@ Result<void> History::State::transaction(Statements statements) {
     });
 }
 
-Result<void> History::State::load() {
-    return with_results(path, file.database.get(), [&]() -> Result<void> {
-        committed = read_state(*file.database);
+Result<std::vector<HistoryDamage>> History::State::load() {
+    return with_results(path, file.database.get(), [&]() -> Result<std::vector<HistoryDamage>> {
+        auto loaded = load_history(*file.database, open);
+        committed = loaded.state;
         position = committed.position;
-        all_series = read_series(*file.database);
-        open.load(*file.database);
+        all_series = std::move(loaded.series);
         log_commits = open.samples() > 0 ? options.log_commits : 0;  // fold what is there
-        return {};
+        return std::move(loaded.damage);
     });
 }
 
@@ -83,11 +85,13 @@ Result<void> History::State::write(std::int64_t wall_ns) {
         wall_ns + kStateInterval > committed.known_until_ns)
         return {};
     TAKT_CHECK(check_unmoved(*file.database, path));
-    const HistoryState next{position, wall_ns};
+    HistoryState next = committed;
+    next.position = position;
+    next.known_until_ns = wall_ns;
     const auto row = pending.empty() ? std::vector<std::uint8_t>() : encode_log(pending);
     TAKT_CHECK(transaction([&](SQLite::Database& database) {
-        if (!row.empty()) write_log(database, row);
-        for (const auto& gap : pending_gaps) write_gap(database, gap);
+        if (!row.empty()) write_log(database, next, row);
+        for (const auto& gap : pending_gaps) write_gap(database, next, gap);
         write_state(database, next);
     }));
     committed = next;
@@ -103,7 +107,12 @@ Result<void> History::State::write(std::int64_t wall_ns) {
 
 Result<void> History::State::fold(std::int64_t wall_ns) {
     if (log_bytes < options.log_bytes && log_commits < options.log_commits) return {};
-    TAKT_CHECK(transaction([&](SQLite::Database& database) { open.fold(database, wall_ns); }));
+    HistoryState next = committed;
+    TAKT_CHECK(transaction([&](SQLite::Database& database) {
+        open.fold(database, next, wall_ns);
+        write_state(database, next);
+    }));
+    committed = next;
     status.chunks += open.folded();
     log_bytes = 0;
     log_commits = 0;
@@ -124,10 +133,13 @@ Result<void> History::State::drop(std::int64_t wall_ns) {
         }));
         const bool too_large = options.quota_bytes > 0 && pages.used_bytes > options.quota_bytes;
         const std::int64_t cutoff = too_large ? INT64_MAX : oldest;
+        HistoryState next = committed;
         TAKT_CHECK(transaction([&](SQLite::Database& database) {
-            dropped = drop_chunks(database, cutoff, kDropBatch);
-            if (dropped > 0 && oldest != INT64_MIN) drop_gaps(database, oldest);
+            dropped = drop_chunks(database, next, cutoff, kDropBatch);
+            if (dropped > 0 && oldest != INT64_MIN) drop_gaps(database, next, oldest);
+            if (dropped > 0) write_state(database, next);
         }));
+        committed = next;
         status.dropped += dropped;
     }
     status.used_bytes = pages.used_bytes;
@@ -139,13 +151,13 @@ History::History(std::unique_ptr<State> state) : state_(std::move(state)) {}
 History::~History() = default;
 
 Result<History::Opened> History::open(const std::string& path, const HistoryOptions& options) {
+    Opened opened;
     const auto load = [&]() -> Result<std::unique_ptr<State>> {
         TAKT_TRY(HistoryFile file, open_history_file(path));
         auto state = std::make_unique<State>(std::move(file), path, options);
-        TAKT_CHECK(state->load());
+        TAKT_TRY(opened.damage, state->load());
         return state;
     };
-    Opened opened;
     auto state = load();
     if (!state && state.error().code == Code::malformed) {
         TAKT_TRY(opened.set_aside, set_history_aside(path));
@@ -163,7 +175,12 @@ Result<SeriesId> History::series(const HistorySeries& properties) {
                                          [](const auto& info) -> const auto& { return info.series.name; });
     if (known != s.all_series.end() && known->series == properties) return known->id;
     SeriesId id;
-    TAKT_CHECK(s.transaction([&](SQLite::Database& database) { id = write_series(database, properties); }));
+    HistoryState next = s.committed;
+    TAKT_CHECK(s.transaction([&](SQLite::Database& database) {
+        id = write_series(database, next, properties);
+        write_state(database, next);
+    }));
+    s.committed = next;
     if (known != s.all_series.end())
         known->series = properties;
     else

@@ -10,7 +10,7 @@
 #include <span>
 #include <string_view>
 
-#include "history_tables.hpp"
+#include "history_schema.hpp"
 #include "takt/os/open.hpp"
 
 namespace takt::store {
@@ -91,7 +91,10 @@ Result<HistoryFile> open_history_file(const std::string& path) {
         if (!empty)
             if (auto ours = check_history(*opened.database, path); !ours) return ours;
         opened.database->exec(kHistorySettings);
-        if (empty) make_history_tables(*opened.database);
+        if (empty)
+            make_history_tables(*opened.database);
+        else
+            upgrade_history(*opened.database);
         return {};
     }));
     return opened;

@@ -27,26 +27,21 @@ std::size_t chunk_length(std::span<const HistorySample> samples, std::size_t mos
 
 }  // namespace
 
-void OpenChunks::load(SQLite::Database& database) {
-    next_id_ = last_chunk(database) + 1;
+void OpenChunks::load(const DecodedLog& log) {
+    for (const auto& logged : log.samples) add(logged);
+}
+
+void OpenChunks::load(const ChunkRow& row, const std::vector<HistorySample>& samples) {
+    for (const auto& sample : samples) add(LoggedSample{row.series, sample});
+    entries_[row.series.value].changed = false;
+    entries_[row.series.value].row = Row{row.id, row.summary.begin_ns};
+}
+
+void OpenChunks::load(const HistoryGaps& gaps) {
     std::int64_t oldest = INT64_MAX;
-    for (const ChunkRow& row : read_open_chunks(database)) {
-        const auto samples = decode_history(read_chunk_data(database, row.id));
-        if (!samples) continue;
-        for (const auto& sample : *samples) add(LoggedSample{row.series, sample});
-        entries_[row.series.value].changed = false;
-        entries_[row.series.value].row = Row{row.id, row.summary.begin_ns};
-        oldest = std::min(oldest, row.summary.begin_ns);
-    }
-    for (const auto& bytes : read_log(database)) {
-        const auto logged = decode_log(bytes);
-        if (!logged) continue;
-        for (const auto& sample : *logged) {
-            add(sample);
-            oldest = std::min(oldest, sample.sample.time_ns);
-        }
-    }
-    if (samples_ > 0) gaps_ = read_gaps(database, oldest, INT64_MAX);
+    for (const Entry& entry : entries_)
+        for (const auto& sample : entry.samples) oldest = std::min(oldest, sample.time_ns);
+    if (samples_ > 0) gaps_ = gaps_in(gaps, oldest, INT64_MAX);
 }
 
 void OpenChunks::add(const LoggedSample& logged) {
@@ -65,13 +60,14 @@ void OpenChunks::add(const HistoryGap& gap) {
         std::erase_if(gaps_, [old](const HistoryGap& entry) { return entry.last_ns < old; });
 }
 
-void OpenChunks::fold(SQLite::Database& database, std::int64_t wall_ns) {
+void OpenChunks::fold(SQLite::Database& database, HistoryState& state, std::int64_t wall_ns) {
     ChunkWriter writer(database);
     closed_ = 0;
     close_all_ = samples_ > kMostOpenSamples;
     for (std::size_t i = 0; i < entries_.size(); ++i)
         fold(writer, SeriesId{static_cast<std::uint32_t>(i)}, entries_[i], wall_ns);
-    clear_log(database);
+    writer.finish(state);
+    clear_log(database, state);
 }
 
 void OpenChunks::fold(ChunkWriter& writer, SeriesId series, Entry& entry, std::int64_t wall_ns) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "history_chunks.hpp"
 #include "history_log.hpp"
 #include "history_tables.hpp"
 
@@ -15,14 +16,19 @@ class OpenChunks {
 public:
     explicit OpenChunks(std::size_t chunk_samples) : chunk_samples_(chunk_samples) {}
 
-    /// Reads the open chunks and the log. Damaged ones are skipped.
-    void load(SQLite::Database& database);
+    /// Takes the samples of the log, and of an open chunk.
+    void load(const DecodedLog& log);
+    void load(const ChunkRow& row, const std::vector<HistorySample>& samples);
+    /// Of the whole file, by their first times; after the samples.
+    void load(const HistoryGaps& gaps);
+    /// The number of the next chunk.
+    void begin_at(std::int64_t id) { next_id_ = id; }
     void add(const LoggedSample& logged);
     void add(const HistoryGap& gap);
 
     /// Writes all samples to chunks and clears the log, within the transaction of the caller. A chunk is
-    /// closed when it is full, and when its hour is over at `wall_ns`.
-    void fold(SQLite::Database& database, std::int64_t wall_ns);
+    /// closed when it is full, and when its hour is over at `wall_ns`. The caller writes the state.
+    void fold(SQLite::Database& database, HistoryState& state, std::int64_t wall_ns);
     /// The transaction of the last fold() was committed. Without this call fold() begins again.
     /// @returns chunks that were closed
     std::size_t folded();

@@ -4,6 +4,7 @@
 // state: quality in bits 0 and 1, kind of the value in bits 2 to 4, bit 5: a reason, bit 6: a previous poll
 #include "history_log.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <string>
 #include <variant>
@@ -98,6 +99,33 @@ Result<std::vector<LoggedSample>> decode_log(Bytes bytes) {
     }
     if (!in.good()) return fail(Code::malformed);
     return samples;
+}
+
+DecodedLog decode_log(std::span<const LogRow> rows, std::int64_t from_ns, std::int64_t to_ns) {
+    DecodedLog log;
+    std::size_t unbounded = 0;  // the damaged rows before this one have their last time
+    const auto bound = [&](std::int64_t next_ns) {
+        for (; unbounded < log.damage.size(); ++unbounded) {
+            const std::int64_t first = *log.damage[unbounded].first_ns;
+            log.damage[unbounded].first_ns = std::min(first, next_ns);
+            log.damage[unbounded].last_ns = std::max(first, next_ns);
+        }
+    };
+    for (const LogRow& row : rows) {
+        const auto samples = decode_log(row.data);
+        if (!samples) {
+            log.damage.push_back({.part = HistoryPart::log, .row = row.id, .first_ns = from_ns});
+            continue;
+        }
+        if (samples->empty()) continue;
+        const auto [oldest, newest] = std::ranges::minmax(
+            *samples, {}, [](const LoggedSample& logged) { return logged.sample.time_ns; });
+        bound(oldest.sample.time_ns);
+        from_ns = newest.sample.time_ns;
+        log.samples.insert(log.samples.end(), samples->begin(), samples->end());
+    }
+    bound(std::max(from_ns, to_ns));
+    return log;
 }
 
 }  // namespace takt::store

@@ -5,14 +5,17 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <map>
+#include <optional>
 #include <span>
 #include <utility>
 
+#include "history_chunks.hpp"
 #include "history_file.hpp"
-#include "history_log.hpp"
 #include "history_picture.hpp"
+#include "history_schema.hpp"
 #include "history_tables.hpp"
-#include "takt/store/history_codec.hpp"
 
 namespace takt::store {
 namespace {
@@ -20,6 +23,10 @@ namespace {
 using Samples = std::vector<HistorySample>;
 
 constexpr std::size_t kMostPixels = 100'000;
+
+std::int64_t begin_of(const ChunkRow& row) {
+    return row.summary.begin_ns;
+}
 
 /// Chunks that overlap in time, as a part of the list.
 using Cluster = std::span<const ChunkRow>;
@@ -51,7 +58,15 @@ Cluster next_cluster(Cluster chunks) {
 struct HistoryReader::State {
     std::string path;
     std::unique_ptr<SQLite::Database> database;
-    std::uint64_t damaged = 0;  // chunks of the current query
+    std::uint64_t damaged = 0;  // chunks and rows of the log that the current query lacks
+    std::vector<HistoryDamage> damage;
+
+    // Of the file at `version`; they are read again when a writer has changed it.
+    std::optional<std::int64_t> version;
+    HistoryState state;
+    std::vector<SeriesRow> series;  // good ones
+    HistoryGaps gaps;
+    std::map<SeriesId, std::vector<ChunkRow>> rows;  // by their begin
 
     /// Runs `query` on one state of the file.
     template <class Query>
@@ -59,50 +74,95 @@ struct HistoryReader::State {
         return with_results(path, database.get(), [&]() -> Result<decltype(query())> {
             SQLite::Transaction transaction(*database, SQLite::TransactionBehavior::DEFERRED);
             damaged = 0;
+            refresh();
             return query();
         });
     }
 
-    Samples samples_of(std::int64_t chunk) {
-        auto samples = decode_history(read_chunk_data(*database, chunk));
-        if (!samples) ++damaged;
-        return samples ? std::move(*samples) : Samples();
+    void refresh() {
+        const std::int64_t now = database->execAndGet("PRAGMA data_version").getInt64();
+        if (version == now) return;
+        version.reset();
+        rows.clear();
+        state = read_state(*database);
+        if (state.damaged) note({.part = HistoryPart::state});
+        series = read_series_rows(*database);
+        note_all(damage_of(series, state));
+        std::erase_if(series, [](const SeriesRow& row) { return !row.is_good(); });
+        auto read = read_gaps(*database, state);
+        note_all(read.damage);
+        gaps = std::move(read.gaps);
+        version = now;
     }
-    /// The samples of the log, in order of time.
-    Samples logged(SeriesId series) {
+    void note(const HistoryDamage& found) {
+        if (std::ranges::find(damage, found) == damage.end()) damage.push_back(found);
+    }
+    void note_all(const std::vector<HistoryDamage>& all) {
+        for (const auto& found : all) note(found);
+    }
+    /// Notes the gaps that a writer has put in the place of damaged samples.
+    void note_recorded(const HistoryRange& range) {
+        for (const auto& gap : gaps)
+            if (gap.cause == GapCause::damaged && gap.last_ns >= range.from_ns && gap.first_ns < range.to_ns)
+                note({.part = HistoryPart::recorded,
+                      .first_ns = gap.first_ns,
+                      .last_ns = gap.last_ns,
+                      .samples = gap.samples});
+    }
+    /// The row of a variable; of a damaged one its number.
+    SeriesRow row_of(SeriesId id) {
+        const auto known = std::ranges::find(series, id, [](const SeriesRow& row) { return row.info.id; });
+        if (known != series.end()) return *known;
+        return {.info = {.id = id}, .chunks = kUnknownDigest};
+    }
+    const std::vector<ChunkRow>& rows_of(SeriesId id) {
+        const auto known = rows.find(id);
+        if (known != rows.end()) return known->second;
+        auto read = read_chunks(*database, row_of(id), gaps);
+        note_all(read.damage);
+        return rows[id] = std::move(read.rows);
+    }
+    Samples samples_of(const ChunkRow& row) {
+        auto samples = read_samples(*database, row);
+        if (samples) return std::move(*samples);
+        ++damaged;
+        note(damage_of(row, row_of(row.series).info.series.name));
+        return {};
+    }
+    /// The samples of the log, in order of time. The variables of a damaged row are unknown.
+    Samples logged(SeriesId id) {
         Samples samples;
-        for (const auto& row : read_log(*database)) {
-            const auto all = decode_log(row);
-            if (!all) continue;
-            for (const auto& entry : *all)
-                if (entry.series == series) samples.push_back(entry.sample);
-        }
+        const auto log = read_log(*database, state, newest_chunk_end(*database));
+        note_all(log.damage);
+        damaged += log.damage.size();
+        for (const auto& entry : log.samples)
+            if (entry.series == id) samples.push_back(entry.sample);
         std::ranges::stable_sort(samples, {}, &HistorySample::time_ns);
         return samples;
     }
     /// The rows of the chunks that overlap the range; the log is the last one, with number 0.
-    std::vector<ChunkRow> chunks(SeriesId series, const HistoryRange& range, const Samples& log) {
-        auto rows =
-            read_chunks(*database, series, std::max(range.from_ns, INT64_MIN + kHour) - kHour, range.to_ns);
-        std::erase_if(rows, [&](const ChunkRow& row) { return row.summary.end_ns < range.from_ns; });
+    std::vector<ChunkRow> chunks(SeriesId id, const HistoryRange& range, const Samples& log) {
+        std::vector<ChunkRow> found;
+        for (const ChunkRow& row : rows_of(id))
+            if (row.summary.begin_ns < range.to_ns && row.summary.end_ns >= range.from_ns)
+                found.push_back(row);
         if (!log.empty() && log.front().time_ns < range.to_ns && log.back().time_ns >= range.from_ns) {
-            ChunkRow row{.series = series, .open = true};
+            ChunkRow row{.series = id, .open = true};
             row.summary.begin_ns = log.front().time_ns;
             row.summary.end_ns = log.back().time_ns;
             row.summary.mixed = true;
-            const auto place = std::ranges::upper_bound(
-                rows, row.summary.begin_ns, {}, [](const ChunkRow& entry) { return entry.summary.begin_ns; });
-            rows.insert(place, row);
+            const auto place = std::ranges::upper_bound(found, row.summary.begin_ns, {}, begin_of);
+            found.insert(place, row);
         }
-        return rows;
+        return found;
     }
     Samples merged(Cluster cluster, const Samples& log) {
-        if (cluster.size() == 1) return cluster[0].id == 0 ? log : samples_of(cluster[0].id);
+        if (cluster.size() == 1) return cluster[0].id == 0 ? log : samples_of(cluster[0]);
         std::vector<ChunkRow> by_arrival(cluster.begin(), cluster.end());
         std::ranges::sort(by_arrival, {}, arrival);
         Samples all;
         for (const ChunkRow& row : by_arrival) {
-            const auto samples = row.id == 0 ? log : samples_of(row.id);
+            const auto samples = row.id == 0 ? log : samples_of(row);
             all.insert(all.end(), samples.begin(), samples.end());
         }
         std::ranges::stable_sort(all, {}, &HistorySample::time_ns);
@@ -115,22 +175,22 @@ struct HistoryReader::State {
 
 // The newest sample before a time is in the chunk that begins last before it, or in one that overlaps that
 // one. Of several at one instant, the one that came last counts.
-std::optional<HistorySample> HistoryReader::State::before(SeriesId series, std::int64_t time_ns,
+std::optional<HistorySample> HistoryReader::State::before(SeriesId id, std::int64_t time_ns,
                                                           const Samples& log) {
-    SQLite::Statement select(*database, "SELECT max(t0) FROM rollup WHERE series = ? AND t0 < ?");
-    select.bind(1, series.value);
-    select.bind(2, time_ns / 1'000'000);
+    const auto& all = rows_of(id);
+    const auto end = std::ranges::lower_bound(all, time_ns, {}, begin_of);
     std::optional<HistorySample> best;
     const auto take = [&](const Samples& samples) {
-        const auto end = std::ranges::lower_bound(samples, time_ns, {}, &HistorySample::time_ns);
-        if (end != samples.begin() && (!best || (end - 1)->time_ns >= best->time_ns)) best = *(end - 1);
+        const auto next = std::ranges::lower_bound(samples, time_ns, {}, &HistorySample::time_ns);
+        if (next != samples.begin() && (!best || (next - 1)->time_ns >= best->time_ns)) best = *(next - 1);
     };
-    if (select.executeStep() && !select.isColumnNull(0)) {
-        const std::int64_t begin = select.getColumn(0).getInt64() * 1'000'000;
-        auto rows = read_chunks(*database, series, begin - kHour, time_ns);
-        std::ranges::sort(rows, {}, arrival);
-        for (const ChunkRow& row : rows)
-            if (row.summary.end_ns >= begin) take(samples_of(row.id));
+    if (end != all.begin()) {
+        const std::int64_t begin = begin_of(*(end - 1));
+        std::vector<ChunkRow> overlapping;
+        std::copy_if(all.begin(), end, std::back_inserter(overlapping),
+                     [begin](const ChunkRow& row) { return row.summary.end_ns >= begin; });
+        std::ranges::sort(overlapping, {}, arrival);
+        for (const ChunkRow& row : overlapping) take(samples_of(row));
     }
     take(log);
     return best;
@@ -143,20 +203,21 @@ void HistoryReader::State::draw(PictureBuilder& builder, Cluster cluster, const 
     for (const auto& sample : merged(cluster, log)) builder.add(sample);
 }
 
-HistoryPicture HistoryReader::State::picture(SeriesId series, const HistoryRange& range, std::size_t pixels) {
-    const Samples log = logged(series);
-    const auto first = before(series, range.from_ns, log);
+HistoryPicture HistoryReader::State::picture(SeriesId id, const HistoryRange& range, std::size_t pixels) {
+    const Samples log = logged(id);
+    const auto first = before(id, range.from_ns, log);
     const auto all_gaps =
-        read_gaps(*database, first ? std::min(first->time_ns, range.from_ns) : range.from_ns, range.to_ns);
+        gaps_in(gaps, first ? std::min(first->time_ns, range.from_ns) : range.from_ns, range.to_ns);
+    note_recorded(range);
     PictureBuilder builder(range, pixels, all_gaps);
     if (first) builder.begin(*first);
-    const auto rows = chunks(series, range, log);
-    for (Cluster left(rows); !left.empty();) {
+    const auto overlapping = chunks(id, range, log);
+    for (Cluster left(overlapping); !left.empty();) {
         const Cluster cluster = next_cluster(left);
         draw(builder, cluster, log);
         left = left.subspan(cluster.size());
     }
-    HistoryPicture picture = builder.finish(read_state(*database).known_until_ns);
+    HistoryPicture picture = builder.finish(state.known_until_ns);
     picture.damaged_chunks = damaged;
     std::erase_if(picture.gaps, [&](const HistoryGap& gap) { return gap.last_ns < range.from_ns; });
     return picture;
@@ -178,8 +239,11 @@ Result<HistoryReader> HistoryReader::open(const std::string& path) {
             path, SQLite::OPEN_READONLY | SQLite::OPEN_NOMUTEX, kLockWaitMs);
         return {};
     }));
-    const auto ours = with_results(path, state->database.get(),
-                                   [&]() -> Result<void> { return check_history(*state->database, path); });
+    const auto ours = with_results(path, state->database.get(), [&]() -> Result<void> {
+        TAKT_CHECK(check_history(*state->database, path));
+        view_history(*state->database);
+        return {};
+    });
     // A file of another program is not a damaged history.
     if (!ours && ours.error().code == Code::malformed) TAKT_CHECK(check_history_mark(path));
     TAKT_CHECK(ours);
@@ -187,7 +251,11 @@ Result<HistoryReader> HistoryReader::open(const std::string& path) {
 }
 
 Result<std::vector<HistorySeriesInfo>> HistoryReader::series() {
-    return state_->consistent([&] { return read_series(*state_->database); });
+    return state_->consistent([&] {
+        std::vector<HistorySeriesInfo> all;
+        for (const SeriesRow& row : state_->series) all.push_back(row.info);
+        return all;
+    });
 }
 
 Result<std::optional<HistoryRange>> HistoryReader::extent(SeriesId series) {
@@ -198,10 +266,7 @@ Result<std::optional<HistoryRange>> HistoryReader::extent(SeriesId series) {
             extent->from_ns = std::min(extent->from_ns, first);
             extent->to_ns = std::max(extent->to_ns, last);
         };
-        SQLite::Statement select(*state_->database, "SELECT min(t0), max(t1) FROM rollup WHERE series = ?");
-        select.bind(1, series.value);
-        if (select.executeStep() && !select.isColumnNull(0))
-            include(select.getColumn(0).getInt64() * 1'000'000, select.getColumn(1).getInt64() * 1'000'000);
+        for (const ChunkRow& row : state_->rows_of(series)) include(row.summary.begin_ns, row.summary.end_ns);
         if (const auto log = state_->logged(series); !log.empty())
             include(log.front().time_ns, log.back().time_ns);
         return extent;
@@ -213,12 +278,16 @@ Result<std::optional<HistorySample>> HistoryReader::before(SeriesId series, std:
 }
 
 Result<std::vector<HistoryGap>> HistoryReader::gaps(const HistoryRange& range) {
-    return state_->consistent([&] { return read_gaps(*state_->database, range.from_ns, range.to_ns - 1); });
+    return state_->consistent([&] {
+        state_->note_recorded(range);
+        return gaps_in(state_->gaps, range.from_ns, range.to_ns - 1);
+    });
 }
 
 Result<void> HistoryReader::read(SeriesId series, const HistoryRange& range,
                                  const std::function<bool(const HistorySample&)>& sample) {
     const auto done = state_->consistent([&] {
+        state_->note_recorded(range);
         const auto log = state_->logged(series);
         const auto rows = state_->chunks(series, range, log);
         for (Cluster left(rows); !left.empty();) {
@@ -240,6 +309,10 @@ Result<HistoryPicture> HistoryReader::picture(SeriesId series, const HistoryRang
     if (range.from_ns >= range.to_ns || pixels < 1 || pixels > kMostPixels)
         return fail(Code::out_of_range, static_cast<std::int64_t>(pixels), 1, kMostPixels);
     return state_->consistent([&] { return state_->picture(series, range, pixels); });
+}
+
+const std::vector<HistoryDamage>& HistoryReader::damage() const {
+    return state_->damage;
 }
 
 }  // namespace takt::store

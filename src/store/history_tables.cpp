@@ -1,45 +1,132 @@
-// Times are stored in milliseconds. Table `rollup` has a small row for each chunk, apart from the chunks'
-// bytes: a query over months reads rows side by side, not one page for each. Tables with bytes have a rowid:
-// in a WITHOUT ROWID table a row of more than a quarter of a page takes overflow pages.
+// Reads do not use indexes: a damaged index would hide rows.
 #include "history_tables.hpp"
 
+#include <algorithm>
 #include <string>
-
-#include "history_bytes.hpp"
+#include <utility>
 
 namespace takt::store {
 namespace {
 
-constexpr int kHistoryApplication = 0x546B'4869;  // "TkHi"
-constexpr int kHistoryVersion = 1;
+constexpr const char* kSeriesRows =
+    "SELECT id, name, device, type, scaled, unit, chunks, chunk_sum, sum FROM series";
 
-constexpr const char* kHistoryTables = R"(
-CREATE TABLE series (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, device TEXT NOT NULL,
-                     type TEXT NOT NULL, scaled INTEGER NOT NULL, unit TEXT NOT NULL);
-CREATE TABLE chunk (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
-CREATE TABLE rollup (series INTEGER NOT NULL, t0 INTEGER NOT NULL, chunk INTEGER NOT NULL,
-                     t1 INTEGER NOT NULL, open INTEGER NOT NULL, samples INTEGER NOT NULL,
-                     quality INTEGER NOT NULL, reason INTEGER NOT NULL, flags INTEGER NOT NULL,
-                     numbers INTEGER NOT NULL, first_t INTEGER, first REAL, min_t INTEGER, min REAL,
-                     max_t INTEGER, max REAL, last_t INTEGER, last REAL, area REAL, drawn REAL NOT NULL,
-                     good REAL NOT NULL,
-                     PRIMARY KEY (series, t0, chunk)) WITHOUT ROWID;
-CREATE INDEX rollup_by_end ON rollup (t1);
-CREATE INDEX rollup_open ON rollup (open) WHERE open = 1;
-CREATE TABLE gap (id INTEGER PRIMARY KEY, first INTEGER NOT NULL, last INTEGER NOT NULL,
-                  cause INTEGER NOT NULL, samples INTEGER NOT NULL);
-CREATE INDEX gap_by_end ON gap (last);
-CREATE TABLE log (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
-CREATE TABLE state (id INTEGER PRIMARY KEY CHECK (id = 1), journal INTEGER, sequence INTEGER,
-                    known_until INTEGER);
-)";
+/// A number that may be absent.
+void add_optional(RowSum& sum, std::optional<std::int64_t> value) {
+    sum.add(std::int64_t{value.has_value()}).add(value.value_or(0));
+}
 
-constexpr const char* kRowColumns =
-    "series, t0, chunk, t1, open, samples, quality, reason, flags, numbers, first_t, first, min_t, min, "
-    "max_t,"
-    " max, last_t, last, area, drawn, good";
+std::int64_t sum_of(const HistoryState& state) {
+    RowSum sum('s');
+    const auto& position = state.position;
+    add_optional(sum, position ? std::optional(static_cast<std::int64_t>(position->journal)) : std::nullopt);
+    add_optional(sum, position ? std::optional(static_cast<std::int64_t>(position->sequence)) : std::nullopt);
+    const bool is_known = state.known_until_ns != INT64_MIN;
+    add_optional(sum, is_known ? std::optional(milliseconds(state.known_until_ns)) : std::nullopt);
+    for (const auto* const digest : {&state.log, &state.gaps, &state.series})
+        sum.add(digest->rows).add(digest->sum);
+    return sum.value();
+}
 
-enum Flag : std::uint8_t { kMixed = 1, kEndsGood = 2, kEndsWithNumber = 4 };
+std::int64_t sum_of(const SeriesRow& row) {
+    RowSum sum('v');
+    sum.add(std::int64_t{row.info.id.value}).add(row.info.series.name).add(row.info.series.device);
+    sum.add(row.type).add(std::int64_t{row.info.series.scaled}).add(row.info.series.unit);
+    return sum.add(row.chunks.rows).add(row.chunks.sum).value();
+}
+
+std::int64_t sum_of(const HistoryGap& gap) {
+    return RowSum('g')
+        .add(milliseconds(gap.first_ns))
+        .add(milliseconds(gap.last_ns))
+        .add(static_cast<std::int64_t>(gap.cause))
+        .add(static_cast<std::int64_t>(gap.samples))
+        .value();
+}
+
+RowsDigest digest_at(SQLite::Statement& row, int column) {
+    return {row.getColumn(column).getInt64(), row.getColumn(column + 1).getInt64()};
+}
+
+SeriesRow series_row(SQLite::Statement& row) {
+    SeriesRow series;
+    series.info.id = SeriesId{row.getColumn(0).getUInt()};
+    auto& properties = series.info.series;
+    properties.name = row.getColumn(1).getString();
+    properties.device = row.getColumn(2).getString();
+    series.type = row.getColumn(3).getString();
+    properties.type = data_type(series.type).value_or(DataType::float64);
+    properties.scaled = row.getColumn(4).getInt() != 0;
+    properties.unit = row.getColumn(5).getString();
+    series.chunks = digest_at(row, 6);
+    series.sum = row.getColumn(8).getInt64();
+    return series;
+}
+
+/// A row of gaps as it is in the file.
+struct StoredGap {
+    std::int64_t id = 0;
+    HistoryGap gap;
+    std::int64_t sum = kNoSum;
+
+    [[nodiscard]] bool is_good() const { return sum == kNoSum || sum == sum_of(gap); }
+};
+
+std::vector<StoredGap> stored_gaps(SQLite::Database& database) {
+    SQLite::Statement select(database, "SELECT id, first, last, cause, samples, sum FROM gap NOT INDEXED");
+    std::vector<StoredGap> all;
+    while (select.executeStep())
+        all.push_back(
+            {select.getColumn(0).getInt64(),
+             {nanoseconds(select.getColumn(1).getInt64()), nanoseconds(select.getColumn(2).getInt64()),
+              static_cast<GapCause>(select.getColumn(3).getInt()),
+              static_cast<std::uint64_t>(select.getColumn(4).getInt64())},
+             select.getColumn(5).getInt64()});
+    return all;
+}
+
+/// The checksum that ends a row of the log.
+std::int64_t log_sum(Bytes row) {
+    if (row.size() < kCrc32cBytes) return 0;
+    return LittleEndianReader(row.last(kCrc32cBytes)).take<std::uint32_t>();
+}
+
+std::vector<LogRow> stored_log(SQLite::Database& database) {
+    SQLite::Statement select(database, "SELECT id, data FROM log");
+    std::vector<LogRow> rows;
+    while (select.executeStep())
+        rows.push_back({select.getColumn(0).getInt64(), bytes_of(select.getColumn(1))});
+    return rows;
+}
+
+/// The rows 1 to `count`. A missing one is empty, and so is one whose number is none of them or not the next.
+std::vector<LogRow> numbered(std::vector<LogRow> stored, std::int64_t count) {
+    std::vector<LogRow> rows;
+    std::int64_t next = 1;
+    for (LogRow& row : stored) {
+        if (row.id < next || row.id > count) row.data.clear();
+        for (; next < std::min(row.id, count + 1); ++next) rows.push_back({next, {}});
+        if (row.id == next) ++next;
+        rows.push_back(std::move(row));
+    }
+    for (; next <= count; ++next) rows.push_back({next, {}});
+    return rows;
+}
+
+}  // namespace
+
+std::string_view name(HistoryPart part) {
+    switch (part) {
+        case HistoryPart::log: return "log";
+        case HistoryPart::chunk: return "chunk";
+        case HistoryPart::rollup: return "rollup";
+        case HistoryPart::gap: return "gap";
+        case HistoryPart::series: return "series";
+        case HistoryPart::state: return "state";
+        case HistoryPart::recorded: return "recorded";
+    }
+    return "other";
+}
 
 std::vector<std::uint8_t> bytes_of(const SQLite::Column& column) {
     const auto* const data = static_cast<const std::uint8_t*>(column.getBlob());
@@ -51,84 +138,8 @@ void bind_bytes(SQLite::Statement& statement, int index, const std::vector<std::
     statement.bindNoCopy(index, bytes.data(), static_cast<int>(bytes.size()));
 }
 
-void bind_point(SQLite::Statement& statement, int index, const HistorySummary& summary,
-                const HistoryPoint& point) {
-    if (summary.numbers == 0) {
-        statement.bind(index);
-        statement.bind(index + 1);
-        return;
-    }
-    statement.bind(index, milliseconds(point.time_ns));
-    statement.bind(index + 1, point.value);
-}
-
-HistoryPoint point_of(SQLite::Statement& row, int index) {
-    return {nanoseconds(row.getColumn(index).getInt64()), row.getColumn(index + 1).getDouble(), {}};
-}
-
-ChunkRow chunk_row(SQLite::Statement& row) {
-    ChunkRow chunk;
-    chunk.series = SeriesId{row.getColumn(0).getUInt()};
-    chunk.id = row.getColumn(2).getInt64();
-    chunk.open = row.getColumn(4).getInt() != 0;
-    auto& summary = chunk.summary;
-    summary.begin_ns = nanoseconds(row.getColumn(1).getInt64());
-    summary.end_ns = nanoseconds(row.getColumn(3).getInt64());
-    summary.samples = static_cast<std::uint64_t>(row.getColumn(5).getInt64());
-    summary.quality = static_cast<value::Quality>(row.getColumn(6).getInt());
-    summary.reason = static_cast<value::Reason>(row.getColumn(7).getInt());
-    const int flags = row.getColumn(8).getInt();
-    summary.mixed = (flags & kMixed) != 0;
-    summary.ends_good = (flags & kEndsGood) != 0;
-    summary.ends_with_number = (flags & kEndsWithNumber) != 0;
-    summary.numbers = static_cast<std::uint64_t>(row.getColumn(9).getInt64());
-    summary.first = point_of(row, 10);
-    summary.min = point_of(row, 12);
-    summary.max = point_of(row, 14);
-    summary.last = point_of(row, 16);
-    summary.area = row.getColumn(18).getDouble();
-    summary.drawn_s = row.getColumn(19).getDouble();
-    summary.good_s = row.getColumn(20).getDouble();
-    return chunk;
-}
-
-std::vector<std::uint8_t> read_blob(SQLite::Database& database, const char* query, std::int64_t id) {
-    SQLite::Statement select(database, query);
-    select.bind(1, id);
-    return select.executeStep() ? bytes_of(select.getColumn(0)) : std::vector<std::uint8_t>();
-}
-
-void execute(SQLite::Statement& statement) {
-    statement.exec();
-    statement.reset();
-}
-
-}  // namespace
-
-void make_history_tables(SQLite::Database& database) {
-    SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
-    database.exec(kHistoryTables);
-    database.exec("INSERT INTO state VALUES (1, NULL, NULL, NULL);PRAGMA application_id = " +
-                  std::to_string(kHistoryApplication) +
-                  ";PRAGMA user_version = " + std::to_string(kHistoryVersion));
-    transaction.commit();
-}
-
-bool is_empty_history(SQLite::Database& database) {
-    return database.execAndGet("PRAGMA application_id").getInt() == 0 &&
-           database.execAndGet("SELECT count(*) FROM sqlite_master").getInt() == 0;
-}
-
-Result<void> check_history(SQLite::Database& database, const std::string& path) {
-    const int application = database.execAndGet("PRAGMA application_id").getInt();
-    const int version = database.execAndGet("PRAGMA user_version").getInt();
-    if (application != kHistoryApplication || version > kHistoryVersion) return fail(Code::unsupported, path);
-    if (version < 1) return fail(Code::malformed, path);
-    return {};
-}
-
-HistoryState read_state(SQLite::Database& database) {
-    HistoryState state;
+HistoryState read_state_of_version_1(SQLite::Database& database) {
+    HistoryState state{.log = kUnknownDigest, .gaps = kUnknownDigest, .series = kUnknownDigest};
     SQLite::Statement select(database, "SELECT journal, sequence, known_until FROM state");
     if (!select.executeStep()) return state;
     if (!select.isColumnNull(0))
@@ -138,188 +149,225 @@ HistoryState read_state(SQLite::Database& database) {
     return state;
 }
 
+HistoryState read_state(SQLite::Database& database) {
+    HistoryState state = read_state_of_version_1(database);
+    SQLite::Statement select(
+        database, "SELECT log_rows, log_sum, gaps, gap_sum, all_series, series_sum, sum FROM state");
+    if (select.executeStep()) {
+        state.log = digest_at(select, 0);
+        state.gaps = digest_at(select, 2);
+        state.series = digest_at(select, 4);
+        const std::int64_t sum = select.getColumn(6).getInt64();
+        if (sum == kNoSum || sum == sum_of(state)) return state;
+    }
+    return {.log = kUnknownDigest, .gaps = kUnknownDigest, .series = kUnknownDigest, .damaged = true};
+}
+
 void write_state(SQLite::Database& database, const HistoryState& state) {
-    SQLite::Statement update(
-        database, "INSERT OR REPLACE INTO state (id, journal, sequence, known_until) VALUES (1, ?, ?, ?)");
+    SQLite::Statement update(database,
+                             "INSERT OR REPLACE INTO state (id, journal, sequence, known_until, log_rows,"
+                             " log_sum, gaps, gap_sum, all_series, series_sum, sum)"
+                             " VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     if (state.position) {
         update.bind(1, static_cast<std::int64_t>(state.position->journal));
         update.bind(2, static_cast<std::int64_t>(state.position->sequence));
     }
     if (state.known_until_ns != INT64_MIN) update.bind(3, milliseconds(state.known_until_ns));
+    int index = 4;
+    for (const auto* const digest : {&state.log, &state.gaps, &state.series}) {
+        update.bind(index++, digest->rows);
+        update.bind(index++, digest->sum);
+    }
+    update.bind(index, sum_of(state));
     update.exec();
 }
 
-std::vector<HistorySeriesInfo> read_series(SQLite::Database& database) {
-    SQLite::Statement select(database,
-                             "SELECT id, name, device, type, scaled, unit FROM series ORDER BY name");
-    std::vector<HistorySeriesInfo> all;
-    while (select.executeStep()) {
-        HistorySeriesInfo info;
-        info.id = SeriesId{select.getColumn(0).getUInt()};
-        info.series.name = select.getColumn(1).getString();
-        info.series.device = select.getColumn(2).getString();
-        info.series.type = data_type(select.getColumn(3).getString()).value_or(DataType::float64);
-        info.series.scaled = select.getColumn(4).getInt() != 0;
-        info.series.unit = select.getColumn(5).getString();
-        all.push_back(std::move(info));
-    }
+bool SeriesRow::is_good() const {
+    return sum == kNoSum || sum == sum_of(*this);
+}
+
+std::vector<SeriesRow> read_series_rows(SQLite::Database& database) {
+    SQLite::Statement select(database, std::string(kSeriesRows) + " NOT INDEXED");
+    std::vector<SeriesRow> all;
+    while (select.executeStep()) all.push_back(series_row(select));
+    std::ranges::sort(all, {}, [](const SeriesRow& row) -> const auto& { return row.info.series.name; });
     return all;
 }
 
-SeriesId write_series(SQLite::Database& database, const HistorySeries& series) {
-    SQLite::Statement insert(
-        database,
-        "INSERT INTO series (name, device, type, scaled, unit) VALUES (?, ?, ?, ?, ?)"
-        " ON CONFLICT (name) DO UPDATE SET device = excluded.device, type = excluded.type,"
-        " scaled = excluded.scaled, unit = excluded.unit RETURNING id");
-    insert.bind(1, series.name);
-    insert.bind(2, series.device);
-    insert.bind(3, std::string(name(series.type)));
-    insert.bind(4, series.scaled ? 1 : 0);
-    insert.bind(5, series.unit);
-    insert.executeStep();
-    return SeriesId{insert.getColumn(0).getUInt()};
+std::optional<SeriesRow> read_series_row(SQLite::Database& database, SeriesId id) {
+    SQLite::Statement select(database, std::string(kSeriesRows) + " WHERE id = ?");
+    select.bind(1, id.value);
+    return select.executeStep() ? std::optional(series_row(select)) : std::nullopt;
 }
 
-void write_gap(SQLite::Database& database, const HistoryGap& gap) {
-    SQLite::Statement insert(database, "INSERT INTO gap (first, last, cause, samples) VALUES (?, ?, ?, ?)");
+void write_series_row(SQLite::Database& database, HistoryState& state, const SeriesRow& row) {
+    const auto& [id, series] = row.info;
+    SeriesRow next = row;
+    next.type = name(series.type);
+    next.sum = sum_of(next);
+    SQLite::Statement update(database,
+                             "UPDATE series SET device = ?, type = ?, scaled = ?, unit = ?, chunks = ?,"
+                             " chunk_sum = ?, sum = ? WHERE id = ?");
+    update.bind(1, series.device);
+    update.bind(2, next.type);
+    update.bind(3, series.scaled ? 1 : 0);
+    update.bind(4, series.unit);
+    update.bind(5, next.chunks.rows);
+    update.bind(6, next.chunks.sum);
+    update.bind(7, next.sum);
+    update.bind(8, id.value);
+    update.exec();
+    state.series.sum += next.sum - row.sum;
+}
+
+SeriesId write_series(SQLite::Database& database, HistoryState& state, const HistorySeries& series) {
+    std::optional<SeriesRow> row;
+    {
+        SQLite::Statement select(database, std::string(kSeriesRows) + " WHERE name = ?");
+        select.bind(1, series.name);
+        if (select.executeStep()) row = series_row(select);
+    }
+    if (!row) {
+        SQLite::Statement insert(
+            database,
+            "INSERT INTO series (name, device, type, scaled, unit, chunks, chunk_sum, sum)"
+            " VALUES (?, '', '', 0, '', 0, 0, 0) RETURNING id");
+        insert.bind(1, series.name);
+        insert.executeStep();
+        row = SeriesRow{.info = {.id = SeriesId{insert.getColumn(0).getUInt()}}, .sum = 0};
+        ++state.series.rows;
+    } else if (!row->is_good()) {
+        SQLite::Statement count(database,
+                                "SELECT count(*), coalesce(sum(sum), 0) FROM rollup WHERE series = ?");
+        count.bind(1, row->info.id.value);
+        if (count.executeStep()) row->chunks = digest_at(count, 0);
+    }
+    row->info.series = series;
+    write_series_row(database, state, *row);
+    return row->info.id;
+}
+
+std::vector<HistoryDamage> damage_of(const std::vector<SeriesRow>& rows, const HistoryState& state) {
+    std::vector<HistoryDamage> damage;
+    RowsDigest digest;
+    for (const SeriesRow& row : rows) {
+        digest.add(row.sum);
+        if (!row.is_good()) damage.push_back({.part = HistoryPart::series, .row = row.info.id.value});
+    }
+    if (damage.empty() && state.series.is_known() && digest != state.series)
+        damage.push_back({.part = HistoryPart::series});
+    return damage;
+}
+
+void write_gap(SQLite::Database& database, HistoryState& state, const HistoryGap& gap) {
+    SQLite::Statement insert(database,
+                             "INSERT INTO gap (first, last, cause, samples, sum) VALUES (?, ?, ?, ?, ?)");
+    const std::int64_t sum = sum_of(gap);
     insert.bind(1, milliseconds(gap.first_ns));
     insert.bind(2, milliseconds(gap.last_ns));
     insert.bind(3, static_cast<int>(gap.cause));
     insert.bind(4, static_cast<std::int64_t>(gap.samples));
+    insert.bind(5, sum);
     insert.exec();
+    state.gaps.add(sum);
 }
 
-HistoryGaps read_gaps(SQLite::Database& database, std::int64_t from_ns, std::int64_t to_ns) {
-    SQLite::Statement select(database,
-                             "SELECT first, last, cause, samples FROM gap WHERE last >= ? AND first <= ?"
-                             " ORDER BY first, id");
-    select.bind(1, milliseconds(from_ns));
-    select.bind(2, milliseconds(to_ns));
-    HistoryGaps gaps;
-    while (select.executeStep())
-        gaps.push_back({nanoseconds(select.getColumn(0).getInt64()),
-                        nanoseconds(select.getColumn(1).getInt64()),
-                        static_cast<GapCause>(select.getColumn(2).getInt()),
-                        static_cast<std::uint64_t>(select.getColumn(3).getInt64())});
-    return gaps;
+ReadGaps read_gaps(SQLite::Database& database, const HistoryState& state) {
+    ReadGaps read;
+    RowsDigest digest;
+    for (const auto& stored : stored_gaps(database)) {
+        digest.add(stored.sum);
+        if (stored.is_good())
+            read.gaps.push_back(stored.gap);
+        else
+            read.damage.push_back({.part = HistoryPart::gap, .row = stored.id});
+    }
+    if (read.damage.empty() && state.gaps.is_known() && digest != state.gaps)
+        read.damage.push_back({.part = HistoryPart::gap});
+    std::ranges::stable_sort(read.gaps, {}, &HistoryGap::first_ns);
+    return read;
 }
 
-ChunkWriter::ChunkWriter(SQLite::Database& database)
-    : row_(database, std::string("INSERT INTO rollup (") + kRowColumns +
-                         ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"),
-      data_(database, "INSERT INTO chunk (id, data) VALUES (?, ?)"),
-      erase_row_(database, "DELETE FROM rollup WHERE series = ? AND t0 = ? AND chunk = ?"),
-      erase_data_(database, "DELETE FROM chunk WHERE id = ?") {}
-
-void ChunkWriter::write(const ChunkRow& row, const std::vector<std::uint8_t>& data) {
-    const auto& summary = row.summary;
-    row_.reset();
-    row_.bind(1, row.series.value);
-    row_.bind(2, milliseconds(summary.begin_ns));
-    row_.bind(3, row.id);
-    row_.bind(4, milliseconds(summary.end_ns));
-    row_.bind(5, row.open ? 1 : 0);
-    row_.bind(6, static_cast<std::int64_t>(summary.samples));
-    row_.bind(7, static_cast<int>(summary.quality));
-    row_.bind(8, static_cast<int>(summary.reason));
-    row_.bind(9, (summary.mixed ? kMixed : 0) | (summary.ends_good ? kEndsGood : 0) |
-                     (summary.ends_with_number ? kEndsWithNumber : 0));
-    row_.bind(10, static_cast<std::int64_t>(summary.numbers));
-    bind_point(row_, 11, summary, summary.first);
-    bind_point(row_, 13, summary, summary.min);
-    bind_point(row_, 15, summary, summary.max);
-    bind_point(row_, 17, summary, summary.last);
-    row_.bind(19, summary.area);
-    row_.bind(20, summary.drawn_s);
-    row_.bind(21, summary.good_s);
-    execute(row_);
-    data_.reset();
-    data_.bind(1, row.id);
-    bind_bytes(data_, 2, data);
-    execute(data_);
+HistoryGaps gaps_in(const HistoryGaps& gaps, std::int64_t from_ns, std::int64_t to_ns) {
+    HistoryGaps found;
+    for (const auto& gap : gaps)
+        if (milliseconds(gap.last_ns) >= milliseconds(from_ns) &&
+            milliseconds(gap.first_ns) <= milliseconds(to_ns))
+            found.push_back(gap);
+    return found;
 }
 
-void ChunkWriter::erase(SeriesId series, std::int64_t begin_ns, std::int64_t id) {
-    erase_row_.reset();
-    erase_row_.bind(1, series.value);
-    erase_row_.bind(2, milliseconds(begin_ns));
-    erase_row_.bind(3, id);
-    execute(erase_row_);
-    erase_data_.reset();
-    erase_data_.bind(1, id);
-    execute(erase_data_);
-}
-
-std::vector<ChunkRow> read_chunks(SQLite::Database& database, SeriesId series, std::int64_t from_ns,
-                                  std::int64_t to_ns) {
-    SQLite::Statement select(database,
-                             std::string("SELECT ") + kRowColumns +
-                                 " FROM rollup WHERE series = ? AND t0 >= ? AND t0 <= ? ORDER BY t0, chunk");
-    select.bind(1, series.value);
-    select.bind(2, milliseconds(from_ns));
-    select.bind(3, milliseconds(to_ns - 1));
-    std::vector<ChunkRow> chunks;
-    while (select.executeStep()) chunks.push_back(chunk_row(select));
-    return chunks;
-}
-
-std::vector<ChunkRow> read_open_chunks(SQLite::Database& database) {
-    SQLite::Statement select(
-        database, std::string("SELECT ") + kRowColumns + " FROM rollup WHERE open = 1 ORDER BY chunk");
-    std::vector<ChunkRow> chunks;
-    while (select.executeStep()) chunks.push_back(chunk_row(select));
-    return chunks;
-}
-
-std::int64_t last_chunk(SQLite::Database& database) {
-    return database.execAndGet("SELECT coalesce(max(id), 0) FROM chunk").getInt64();
-}
-
-std::vector<std::uint8_t> read_chunk_data(SQLite::Database& database, std::int64_t id) {
-    return read_blob(database, "SELECT data FROM chunk WHERE id = ?", id);
-}
-
-std::size_t drop_chunks(SQLite::Database& database, std::int64_t cutoff_ns, std::size_t most) {
-    SQLite::Statement select(
-        database, "SELECT series, t0, chunk FROM rollup WHERE t1 < ? AND open = 0 ORDER BY t1 LIMIT ?");
-    select.bind(1, milliseconds(cutoff_ns));
-    select.bind(2, static_cast<std::int64_t>(most));
-    struct Old {
-        SeriesId series;
-        std::int64_t begin_ns;
-        std::int64_t id;
-    };
-    std::vector<Old> chunks;
-    while (select.executeStep())
-        chunks.push_back({SeriesId{select.getColumn(0).getUInt()},
-                          nanoseconds(select.getColumn(1).getInt64()), select.getColumn(2).getInt64()});
-    ChunkWriter writer(database);
-    for (const auto& [series, begin_ns, id] : chunks) writer.erase(series, begin_ns, id);
-    return chunks.size();
-}
-
-void drop_gaps(SQLite::Database& database, std::int64_t cutoff_ns) {
-    SQLite::Statement erase(database, "DELETE FROM gap WHERE last < ?");
+void drop_gaps(SQLite::Database& database, HistoryState& state, std::int64_t cutoff_ns) {
+    SQLite::Statement erase(database, "DELETE FROM gap WHERE last < ? RETURNING sum");
     erase.bind(1, milliseconds(cutoff_ns));
-    erase.exec();
+    while (erase.executeStep()) state.gaps.remove(erase.getColumn(0).getInt64());
 }
 
-void write_log(SQLite::Database& database, const std::vector<std::uint8_t>& row) {
-    SQLite::Statement insert(database, "INSERT INTO log (data) VALUES (?)");
-    bind_bytes(insert, 1, row);
+// An index may not fit its damaged table, and SQLite would then refuse to delete a row.
+void repair_gaps(SQLite::Database& database) {
+    database.exec("DROP INDEX gap_by_end");
+    SQLite::Statement erase(database, "DELETE FROM gap WHERE id = ?");
+    for (const auto& stored : stored_gaps(database)) {
+        if (stored.is_good()) continue;
+        erase.bind(1, stored.id);
+        erase.exec();
+        erase.reset();
+    }
+    database.exec("CREATE INDEX gap_by_end ON gap (last)");
+}
+
+void add_gap_sums(SQLite::Database& database) {
+    SQLite::Statement update(database, "UPDATE gap SET sum = ? WHERE id = ?");
+    for (const auto& stored : stored_gaps(database)) {
+        update.bind(1, sum_of(stored.gap));
+        update.bind(2, stored.id);
+        update.exec();
+        update.reset();
+    }
+}
+
+void write_log(SQLite::Database& database, HistoryState& state, const std::vector<std::uint8_t>& row) {
+    SQLite::Statement insert(database, "INSERT INTO log (id, data) VALUES (?, ?)");
+    insert.bind(1, state.log.rows + 1);
+    bind_bytes(insert, 2, row);
     insert.exec();
+    state.log.add(log_sum(row));
 }
 
-std::vector<std::vector<std::uint8_t>> read_log(SQLite::Database& database) {
-    SQLite::Statement select(database, "SELECT data FROM log ORDER BY id");
-    std::vector<std::vector<std::uint8_t>> rows;
-    while (select.executeStep()) rows.push_back(bytes_of(select.getColumn(0)));
-    return rows;
+// The log is newer than the chunks that are closed, and older than the last commit.
+DecodedLog read_log(SQLite::Database& database, const HistoryState& state,
+                    std::optional<std::int64_t> from_ns) {
+    auto rows = stored_log(database);
+    if (state.log.is_known()) rows = numbered(std::move(rows), state.log.rows);
+    const std::int64_t first = from_ns.value_or(state.known_until_ns);
+    auto log = decode_log(rows, first, std::max(first, state.known_until_ns));
+    for (auto& damage : log.damage)
+        if (damage.first_ns == INT64_MIN) damage.first_ns = damage.last_ns = std::nullopt;
+    RowsDigest digest;
+    for (const LogRow& row : rows) digest.add(log_sum(row.data));
+    // Sound rows, but others than were written.
+    if (log.damage.empty() && state.log.is_known() && digest != state.log) {
+        log.samples.clear();
+        log.damage.push_back({.part = HistoryPart::log});
+    }
+    return log;
 }
 
-void clear_log(SQLite::Database& database) {
+std::optional<std::int64_t> newest_chunk_end(SQLite::Database& database) {
+    SQLite::Statement select(database, "SELECT max(t1) FROM rollup");
+    if (!select.executeStep() || select.isColumnNull(0)) return {};
+    return nanoseconds(select.getColumn(0).getInt64());
+}
+
+RowsDigest digest_of_log(SQLite::Database& database) {
+    RowsDigest digest;
+    for (const LogRow& row : stored_log(database)) digest.add(log_sum(row.data));
+    return digest;
+}
+
+void clear_log(SQLite::Database& database, HistoryState& state) {
     database.exec("DELETE FROM log");
+    state.log = {};
 }
 
 HistoryPages pages_of(SQLite::Database& database) {

@@ -1,4 +1,4 @@
-// The tables of a history file. All functions throw SQLite::Exception.
+// The tables of a history file: state, variables, gaps and log. All functions throw SQLite::Exception.
 #pragma once
 
 #include <cstdint>
@@ -7,75 +7,79 @@
 #include <vector>
 
 #include "database.hpp"
+#include "history_log.hpp"
 #include "history_summary.hpp"
+#include "history_sums.hpp"
 #include "takt/store/history_reader.hpp"
 
 namespace takt::store {
 
-/// A chunk's row in the table of roll-ups.
-struct ChunkRow {
-    std::int64_t id = 0;
-    SeriesId series;
-    bool open = false;  ///< it is replaced by a later one
-    HistorySummary summary;
-};
-
-inline constexpr std::int64_t kHour = 3'600'000'000'000;
-
-/// Creates the tables in an empty file.
-void make_history_tables(SQLite::Database& database);
-/// Whether it is a database without tables and of no program.
-[[nodiscard]] bool is_empty_history(SQLite::Database& database);
-/// @returns malformed: not a history; unsupported: of a newer version
-[[nodiscard]] Result<void> check_history(SQLite::Database& database, const std::string& path);
+/// The bytes of a column; empty if it has none.
+[[nodiscard]] std::vector<std::uint8_t> bytes_of(const SQLite::Column& column);
+/// The bytes must outlive the next step of the statement.
+void bind_bytes(SQLite::Statement& statement, int index, const std::vector<std::uint8_t>& bytes);
 
 /// The last record of the journal that is in, and the time up to which the history is complete.
 struct HistoryState {
     std::optional<HistoryPosition> position;
     std::int64_t known_until_ns = INT64_MIN;
+    RowsDigest log;  ///< its sums are those that end the rows
+    RowsDigest gaps;
+    RowsDigest series;
+    bool damaged = false;  ///< all else is unknown
 };
+/// @returns a damaged one also if there is none
 [[nodiscard]] HistoryState read_state(SQLite::Database& database);
+/// Of a file without sums.
+[[nodiscard]] HistoryState read_state_of_version_1(SQLite::Database& database);
 void write_state(SQLite::Database& database, const HistoryState& state);
 
-[[nodiscard]] std::vector<HistorySeriesInfo> read_series(SQLite::Database& database);
-[[nodiscard]] SeriesId write_series(SQLite::Database& database, const HistorySeries& series);
+/// A row of the table of variables.
+struct SeriesRow {
+    HistorySeriesInfo info;
+    std::string type;   ///< as it is stored
+    RowsDigest chunks;  ///< rows of roll-ups
+    std::int64_t sum = kNoSum;
 
-void write_gap(SQLite::Database& database, const HistoryGap& gap);
-/// The gaps that overlap [from, to], by their first times.
-[[nodiscard]] HistoryGaps read_gaps(SQLite::Database& database, std::int64_t from_ns, std::int64_t to_ns);
-
-/// Prepared once: the row and the bytes of chunks.
-class ChunkWriter {
-public:
-    explicit ChunkWriter(SQLite::Database& database);
-    void write(const ChunkRow& row, const std::vector<std::uint8_t>& data);
-    void erase(SeriesId series, std::int64_t begin_ns, std::int64_t id);
-
-private:
-    SQLite::Statement row_;
-    SQLite::Statement data_;
-    SQLite::Statement erase_row_;
-    SQLite::Statement erase_data_;
+    /// Whether the row has its sum, or no sum.
+    [[nodiscard]] bool is_good() const;
 };
+/// All rows, also damaged ones, by name.
+[[nodiscard]] std::vector<SeriesRow> read_series_rows(SQLite::Database& database);
+[[nodiscard]] std::optional<SeriesRow> read_series_row(SQLite::Database& database, SeriesId id);
+/// Writes properties, digest and sum of a row that exists.
+void write_series_row(SQLite::Database& database, HistoryState& state, const SeriesRow& row);
+/// Adds a variable, or gives it other properties.
+[[nodiscard]] SeriesId write_series(SQLite::Database& database, HistoryState& state,
+                                    const HistorySeries& series);
+/// Damaged rows, and whether rows are missing.
+[[nodiscard]] std::vector<HistoryDamage> damage_of(const std::vector<SeriesRow>& rows,
+                                                   const HistoryState& state);
 
-/// The rows of chunks of a series that begin in [from, to), in the order of their begin; of equal ones in the
-/// order of their numbers.
-[[nodiscard]] std::vector<ChunkRow> read_chunks(SQLite::Database& database, SeriesId series,
-                                                std::int64_t from_ns, std::int64_t to_ns);
-/// The open chunks of all series.
-[[nodiscard]] std::vector<ChunkRow> read_open_chunks(SQLite::Database& database);
-/// The greatest number of a chunk; 0: there is none.
-[[nodiscard]] std::int64_t last_chunk(SQLite::Database& database);
-/// Empty where there is no such chunk.
-[[nodiscard]] std::vector<std::uint8_t> read_chunk_data(SQLite::Database& database, std::int64_t id);
+void write_gap(SQLite::Database& database, HistoryState& state, const HistoryGap& gap);
+struct ReadGaps {
+    HistoryGaps gaps;  ///< by their first times
+    std::vector<HistoryDamage> damage;
+};
+[[nodiscard]] ReadGaps read_gaps(SQLite::Database& database, const HistoryState& state);
+/// Those that overlap [from, to].
+[[nodiscard]] HistoryGaps gaps_in(const HistoryGaps& gaps, std::int64_t from_ns, std::int64_t to_ns);
+void drop_gaps(SQLite::Database& database, HistoryState& state, std::int64_t cutoff_ns);
+/// Deletes damaged rows and builds the indexes again.
+void repair_gaps(SQLite::Database& database);
+/// Gives rows without a sum their sum.
+void add_gap_sums(SQLite::Database& database);
 
-/// Deletes up to `most` closed chunks, the oldest first, that end before `cutoff_ns`. @returns how many
-[[nodiscard]] std::size_t drop_chunks(SQLite::Database& database, std::int64_t cutoff_ns, std::size_t most);
-void drop_gaps(SQLite::Database& database, std::int64_t cutoff_ns);
-
-void write_log(SQLite::Database& database, const std::vector<std::uint8_t>& row);
-[[nodiscard]] std::vector<std::vector<std::uint8_t>> read_log(SQLite::Database& database);
-void clear_log(SQLite::Database& database);
+/// @param row  as encode_log() returns it
+void write_log(SQLite::Database& database, HistoryState& state, const std::vector<std::uint8_t>& row);
+/// The samples of the log, and its damaged or missing rows.
+/// @param from_ns  a time before the log; nothing: unknown
+[[nodiscard]] DecodedLog read_log(SQLite::Database& database, const HistoryState& state,
+                                  std::optional<std::int64_t> from_ns);
+/// The end of the newest chunk.
+[[nodiscard]] std::optional<std::int64_t> newest_chunk_end(SQLite::Database& database);
+[[nodiscard]] RowsDigest digest_of_log(SQLite::Database& database);
+void clear_log(SQLite::Database& database, HistoryState& state);
 
 struct HistoryPages {
     std::uint64_t used_bytes = 0;

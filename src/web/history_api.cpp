@@ -101,7 +101,7 @@ ApiResponse series(const HistoryApiOptions& options, const ApiRequest& request) 
         if (!extent) return history_failure(request, extent.error());
         entries.push_back({info.series, *extent});
     }
-    return ApiResponse::json(report::history_list_json(entries));
+    return ApiResponse::json(report::history_list_json(entries, history->reader.damage()));
 }
 
 ApiResponse picture(const HistoryApiOptions& options, const ApiRequest& request) {
@@ -121,7 +121,7 @@ ApiResponse picture(const HistoryApiOptions& options, const ApiRequest& request)
         if (!last) return history_failure(request, last.error());
         views.push_back({info.series, *std::move(drawn), *std::move(last)});
     }
-    return ApiResponse::json(report::history_json(views, query->range));
+    return ApiResponse::json(report::history_json(views, query->range, history->reader.damage()));
 }
 
 ApiResponse table(const HistoryApiOptions& options, const ApiRequest& request) {
@@ -144,6 +144,7 @@ ApiResponse table(const HistoryApiOptions& options, const ApiRequest& request) {
         if (!fits)
             return history_refusal(request, 422, "rows", {{"allowed", std::to_string(kMostHistoryRows)}});
     }
+    for (const auto& damage : history->reader.damage()) response.body += report::history_csv_row(damage);
     return response;
 }
 

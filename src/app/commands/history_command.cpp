@@ -63,6 +63,19 @@ std::optional<std::vector<HistorySeriesInfo>> find_series(const Texts& texts, co
     return found;
 }
 
+/// `code`, or `partly` if samples may be missing.
+ExitCode with_damage(ExitCode code, const HistoryReader& reader) {
+    return reader.damage().empty() ? code : ExitCode::partly;
+}
+
+/// For what has no text of its own on standard output.
+void print_damage(const Texts& texts, const HistoryReader& reader) {
+    auto text = report::history_damage_text(texts, reader.damage());
+    if (text.empty()) return;
+    text.pop_back();  // the line end
+    print_error(text);
+}
+
 ExitCode list_variables(const Texts& texts, const HistoryOptions& options, HistoryReader& reader,
                         const std::vector<HistorySeriesInfo>& all) {
     std::vector<report::HistoryListEntry> entries;
@@ -71,9 +84,14 @@ ExitCode list_variables(const Texts& texts, const HistoryOptions& options, Histo
         if (!extent) return ended_by(texts, extent.error());
         entries.push_back({info.series, *extent});
     }
-    print(options.json ? report::history_list_json(entries).dump() + '\n'
-                       : report::history_list_text(texts, entries, columns_of(STDOUT_FILENO)));
-    return ExitCode::ok;
+    if (options.json) {
+        print(report::history_list_json(entries, reader.damage()).dump() + '\n');
+        print_damage(texts, reader);
+    } else {
+        print(report::history_list_text(texts, entries, columns_of(STDOUT_FILENO)) +
+              report::history_damage_text(texts, reader.damage()));
+    }
+    return with_damage(ExitCode::ok, reader);
 }
 
 ExitCode print_csv(const Texts& texts, HistoryReader& reader, const std::vector<HistorySeriesInfo>& wanted,
@@ -88,8 +106,10 @@ ExitCode print_csv(const Texts& texts, HistoryReader& reader, const std::vector<
         });
         if (!read) return ended_by(texts, read.error());
     }
+    for (const auto& damage : reader.damage()) rows += report::history_csv_row(damage);
     print(rows);
-    return ExitCode::ok;
+    print_damage(texts, reader);
+    return with_damage(ExitCode::ok, reader);
 }
 
 ExitCode print_views(const Texts& texts, const HistoryOptions& options, HistoryReader& reader,
@@ -103,7 +123,7 @@ ExitCode print_views(const Texts& texts, const HistoryOptions& options, HistoryR
         if (!last) return ended_by(texts, last.error());
         views.push_back({info.series, std::move(*picture), std::move(*last)});
     }
-    if (options.json) print(report::history_json(views, range).dump() + '\n');
+    if (options.json) print(report::history_json(views, range, reader.damage()).dump() + '\n');
     if (!options.svg.empty()) {
         const auto picture = report::history_svg(
             texts,
@@ -116,9 +136,12 @@ ExitCode print_views(const Texts& texts, const HistoryOptions& options, HistoryR
         }
     }
     if (!options.json && options.svg != "-")
-        print(report::history_text(texts, views, columns_of(STDOUT_FILENO)));
+        print(report::history_text(texts, views, columns_of(STDOUT_FILENO)) +
+              report::history_damage_text(texts, reader.damage()));
+    else
+        print_damage(texts, reader);
     const bool nothing = std::ranges::all_of(views, [](const auto& view) { return !view.last; });
-    return nothing ? ExitCode::no : ExitCode::ok;
+    return with_damage(nothing ? ExitCode::no : ExitCode::ok, reader);
 }
 
 }  // namespace

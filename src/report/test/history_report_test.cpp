@@ -133,12 +133,37 @@ TEST(HistoryReport, SaysWhatHappenedInEveryLanguage) {
 }
 
 TEST(HistoryReport, JsonHasPointsGapsAndBadTimes) {
-    const auto text = history_json({view()}, {kNow, kNow + kSecond}).dump();
+    const std::vector<store::HistoryDamage> damage{{.part = store::HistoryPart::log, .row = 7}};
+    const auto text = history_json({view()}, {kNow, kNow + kSecond}, damage).dump();
     expect_contains(text, R"("from":"2026-09-21T14:13:20.000Z")");
     expect_contains(text, R"("held":{"time":"2026-09-21T14:13:19.000Z","value":1)");
     expect_contains(text, R"("previous_poll":"2026-09-21T14:13:35.000Z")");
     expect_contains(text, R"("cause":"quota","samples":17)");
     expect_contains(text, R"("reason":"not_answering","status":105)");
+    expect_contains(text, R"("damage":[{"part":"log","row":7,"variable":null,"from":null)");
+}
+
+TEST(HistoryReport, NamesDamageWithVariableAndTime) {
+    const store::HistoryDamage damaged{.part = store::HistoryPart::chunk,
+                                       .row = 3,
+                                       .variable = "tank.level",
+                                       .first_ns = kNow,
+                                       .last_ns = kNow + kSecond,
+                                       .samples = 17};
+    for (const auto language : kLanguages) {
+        using enum store::HistoryPart;
+        const Texts texts(language);
+        std::vector<store::HistoryDamage> all{damaged};
+        for (const auto part : {log, rollup, gap, series, state, recorded}) all.push_back({.part = part});
+        const auto text = history_damage_text(texts, all);
+        expect_contains(text, "tank.level");
+        expect_contains(text, texts("app.history.lost", {{"count", "17"}}));
+        expect_complete(text);
+    }
+    EXPECT_EQ(history_damage_text(english(), {}), "");
+    const auto row = history_csv_row(damaged);
+    EXPECT_TRUE(row.starts_with("tank.level,2026-09-21T14:13:20.000Z,")) << row;
+    EXPECT_TRUE(row.ends_with(",,damaged,chunk until 2026-09-21T14:13:21.000Z,\n")) << row;
 }
 
 TEST(HistoryReport, CsvQuotesCells) {

@@ -14,7 +14,7 @@ namespace takt::store {
 
 class InDirectory : public testing::Test {
 protected:
-    const test::Folder folder_;
+    const takt::test::Folder folder_;
     const std::filesystem::path directory_ = folder_.path();
 };
 

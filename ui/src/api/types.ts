@@ -461,6 +461,16 @@ export interface History {
   to: string;
   variables: HistoryVariable[];
   gaps: HistoryGap[];
+  /** Damaged parts of the database: samples of these times may be missing. */
+  damage: HistoryDamage[];
+}
+export interface HistoryDamage {
+  part: 'log' | 'chunk' | 'rollup' | 'gap' | 'series' | 'state' | 'recorded';
+  row: number | null;
+  variable: string | null;
+  from: string | null;
+  to: string | null;
+  samples: number | null;
 }
 /** A message or a command of the past. */
 export interface HistoryMark {

@@ -59,7 +59,8 @@ private:
     std::uint64_t unreadable_ = 0;  // samples of records of another version
     Instant next_{};
     std::optional<Error> failure_;
-    std::string set_aside_;  // where a damaged file was moved
+    std::string set_aside_;      // where a damaged file was moved
+    std::uint64_t damaged_ = 0;  // rows that gaps replaced
     bool stopped_ = false;
 };
 

@@ -52,7 +52,8 @@ struct OutputStatus {
     std::uint64_t commands_unrecorded = 0;  ///< without a line in commands.log, which could not be written
     std::uint64_t lost = 0;                 ///< samples that were dropped
     std::uint64_t too_large = 0;            ///< samples that exceed the largest packet of the broker
-    std::string set_aside;  ///< of a history: where a damaged file was moved; empty: there was none
+    std::uint64_t damaged = 0;  ///< of a history: damaged rows that gaps replaced when it was opened
+    std::string set_aside;      ///< of a history: where a damaged file was moved; empty: there was none
 };
 
 }  // namespace takt::publish

@@ -6,9 +6,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
+#include "takt/store/history_damage.hpp"
 #include "takt/store/history_sample.hpp"
 
 namespace takt::store {
@@ -41,8 +43,9 @@ class History {
 public:
     struct Opened;
 
-    /// Opens or creates the file. A damaged one is moved aside, with its log, to the first free of
-    /// "PATH.damaged-1" to "-999", and a new one begun.
+    /// Opens or creates the file. One that SQLite cannot read is moved aside, with its log, to the first free
+    /// of "PATH.damaged-1" to "-999", and a new one begun. Damaged rows of the log and damaged open chunks
+    /// are replaced by gaps; other chunks are not read here (HistoryReader::damage()).
     /// @returns busy (another program writes it); unsupported (not a history, or of a newer version: it is
     ///          left alone); cannot_open, io_failed
     [[nodiscard]] static Result<Opened> open(const std::string& path, const HistoryOptions& options = {});
@@ -85,6 +88,8 @@ private:
 struct History::Opened {
     std::unique_ptr<History> history;
     std::string set_aside;  ///< where a damaged file was moved; empty: there was none
+    /// Of rows of the file that was opened. A gap `damaged` is in the place of their samples.
+    std::vector<HistoryDamage> damage;
 };
 
 }  // namespace takt::store

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "takt/base/result.hpp"
+#include "takt/store/history_damage.hpp"
 #include "takt/store/history_sample.hpp"
 
 namespace takt::store {
@@ -56,7 +57,7 @@ struct HistoryPicture {
     std::vector<HistoryBadSpan> bad;      ///< in order of time; neighbours of one reason are one span
     std::vector<HistoryGap> gaps;         ///< that overlap the range, in order of time
     std::uint64_t samples = 0;            ///< in the range
-    std::uint64_t damaged_chunks = 0;     ///< their samples are missing
+    std::uint64_t damaged_chunks = 0;     ///< and rows of the log: their samples are missing
     // Of the numbers of quality good or uncertain, the values that hold at the begin of the range included.
     std::optional<double> min;
     std::optional<double> max;
@@ -98,6 +99,10 @@ public:
     /// @returns out_of_range: an empty range, or the number of pixels
     [[nodiscard]] Result<HistoryPicture> picture(SeriesId series, const HistoryRange& range,
                                                  std::size_t pixels);
+
+    /// The damage that the calls since open() met, each damaged row once. Samples that are missing in their
+    /// answers are in its times, if these are known. A call that uses roll-ups does not read their chunks.
+    [[nodiscard]] const std::vector<HistoryDamage>& damage() const;
 
 private:
     struct State;

@@ -1,0 +1,98 @@
+#include "history_load.hpp"
+
+#include <optional>
+#include <utility>
+
+#include "history_chunks.hpp"
+
+namespace takt::store {
+namespace {
+
+void append(std::vector<HistoryDamage>& all, const std::vector<HistoryDamage>& more) {
+    all.insert(all.end(), more.begin(), more.end());
+}
+
+/// What a repair needs.
+struct Findings {
+    std::vector<SeriesChunks::Restored> restored;
+    std::vector<ChunkRow> bad_open;
+    bool gaps = false;
+    bool series = false;
+};
+
+void load_chunks(SQLite::Database& database, const SeriesRow& series, const HistoryGaps& gaps,
+                 OpenChunks& open, LoadedHistory& loaded, Findings& findings) {
+    auto chunks = read_chunks(database, series, gaps);
+    append(loaded.damage, chunks.damage);
+    for (auto& row : chunks.restored) findings.restored.push_back(std::move(row));
+    for (const ChunkRow& row : chunks.rows) {
+        if (!row.open) continue;
+        if (const auto samples = read_samples(database, row)) {
+            open.load(row, *samples);
+            continue;
+        }
+        loaded.damage.push_back(damage_of(row, series.info.series.name));
+        findings.bad_open.push_back(row);
+    }
+}
+
+void write_gaps(SQLite::Database& database, LoadedHistory& loaded, OpenChunks& open) {
+    std::optional<HistoryGap> last;
+    for (const auto& its : loaded.damage) {
+        if (!its.first_ns || !its.last_ns) continue;
+        const HistoryGap gap{*its.first_ns, *its.last_ns, GapCause::damaged, its.samples};
+        if (gap == last) continue;  // neighbours in the log
+        write_gap(database, loaded.state, gap);
+        open.add(gap);
+        last = gap;
+    }
+}
+
+void repair(SQLite::Database& database, LoadedHistory& loaded, OpenChunks& open, const Findings& findings) {
+    SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+    if (findings.series) database.exec("REINDEX series");
+    if (findings.gaps) repair_gaps(database);
+    if (!findings.restored.empty()) drop_rollup_indexes(database);
+    {
+        ChunkWriter writer(database);
+        for (const auto& [begin_ns, row] : findings.restored) writer.rewrite(begin_ns, row);
+        for (const ChunkRow& row : findings.bad_open) writer.erase(row.series, row.summary.begin_ns, row.id);
+        writer.finish(loaded.state);
+    }
+    if (!findings.restored.empty()) make_rollup_indexes(database);
+    write_gaps(database, loaded, open);
+    open.fold(database, loaded.state, loaded.state.known_until_ns);
+    count_rows(database, loaded.state);
+    loaded.state.damaged = false;
+    write_state(database, loaded.state);
+    transaction.commit();
+    static_cast<void>(open.folded());
+}
+
+}  // namespace
+
+LoadedHistory load_history(SQLite::Database& database, OpenChunks& open) {
+    LoadedHistory loaded;
+    Findings findings;
+    loaded.state = read_state(database);
+    if (loaded.state.damaged) loaded.damage.push_back({.part = HistoryPart::state});
+    const auto rows = read_series_rows(database);
+    append(loaded.damage, damage_of(rows, loaded.state));
+    findings.series = loaded.damage.size() > (loaded.state.damaged ? 1U : 0U);
+    const auto [gaps, bad_gaps] = read_gaps(database, loaded.state);
+    findings.gaps = !bad_gaps.empty();
+    append(loaded.damage, bad_gaps);
+    open.begin_at(last_chunk(database) + 1);
+    for (const SeriesRow& row : rows) {
+        load_chunks(database, row, gaps, open, loaded, findings);
+        if (row.is_good()) loaded.series.push_back(row.info);
+    }
+    const auto log = read_log(database, loaded.state, newest_chunk_end(database));
+    append(loaded.damage, log.damage);
+    open.load(log);
+    open.load(gaps);
+    if (!loaded.damage.empty() || !findings.restored.empty()) repair(database, loaded, open, findings);
+    return loaded;
+}
+
+}  // namespace takt::store

@@ -1,0 +1,127 @@
+// Times are stored in milliseconds. Table `rollup` has a small row for each chunk, apart from the chunks'
+// bytes: a query over months reads rows side by side, not one page for each. Tables with bytes have a rowid:
+// in a WITHOUT ROWID table a row of more than a quarter of a page takes overflow pages.
+//
+// Version 2 adds sums (history_sums.hpp). Sums of chunks bind their bytes to their number and variable. An
+// upgrade does not read the chunks: those of version 1 keep the default, which is "no sum".
+#include "history_schema.hpp"
+
+#include <string>
+
+#include "history_chunks.hpp"
+#include "history_tables.hpp"
+
+namespace takt::store {
+namespace {
+
+constexpr int kHistoryApplication = 0x546B'4869;  // "TkHi"
+constexpr int kHistoryVersion = 2;
+
+constexpr const char* kHistoryTables = R"(
+CREATE TABLE series (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, device TEXT NOT NULL,
+                     type TEXT NOT NULL, scaled INTEGER NOT NULL, unit TEXT NOT NULL);
+CREATE TABLE chunk (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
+CREATE TABLE rollup (series INTEGER NOT NULL, t0 INTEGER NOT NULL, chunk INTEGER NOT NULL,
+                     t1 INTEGER NOT NULL, open INTEGER NOT NULL, samples INTEGER NOT NULL,
+                     quality INTEGER NOT NULL, reason INTEGER NOT NULL, flags INTEGER NOT NULL,
+                     numbers INTEGER NOT NULL, first_t INTEGER, first REAL, min_t INTEGER, min REAL,
+                     max_t INTEGER, max REAL, last_t INTEGER, last REAL, area REAL, drawn REAL NOT NULL,
+                     good REAL NOT NULL,
+                     PRIMARY KEY (series, t0, chunk)) WITHOUT ROWID;
+CREATE INDEX rollup_by_end ON rollup (t1);
+CREATE INDEX rollup_open ON rollup (open) WHERE open = 1;
+CREATE TABLE gap (id INTEGER PRIMARY KEY, first INTEGER NOT NULL, last INTEGER NOT NULL,
+                  cause INTEGER NOT NULL, samples INTEGER NOT NULL);
+CREATE INDEX gap_by_end ON gap (last);
+CREATE TABLE log (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
+CREATE TABLE state (id INTEGER PRIMARY KEY CHECK (id = 1), journal INTEGER, sequence INTEGER,
+                    known_until INTEGER);
+)";
+
+constexpr const char* kSumColumns = R"(
+ALTER TABLE series ADD COLUMN chunks INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE series ADD COLUMN chunk_sum INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE series ADD COLUMN sum INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE chunk ADD COLUMN series INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE chunk ADD COLUMN sum INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE rollup ADD COLUMN sum INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE gap ADD COLUMN sum INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE state ADD COLUMN log_rows INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE state ADD COLUMN log_sum INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE state ADD COLUMN gaps INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE state ADD COLUMN gap_sum INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE state ADD COLUMN all_series INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE state ADD COLUMN series_sum INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE state ADD COLUMN sum INTEGER NOT NULL DEFAULT -1;
+)";
+
+// Columns by name: another process may upgrade the file meanwhile.
+constexpr const char* kViews = R"(
+CREATE TEMP VIEW series AS SELECT id, name, device, type, scaled, unit, -1 AS chunks, -1 AS chunk_sum, -1 AS sum
+  FROM main.series;
+CREATE TEMP VIEW chunk AS SELECT id, data, -1 AS series, -1 AS sum FROM main.chunk;
+CREATE TEMP VIEW rollup AS SELECT series, t0, chunk, t1, open, samples, quality, reason, flags, numbers,
+  first_t, first, min_t, min, max_t, max, last_t, last, area, drawn, good, -1 AS sum FROM main.rollup;
+CREATE TEMP VIEW gap AS SELECT id, first, last, cause, samples, -1 AS sum FROM main.gap;
+CREATE TEMP VIEW state AS SELECT id, journal, sequence, known_until, -1 AS log_rows, -1 AS log_sum, -1 AS gaps,
+  -1 AS gap_sum, -1 AS all_series, -1 AS series_sum, -1 AS sum FROM main.state;
+)";
+
+int version_of(SQLite::Database& database) {
+    return database.execAndGet("PRAGMA user_version").getInt();
+}
+
+// A damaged version number must not switch the checks off.
+bool has_sums(SQLite::Database& database) {
+    return database.execAndGet("SELECT count(*) FROM pragma_table_info('state') WHERE name = 'sum'")
+               .getInt() > 0;
+}
+
+void set_version(SQLite::Database& database) {
+    database.exec("PRAGMA user_version = " + std::to_string(kHistoryVersion));
+}
+
+}  // namespace
+
+void make_history_tables(SQLite::Database& database) {
+    SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+    database.exec(kHistoryTables);
+    database.exec(kSumColumns);
+    write_state(database, {});
+    database.exec("PRAGMA application_id = " + std::to_string(kHistoryApplication));
+    set_version(database);
+    transaction.commit();
+}
+
+bool is_empty_history(SQLite::Database& database) {
+    return database.execAndGet("PRAGMA application_id").getInt() == 0 &&
+           database.execAndGet("SELECT count(*) FROM sqlite_master").getInt() == 0;
+}
+
+Result<void> check_history(SQLite::Database& database, const std::string& path) {
+    const int application = database.execAndGet("PRAGMA application_id").getInt();
+    const int version = version_of(database);
+    if (application != kHistoryApplication || version > kHistoryVersion) return fail(Code::unsupported, path);
+    if (version < 1 || (version >= 2 && !has_sums(database))) return fail(Code::malformed, path);
+    return {};
+}
+
+void upgrade_history(SQLite::Database& database) {
+    if (version_of(database) == kHistoryVersion) return;
+    SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+    if (!has_sums(database)) {
+        HistoryState state = read_state_of_version_1(database);
+        database.exec(kSumColumns);
+        add_sums(database);
+        count_rows(database, state);
+        write_state(database, state);
+    }
+    set_version(database);
+    transaction.commit();
+}
+
+void view_history(SQLite::Database& database) {
+    if (!has_sums(database)) database.exec(kViews);
+}
+
+}  // namespace takt::store

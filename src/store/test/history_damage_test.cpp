@@ -1,0 +1,200 @@
+// Damaged rows of a history: each loss is reported, no value is wrong.
+#include <gtest/gtest.h>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <map>
+#include <vector>
+#include "directory.hpp"
+
+#include "takt/store/history.hpp"
+#include "takt/store/history_reader.hpp"
+
+namespace takt::store {
+namespace history_damage_test {
+
+using Samples = std::vector<HistorySample>;
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kHour = 3600 * kSecond;
+constexpr std::int64_t kStart = 500'000 * kHour;
+const HistoryRange kAll{kStart - 1000 * kHour, kStart + 1000 * kHour};
+const HistorySeries kLevel{"tank.level", "tank", DataType::int16, true, "m"};
+const HistorySeries kPump{"pump.running", "pump", DataType::boolean, false, ""};
+
+struct Read {
+    Samples samples;
+    std::vector<HistoryDamage> damage;
+};
+
+class HistoryDamageTest : public InDirectory {
+protected:
+    const std::string path_ = directory_ / "plant.history.db";
+
+    /// 100 samples in ten commits; two series.
+    void make(const HistoryOptions& options) {
+        const auto history = std::move(History::open(path_, options)->history);
+        const auto level = history->series(kLevel).value();
+        const auto pump = history->series(kPump).value();
+        for (std::int64_t i = 0; i < 100; ++i) {
+            history->append(level, {.time_ns = kStart + i * kSecond, .value = static_cast<double>(i)});
+            history->append(pump, {.time_ns = kStart + i * kSecond, .value = i % 2 == 0});
+            if (i % 10 == 9) ASSERT_TRUE(history->commit(kStart + i * kSecond));
+        }
+    }
+    void change(const std::string& statements) {
+        SQLite::Database(path_, SQLite::OPEN_READWRITE).exec(statements);
+    }
+    [[nodiscard]] Read read() const {
+        Read read;
+        auto reader = HistoryReader::open(path_).value();
+        EXPECT_TRUE(reader.read(SeriesId{1}, kAll, [&](const HistorySample& sample) {
+            read.samples.push_back(sample);
+            return true;
+        }));
+        read.damage = reader.damage();
+        return read;
+    }
+};
+
+TEST_F(HistoryDamageTest, OfTheLogIsReportedWithTheTimesOfItsNeighbours) {
+    make({});
+    change("UPDATE log SET data = zeroblob(length(data)) WHERE id IN (4, 5)");
+    const auto [samples, damage] = read();
+    EXPECT_EQ(samples.size(), 80U);
+    ASSERT_EQ(damage.size(), 2U);
+    EXPECT_EQ(damage[0].part, HistoryPart::log);
+    EXPECT_EQ(damage[0].row, 4);
+    EXPECT_EQ(damage[0].first_ns, kStart + 29 * kSecond);
+    EXPECT_EQ(damage[0].last_ns, kStart + 50 * kSecond);
+    auto reader = HistoryReader::open(path_).value();
+    EXPECT_EQ(reader.picture(SeriesId{1}, kAll, 10)->damaged_chunks, 2U);
+}
+
+TEST_F(HistoryDamageTest, OfTheLogBecomesAGapWhenItIsOpenedForWriting) {
+    make({});
+    change("UPDATE log SET data = zeroblob(length(data)) WHERE id IN (4, 5)");
+    for (int start = 0; start < 2; ++start) {
+        const auto opened = History::open(path_).value();
+        EXPECT_EQ(opened.damage.size(), start == 0 ? 2U : 0U);
+        auto reader = HistoryReader::open(path_).value();
+        const HistoryGap gap{kStart + 29 * kSecond, kStart + 50 * kSecond, GapCause::damaged, 0};
+        EXPECT_EQ(reader.gaps(kAll).value(), std::vector{gap});
+        const auto [samples, damage] = read();
+        EXPECT_EQ(samples.size(), 80U);
+        ASSERT_EQ(damage.size(), 1U);
+        EXPECT_EQ(damage[0].part, HistoryPart::recorded);
+    }
+}
+
+TEST_F(HistoryDamageTest, OfAnOpenChunkBecomesAGapWhenItIsOpenedForWriting) {
+    make({.log_commits = 1});
+    change("UPDATE chunk SET data = zeroblob(10) WHERE id = (SELECT chunk FROM rollup WHERE series = 1)");
+    const auto before = read();
+    EXPECT_TRUE(before.samples.empty());
+    ASSERT_EQ(before.damage.size(), 1U);
+    EXPECT_EQ(before.damage[0].part, HistoryPart::chunk);
+    EXPECT_EQ(before.damage[0].variable, kLevel.name);
+    EXPECT_EQ(before.damage[0].samples, 100U);
+    EXPECT_EQ(History::open(path_)->damage.size(), 1U);
+    auto reader = HistoryReader::open(path_).value();
+    const HistoryGap gap{kStart, kStart + 99 * kSecond, GapCause::damaged, 100};
+    EXPECT_EQ(reader.gaps(kAll).value(), std::vector{gap});
+    EXPECT_TRUE(History::open(path_)->damage.empty());
+}
+
+TEST_F(HistoryDamageTest, OfARollUpIsUndoneFromItsChunk) {
+    make({.chunk_samples = 10, .log_commits = 1});
+    change("UPDATE rollup SET samples = 11, min = -5, t1 = t1 + 1 WHERE chunk = 3");
+    const auto reader_only = read();
+    EXPECT_EQ(reader_only.samples.size(), 100U);
+    EXPECT_TRUE(reader_only.damage.empty());
+    EXPECT_TRUE(History::open(path_)->damage.empty());
+    SQLite::Database database(path_);
+    EXPECT_EQ(database.execAndGet("SELECT samples FROM rollup WHERE chunk = 3").getInt(), 10);
+}
+
+TEST_F(HistoryDamageTest, OfTheKeyOfARollUpIsUndoneFromItsChunk) {
+    make({.chunk_samples = 10, .log_commits = 1});
+    change("UPDATE rollup SET series = 2 WHERE series = 1 AND chunk < 10");
+    EXPECT_EQ(read().samples.size(), 100U);
+    change("UPDATE rollup SET t0 = 7 WHERE chunk = 11");
+    EXPECT_EQ(read().samples.size(), 100U);
+    change("DELETE FROM rollup WHERE series = 1 AND chunk > 10");
+    EXPECT_EQ(read().samples.size(), 100U);
+}
+
+TEST_F(HistoryDamageTest, ChunksAreNotTakenForThoseOfAnotherVariable) {
+    make({.chunk_samples = 10, .log_commits = 1});
+    change("UPDATE chunk SET data = (SELECT data FROM chunk WHERE id = 2) WHERE id = 1");
+    const auto [samples, damage] = read();
+    EXPECT_EQ(samples.size(), 90U);
+    ASSERT_EQ(damage.size(), 1U);
+    EXPECT_EQ(damage[0].part, HistoryPart::chunk);
+}
+
+TEST_F(HistoryDamageTest, OfEachTableIsReported) {
+    const struct {
+        const char* change;
+        HistoryPart part;
+    } kCases[] = {
+        {"UPDATE state SET known_until = known_until + 1", HistoryPart::state},
+        {"DELETE FROM state", HistoryPart::state},
+        {"UPDATE gap SET last = last + 1", HistoryPart::gap},
+        {"DELETE FROM gap", HistoryPart::gap},
+        {"UPDATE series SET unit = 'cm' WHERE id = 1", HistoryPart::series},
+        {"DELETE FROM series WHERE id = 2", HistoryPart::series},
+        {"DELETE FROM log WHERE id = 3", HistoryPart::log},
+        {"DELETE FROM log WHERE id = 9", HistoryPart::log},
+        {"UPDATE log SET data = (SELECT data FROM log WHERE id = 1) WHERE id = 2", HistoryPart::log},
+    };
+    for (const auto& [statements, part] : kCases) {
+        std::filesystem::remove(path_);
+        make({});
+        {
+            const auto history = std::move(History::open(path_)->history);
+            history->append(HistoryGap{kStart, kStart + kSecond, GapCause::quota, 3});
+            ASSERT_TRUE(history->commit(kStart + 100 * kSecond));
+        }
+        {
+            const auto history = std::move(History::open(path_, {.log_commits = 100})->history);
+            const auto level = history->series(kLevel).value();
+            for (std::int64_t i = 200; i < 210; ++i) {
+                history->append(level, {.time_ns = kStart + i * kSecond, .value = 1.0});
+                ASSERT_TRUE(history->commit(kStart + i * kSecond));
+            }
+        }
+        ASSERT_TRUE(read().damage.empty());
+        change(statements);
+        const auto damage = read().damage;
+        ASSERT_EQ(damage.size(), 1U) << statements;
+        EXPECT_EQ(damage[0].part, part) << statements;
+        EXPECT_EQ(History::open(path_)->damage.size(), 1U) << statements;
+    }
+}
+
+TEST_F(HistoryDamageTest, AFileOfVersion1IsReadAndUpgraded) {
+    make({.chunk_samples = 30, .log_commits = 3});
+    for (const auto& [table, columns] : std::map<std::string, std::vector<std::string>>{
+             {"series", {"chunks", "chunk_sum", "sum"}},
+             {"chunk", {"series", "sum"}},
+             {"rollup", {"sum"}},
+             {"gap", {"sum"}},
+             {"state", {"log_rows", "log_sum", "gaps", "gap_sum", "all_series", "series_sum", "sum"}}})
+        for (const auto& column : columns) change("ALTER TABLE " + table + " DROP COLUMN " + column);
+    change("PRAGMA user_version = 1");
+    for (int i = 0; i < 3; ++i) {
+        const auto [samples, damage] = read();
+        EXPECT_EQ(samples.size(), 100U);
+        EXPECT_TRUE(damage.empty());
+        EXPECT_TRUE(History::open(path_)->damage.empty());
+    }
+    change("UPDATE rollup SET samples = 11 WHERE chunk = 1");
+    EXPECT_EQ(read().samples.size(), 100U);
+    change("DELETE FROM rollup WHERE chunk = 1");
+    ASSERT_EQ(read().damage.size(), 1U);
+    EXPECT_EQ(read().damage[0].part, HistoryPart::rollup);
+    EXPECT_EQ(read().damage[0].variable, kLevel.name);
+}
+
+}  // namespace history_damage_test
+}  // namespace takt::store
