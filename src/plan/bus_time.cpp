@@ -75,7 +75,8 @@ ExactTime BusTimeModel::connecting(Duration way_and_back) const {
 ExactTime BusTimeModel::occupied(const model::Device& device, std::size_t characters, Duration turnaround,
                                  std::int64_t in_flight) const {
     if (!line_.is_serial())
-        return connecting(device.round_trip) + of(device.round_trip) + (of(line_.frame_gap) + of(kTcpByte) * characters) * in_flight;
+        return connecting(device.round_trip) + of(device.round_trip) +
+               (of(line_.frame_gap) + of(kTcpByte) * characters) * in_flight;
     const ExactTime time = std::max(silence(), of(line_.frame_gap)) + std::max(of(turnaround), silence()) +
                            half_characters(2 * characters);
     return time * in_flight;
@@ -94,8 +95,8 @@ std::array<ExactTime, 5> BusTimeModel::parts(const model::Device& device, std::s
         lengths = {std::max(silence(), of(line_.frame_gap)), half_characters(2 * request_characters),
                    std::max(of(turnaround), silence()), half_characters(2 * response_characters)};
     } else {
-        lengths = {connecting(device.round_trip) + of(line_.frame_gap), of(kTcpByte) * request_characters, of(device.round_trip),
-                   of(kTcpByte) * response_characters};
+        lengths = {connecting(device.round_trip) + of(line_.frame_gap), of(kTcpByte) * request_characters,
+                   of(device.round_trip), of(kTcpByte) * response_characters};
     }
     std::partial_sum(lengths.begin(), lengths.end(), lengths.begin());
     lengths.back() = std::max(lengths.back(), of(line_.request_gap));

@@ -352,7 +352,7 @@ private:
     Adapter adapter_;
     ByteVector echo_;  // of the last request, whose echo is still expected
     bool up_ = false;
-    Instant epoch_ = Instant::min();  // the first link
+    Instant epoch_ = Instant::min();        // the first link
     std::deque<Transaction> transactions_;  // the last ones
     ByteVector received_;                   // since the last request; of a stream, what is left of it
     Instant busy_until_ = Instant::min();   // end of the last character

@@ -29,8 +29,8 @@ public:
     /// @param repeatable  false: it is transmitted once, because the device must not execute it twice
     /// @returns a normal response or an exception, valid until the next request, empty for a broadcast;
     ///          timed_out (ms; if the response came late, also its delay in ms and the advised time-out in
-    ///          ms), bad_checksum, unexpected_reply, connection_lost; closed_by_peer; not_modbus (the bytes) when the
-    ///          stream is out of step
+    ///          ms), bad_checksum, unexpected_reply, connection_lost; closed_by_peer; not_modbus (the bytes)
+    ///          when the stream is out of step
     [[nodiscard]] Result<wire::ResponseView> transact(const wire::PreparedRequest& request,
                                                       bool repeatable = true);
 

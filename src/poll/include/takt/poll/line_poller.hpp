@@ -27,8 +27,9 @@ bus::LineConfig line_config(const model::Project& project, const model::Line& li
 /// Runs one LinePlan on one bus::TransactionEngine, with the values in a value::Store.
 ///
 /// Release. All requests of the line share one grid of instants, whose origin is the moment the link first
-/// came up. A connection that is closed or lost does not move it. A request is due at its phase and then once each period. A device that answers again is read at once, and
-/// then on the grid. Releases that pass while one is waiting are skipped and counted.
+/// came up. A connection that is closed or lost does not move it. A request is due at its phase and then once
+/// each period. A device that answers again is read at once, and then on the grid. Releases that pass while
+/// one is waiting are skipped and counted.
 ///
 /// Order of the queue:
 /// 1. Commands and triggers. Those with an admission (docs/planning.md, "Writes": rate limits) go by their
