@@ -19,10 +19,10 @@ constexpr std::size_t kMbapMost = 1 + kMaxPdu;
 
 // A response with its header, as long as its own counts say; 0: they do not say it.
 std::size_t own_length(Bytes frame) {
-    constexpr std::size_t kCrc = 2;
+    constexpr std::size_t kRtuCrc = 2;
     if (frame.size() < kMbapBeginning) return 0;
     const std::size_t length = expected_response_length(frame.subspan(kMbapLengthEnd));
-    return length == 0 ? 0 : kMbapLengthEnd + length - kCrc;
+    return length == 0 ? 0 : kMbapLengthEnd + length - kRtuCrc;
 }
 
 bool begins_like_header(Bytes bytes) {

@@ -171,11 +171,11 @@ TEST(SplitValues, AreFoundByTheirVariable) {
     EXPECT_EQ(values.find(3)->part_of(11)->first, 2U);
     EXPECT_EQ(values.find(1)->part_of(11), nullptr);
     const std::uint16_t kPart[] = {7, 8};
-    values.find(3)->take(10, 1, kPart);
+    values.find(3)->take(10, 1, kPart, Instant{});
     values.forget(3);
-    values.find(3)->take(11, 1, kPart);
+    values.find(3)->take(11, 1, kPart, Instant{});
     EXPECT_FALSE(values.find(3)->whole()) << "the first part was forgotten";
-    values.find(3)->take(10, 1, kPart);
+    values.find(3)->take(10, 1, kPart, Instant{});
     EXPECT_TRUE(values.find(3)->whole());
     values.clear();
     EXPECT_FALSE(values.has(3));

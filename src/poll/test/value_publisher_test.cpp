@@ -152,7 +152,7 @@ TEST(ValuePublisher, VariablesThatNothingReadsKeepTheirQualityWhileTheirDeviceDo
 
 TEST(ValuePublisher, AValueReadBackIsShownUnlessItIsReadInParts) {
     Published line;
-    line.publisher.begin();
+    line.publisher.begin(Instant{});
     line.publisher.read_back(0, Function::read_holding_registers, value::Value(std::int64_t{3}));
     line.publisher.read_back(3, Function::read_holding_registers, value::Value(std::int64_t{4}));
     line.publisher.read_back(4, Function::read_holding_registers, value::Value(std::int64_t{5}));
