@@ -1,4 +1,6 @@
 """Slaves with scripted answers, on a serial port or as a TCP server."""
+import time
+
 import serial as pyserial
 
 from frames import request
@@ -63,13 +65,15 @@ def rtu_answers(table):
 
 
 class TcpSlave(TcpPeer):
-    """`answers(adu)` gives the bytes to send, None for silence, "close" to close the connection."""
+    """`answers(adu)` gives the bytes to send, None for silence, "close" to close the connection; bytes and
+    "close" as a pair for both. `accepted`: when each connection was made."""
 
     def __init__(self, answers=lambda adu: None, port=0):
-        self._answers = answers
+        self._answers, self.accepted = answers, []
         super().__init__(port)
 
     def _connected(self, peer):
+        self.accepted.append(time.monotonic())
         self._begin(self._serve, peer)
 
     def _serve(self, peer):
@@ -87,8 +91,11 @@ class TcpSlave(TcpPeer):
                 answer = self._answers(adu)
                 if answer == "close":
                     return
-                if answer:
-                    peer.sendall(answer)
+                data, closes = answer if isinstance(answer, tuple) else (answer, None)
+                if data:
+                    peer.sendall(data)
+                if closes:
+                    return
 
 
 class Device:

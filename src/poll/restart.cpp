@@ -99,35 +99,34 @@ void LinePoller::Run::link_lost(Instant t) {
     observe_line(t);
 }
 
-// A peer that closes after each response does so before it receives the next request. No response ever came
-// as soon after a request. A read that meets a close once more is charged all the same.
-bool LinePoller::Run::closed_before_request(Instant t) const {
-    const auto waiting = engine_.awaited();
-    if (!waiting || engine_.responses_awaited() > 1 || link_.answers() == 0) return false;
-    const auto device = device_at(waiting->unit);
-    if (!device) return false;
-    if (kind_of(waiting->id) == JobKind::read && reads_.spared(index_of(waiting->id))) return false;
-    const auto& times = devices_[*device].statistics.counters.time;
-    return times.count() == 0 || t - waiting->sent_at < times.min();
+// A peer that closes after each response does so before it receives the next request: no response ever came
+// as soon after a request. Such a close is not held against a read, once in a row.
+bool LinePoller::Run::spare(Instant t, const bus::TransactionCore::Awaited& waiting) {
+    if (kind_of(waiting.id) != JobKind::read || engine_.responses_awaited() > 1 || link_.answers() == 0)
+        return false;
+    const auto read = index_of(waiting.id);
+    const auto& times = devices_[requests_[read].device].statistics.counters.time;
+    if (reads_.spared(read) || (times.count() > 0 && t - waiting.sent_at >= times.min())) return false;
+    reads_.spare(read);
+    return true;
 }
 
 void LinePoller::Run::on_close(Instant t) {
     if (line_.is_serial() || link_.state() != LinkState::up) return on_link(t, false);
     const auto waiting = engine_.awaited();
-    const bool asked = waiting && !closed_before_request(t);
-    if (!asked) {
-        if (waiting && kind_of(waiting->id) == JobKind::read) reads_.spare(index_of(waiting->id));
-        engine_.on_link(t, false);  // nobody is charged
-    } else {
+    const bool asked = waiting && !spare(t, *waiting);
+    if (asked) {
         closes_.closed(engine_.responses_awaited());
         engine_.on_close(t);
+    } else {
+        engine_.on_link(t, false);  // nobody is charged
     }
     take_outcomes();
-    if (closes_.met_by_several() && std::ranges::all_of(devices_, [this](const DeviceRun& device) {
-            const bool asked = device.health.enabled() && device.health.answering();
-            return !asked || closes_.met_by(device.model->address);
-        }))
-        return link_lost(t);
+    const auto spoken_for = [this](const DeviceRun& device) {
+        const bool is_asked = device.health.enabled() && device.health.answering();
+        return !is_asked || closes_.met_by(device.model->address);
+    };
+    if (closes_.met_by_several() && std::ranges::all_of(devices_, spoken_for)) return link_lost(t);
     link_.closed(t, asked);
 }
 

@@ -111,7 +111,7 @@ private:
     void resume_device(std::size_t device);
     void link_opened(Instant t);
     void link_lost(Instant t);
-    [[nodiscard]] bool closed_before_request(Instant t) const;
+    [[nodiscard]] bool spare(Instant t, const bus::TransactionCore::Awaited& waiting);
     void set_device_state(Instant t, std::size_t device, DeviceState state);
     void check_connection(Instant t);
     void switch_device(Instant t, std::size_t device, bool on);

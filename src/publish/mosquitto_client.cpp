@@ -5,12 +5,14 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
 
 #include "mosquitto_library.hpp"
 #include "mosquitto_properties.hpp"
+#include "takt/publish/command_request.hpp"
 
 namespace takt::publish {
 namespace {
@@ -316,9 +318,11 @@ void MosquittoClient::on_subscribed(int identifier, int count, const int* codes)
 void MosquittoClient::on_message(const mosquitto_message& message, const mosquitto_property* properties) {
     MqttReceived event{.connection = connection_, .message = {}};
     event.message.topic = message.topic ? message.topic : "";
+    // One byte more than a command may have is enough to refuse it: a payload of 256 MiB is not copied.
     if (message.payloadlen > 0)
-        event.message.payload.assign(static_cast<const char*>(message.payload),
-                                     static_cast<std::size_t>(message.payloadlen));
+        event.message.payload.assign(
+            static_cast<const char*>(message.payload),
+            std::min(static_cast<std::size_t>(message.payloadlen), CommandRequest::kMostBytes + 1));
     event.message.qos = static_cast<std::uint8_t>(message.qos);
     event.message.retain = message.retain;
     event.message.properties = from_mosquitto(properties);

@@ -6,6 +6,7 @@ import time
 
 import pytest
 
+import endpoints
 from fake_slave import SerialSlave, TcpSlave, rtu_answers, tcp_answer
 from program import start, takt, until
 from projects import at, serial, tcp
@@ -175,22 +176,17 @@ def test_nothing_answered_is_null(project):
 
 
 def test_a_lost_connection_is_an_outage_of_its_devices(project):
-    closing = [False]
-    path_of = lambda port: project(tcp(at([0], INT), port))
-
-    def answers(adu):
-        return "close" if closing[0] else tcp_answer(adu, ANSWER)
-
-    with TcpSlave(answers) as slave, start("run", path_of(slave.port), "--json") as run:
-        run.wait_event(value("V1", 7), "a good value")
-        seen = len(run.out)
-        closing[0] = True
-        lost = run.wait_event(lambda e: e["event"] == "link" and not e["up"], "the connection is lost",
-                              after=seen)
-        closing[0] = False
-        again = run.wait_event(lambda e: e["event"] == "device" and e["state"] == "answering",
-                               "it answers again", after=seen)
-        line, device = summary(run)
+    port = endpoints.free_port()
+    answers = lambda adu: tcp_answer(adu, ANSWER)
+    with start("run", project(tcp(at([0], INT), port)), "--json") as run:
+        with TcpSlave(answers, port):
+            run.wait_event(value("V1", 7), "a good value")
+            seen = len(run.out)
+        lost = run.wait_event(lambda e: e["event"] == "link" and not e["up"], "connecting fails", after=seen)
+        with TcpSlave(answers, port):
+            again = run.wait_event(lambda e: e["event"] == "device" and e["state"] == "answering",
+                                   "it answers again", after=seen)
+            line, device = summary(run)
     assert device["outages"] == 1
     assert 0 < device["availability_percent"] < 100
     outage = again["time_ms"] - lost["time_ms"]
