@@ -1,6 +1,6 @@
-// Changes one byte of a small history file after the other. A reader then returns what was written, or it
-// reports damage or an error, and all that it returns is something that was written. A writer keeps to the
-// same. TAKT_HISTORY_FLIPS=all changes each bit of each byte.
+// Changes a bit of every third byte of a small history file, one after the other. A reader then returns what
+// was written, or it reports damage or an error, and all that it returns is something that was written. A
+// writer keeps to the same. TAKT_HISTORY_FLIPS=all changes each bit of each byte.
 #include <gtest/gtest.h>
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -157,7 +157,8 @@ TEST_F(HistoryFlipTest, AReaderReportsEachLossAndReturnsNoWrongValue) {
     ASSERT_EQ(all.samples.size(), 3U);
     std::size_t reported = 0;
     const unsigned bits = is_thorough() ? 8 : 1;
-    for (std::size_t at = 0; at < bytes_.size(); ++at) {
+    const std::size_t step = is_thorough() ? 1 : 3;
+    for (std::size_t at = 0; at < bytes_.size(); at += step) {
         for (unsigned i = 0; i < bits; ++i) {
             const unsigned bit = bits == 8 ? i : static_cast<unsigned>(at * 5 % 8);
             write_byte(at, changed(at, bit));
@@ -169,7 +170,7 @@ TEST_F(HistoryFlipTest, AReaderReportsEachLossAndReturnsNoWrongValue) {
         }
         write_byte(at, bytes_[at]);
     }
-    EXPECT_GT(reported, bytes_.size() / 10);
+    EXPECT_GT(reported, bytes_.size() / step / 10);
 }
 
 TEST_F(HistoryFlipTest, AWriterReportsEachLossAndLeavesNoWrongValue) {
