@@ -58,14 +58,14 @@ ALTER TABLE state ADD COLUMN sum INTEGER NOT NULL DEFAULT -2;
 
 // Columns by name: another process may upgrade the file meanwhile.
 constexpr const char* kViews = R"(
-CREATE TEMP VIEW series AS SELECT id, name, device, type, scaled, unit, -1 AS chunks, -1 AS chunk_sum, -1 AS sum
-  FROM main.series;
+CREATE TEMP VIEW series AS SELECT id, name, device, type, scaled, unit, -1 AS chunks, -1 AS chunk_sum,
+  -1 AS sum FROM main.series;
 CREATE TEMP VIEW chunk AS SELECT id, data, -1 AS series, -1 AS sum FROM main.chunk;
 CREATE TEMP VIEW rollup AS SELECT series, t0, chunk, t1, open, samples, quality, reason, flags, numbers,
   first_t, first, min_t, min, max_t, max, last_t, last, area, drawn, good, -1 AS sum FROM main.rollup;
 CREATE TEMP VIEW gap AS SELECT id, first, last, cause, samples, -1 AS sum FROM main.gap;
-CREATE TEMP VIEW state AS SELECT id, journal, sequence, known_until, -1 AS log_rows, -1 AS log_sum, -1 AS gaps,
-  -1 AS gap_sum, -1 AS all_series, -1 AS series_sum, -1 AS sum FROM main.state;
+CREATE TEMP VIEW state AS SELECT id, journal, sequence, known_until, -1 AS log_rows, -1 AS log_sum,
+  -1 AS gaps, -1 AS gap_sum, -1 AS all_series, -1 AS series_sum, -1 AS sum FROM main.state;
 )";
 
 int version_of(SQLite::Database& database) {
