@@ -38,21 +38,22 @@ CREATE TABLE state (id INTEGER PRIMARY KEY CHECK (id = 1), journal INTEGER, sequ
                     known_until INTEGER);
 )";
 
+// -2 is no sum: a damaged record that lacks the column is not taken for one of version 1 (-1).
 constexpr const char* kSumColumns = R"(
-ALTER TABLE series ADD COLUMN chunks INTEGER NOT NULL DEFAULT -1;
-ALTER TABLE series ADD COLUMN chunk_sum INTEGER NOT NULL DEFAULT -1;
-ALTER TABLE series ADD COLUMN sum INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE series ADD COLUMN chunks INTEGER NOT NULL DEFAULT -2;
+ALTER TABLE series ADD COLUMN chunk_sum INTEGER NOT NULL DEFAULT -2;
+ALTER TABLE series ADD COLUMN sum INTEGER NOT NULL DEFAULT -2;
 ALTER TABLE chunk ADD COLUMN series INTEGER NOT NULL DEFAULT -1;
 ALTER TABLE chunk ADD COLUMN sum INTEGER NOT NULL DEFAULT -1;
-ALTER TABLE rollup ADD COLUMN sum INTEGER NOT NULL DEFAULT -1;
-ALTER TABLE gap ADD COLUMN sum INTEGER NOT NULL DEFAULT -1;
-ALTER TABLE state ADD COLUMN log_rows INTEGER NOT NULL DEFAULT -1;
-ALTER TABLE state ADD COLUMN log_sum INTEGER NOT NULL DEFAULT -1;
-ALTER TABLE state ADD COLUMN gaps INTEGER NOT NULL DEFAULT -1;
-ALTER TABLE state ADD COLUMN gap_sum INTEGER NOT NULL DEFAULT -1;
-ALTER TABLE state ADD COLUMN all_series INTEGER NOT NULL DEFAULT -1;
-ALTER TABLE state ADD COLUMN series_sum INTEGER NOT NULL DEFAULT -1;
-ALTER TABLE state ADD COLUMN sum INTEGER NOT NULL DEFAULT -1;
+ALTER TABLE rollup ADD COLUMN sum INTEGER NOT NULL DEFAULT -2;
+ALTER TABLE gap ADD COLUMN sum INTEGER NOT NULL DEFAULT -2;
+ALTER TABLE state ADD COLUMN log_rows INTEGER NOT NULL DEFAULT -2;
+ALTER TABLE state ADD COLUMN log_sum INTEGER NOT NULL DEFAULT -2;
+ALTER TABLE state ADD COLUMN gaps INTEGER NOT NULL DEFAULT -2;
+ALTER TABLE state ADD COLUMN gap_sum INTEGER NOT NULL DEFAULT -2;
+ALTER TABLE state ADD COLUMN all_series INTEGER NOT NULL DEFAULT -2;
+ALTER TABLE state ADD COLUMN series_sum INTEGER NOT NULL DEFAULT -2;
+ALTER TABLE state ADD COLUMN sum INTEGER NOT NULL DEFAULT -2;
 )";
 
 // Columns by name: another process may upgrade the file meanwhile.
@@ -112,6 +113,7 @@ void upgrade_history(SQLite::Database& database) {
     if (!has_sums(database)) {
         HistoryState state = read_state_of_version_1(database);
         database.exec(kSumColumns);
+        database.exec("UPDATE series SET sum = -1");
         add_sums(database);
         count_rows(database, state);
         write_state(database, state);

@@ -1,6 +1,6 @@
-// Changes one byte of a small history file after the other. A reader then returns what was written, or it
-// reports damage or an error, and all that it returns is something that was written. A writer keeps to the
-// same. TAKT_HISTORY_FLIPS=all changes each bit of each byte.
+// Changes a bit of every third byte of a small history file, one after the other. A reader then returns what
+// was written, or it reports damage or an error, and all that it returns is something that was written. A
+// writer keeps to the same. TAKT_HISTORY_FLIPS=all changes each bit of each byte.
 #include <gtest/gtest.h>
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -101,6 +101,15 @@ bool is_complete(const Contents& some, const Contents& all) {
     });
 }
 
+std::string summary_of(const Contents& contents) {
+    std::ostringstream text;
+    for (const auto& [variable, samples] : contents.samples)
+        text << "; " << variable << ": " << samples.size() << " samples";
+    text << "; " << contents.gaps.size() << " gaps; " << (contents.reported ? "reported" : "not reported");
+    for (const auto& [variable, picture] : contents.pictures) text << "\n" << variable << ": " << picture;
+    return text.str();
+}
+
 class HistoryFlipTest : public InDirectory {
 protected:
     const std::string path_ = directory_ / "plant.history.db";
@@ -108,26 +117,26 @@ protected:
 
     /// Closed and open chunks and a log of three variables, and gaps, in pages of 512 bytes.
     void SetUp() override {
-        const HistoryOptions options{.chunk_samples = 40, .log_commits = 12};
+        const HistoryOptions options{.chunk_samples = 20, .log_commits = 6};
         {
             const auto history = std::move(History::open(path_, options)->history);
             const auto level = history->series({"level", "tank", DataType::int16, true, "m"}).value();
             const auto pump = history->series({"pump", "tank", DataType::boolean, false, ""}).value();
             const auto text = history->series({"text", "tank", DataType::string, false, ""}).value();
-            for (std::int64_t i = 0; i < 150; ++i) {
-                const std::int64_t time = kStart + i * 30 * kSecond;
+            for (std::int64_t i = 0; i < 80; ++i) {
+                const std::int64_t time = kStart + i * 60 * kSecond;
                 history->append(level, {.time_ns = time, .value = static_cast<double>(i * 7919 % 1013)});
                 history->append(pump, {.time_ns = time, .value = i % 3 == 0});
                 if (i % 5 == 0)
                     history->append(text, {.time_ns = time, .value = "text " + std::to_string(i)});
-                if (i % 50 == 49) history->append(HistoryGap{time, time + kSecond, GapCause::quota, 5});
+                if (i % 30 == 29) history->append(HistoryGap{time, time + kSecond, GapCause::quota, 5});
                 if (i % 10 == 9) ASSERT_TRUE(history->commit(time));
             }
         }
         SQLite::Database(path_, SQLite::OPEN_READWRITE)
             .exec("PRAGMA journal_mode = DELETE; PRAGMA page_size = 512; VACUUM");
         bytes_ = bytes_of(path_);
-        ASSERT_LT(bytes_.size(), 50'000U);
+        ASSERT_LT(bytes_.size(), 20'000U);
     }
     void write_byte(std::size_t at, char byte) const {
         std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
@@ -148,19 +157,20 @@ TEST_F(HistoryFlipTest, AReaderReportsEachLossAndReturnsNoWrongValue) {
     ASSERT_EQ(all.samples.size(), 3U);
     std::size_t reported = 0;
     const unsigned bits = is_thorough() ? 8 : 1;
-    for (std::size_t at = 0; at < bytes_.size(); ++at) {
+    const std::size_t step = is_thorough() ? 1 : 3;
+    for (std::size_t at = 0; at < bytes_.size(); at += step) {
         for (unsigned i = 0; i < bits; ++i) {
             const unsigned bit = bits == 8 ? i : static_cast<unsigned>(at * 5 % 8);
             write_byte(at, changed(at, bit));
             const auto some = contents_of(path_);
-            ASSERT_TRUE(is_right(some, all)) << "byte " << at << " bit " << bit;
-            ASSERT_TRUE(some.reported || (is_complete(some, all) && some.pictures == all.pictures))
-                << "byte " << at << " bit " << bit;
+            EXPECT_TRUE(is_right(some, all)) << "byte " << at << " bit " << bit << summary_of(some);
+            EXPECT_TRUE(some.reported || (is_complete(some, all) && some.pictures == all.pictures))
+                << "byte " << at << " bit " << bit << summary_of(some);
             reported += some.reported ? 1 : 0;
         }
         write_byte(at, bytes_[at]);
     }
-    EXPECT_GT(reported, bytes_.size() / 10);
+    EXPECT_GT(reported, bytes_.size() / step / 10);
 }
 
 TEST_F(HistoryFlipTest, AWriterReportsEachLossAndLeavesNoWrongValue) {

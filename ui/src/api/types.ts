@@ -462,7 +462,7 @@ export interface History {
   variables: HistoryVariable[];
   gaps: HistoryGap[];
   /** Damaged parts of the database: samples of these times may be missing. */
-  damage: HistoryDamage[];
+  damage?: HistoryDamage[];
 }
 export interface HistoryDamage {
   part: 'log' | 'chunk' | 'rollup' | 'gap' | 'series' | 'state' | 'recorded';
