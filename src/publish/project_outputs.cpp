@@ -3,16 +3,15 @@
 #include <unistd.h>
 
 #include <array>
-#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <type_traits>
 #include <utility>
 
+#include "takt/file/read.hpp"
 #include "takt/model/output.hpp"
 #include "takt/os/rotating_file.hpp"
 #include "takt/publish/command_desk.hpp"
@@ -37,22 +36,32 @@ std::string path_of(const std::string& project_file, const std::string& path) {
     return path.empty() ? std::string() : (folder_of(project_file) / path).string();
 }
 
-std::string first_line(const std::string& file) {
-    std::ifstream stream(file);
-    std::string line;
-    std::getline(stream, line);
+constexpr std::size_t kLongestSecret = 64 << 10;  // of the file that holds it
+
+std::string first_line(std::string_view text) {
+    std::string line(text.substr(0, text.find('\n')));
     if (!line.empty() && line.back() == '\r') line.pop_back();
     return line;
+}
+
+// A FIFO or a device would be waited for, or never end.
+std::string why_not_read(const Error& error) {
+    switch (error.code) {
+        case Code::unsupported: return "not a regular file";
+        case Code::too_long: return "longer than " + std::to_string(kLongestSecret) + " bytes";
+        default: return std::strerror(static_cast<int>(error.numbers[0]));
+    }
 }
 
 /// @returns the reason why there is none
 std::expected<std::string, std::string> password_of(const model::MqttSettings& settings,
                                                     const std::string& project_file) {
     if (!settings.password_file.empty()) {
-        const auto path = path_of(project_file, settings.password_file);
-        if (::access(path.c_str(), R_OK) != 0)
-            return std::unexpected("password_file " + settings.password_file + ": " + std::strerror(errno));
-        return first_line(path);
+        const auto text = file::read_file(path_of(project_file, settings.password_file), kLongestSecret);
+        if (!text)
+            return std::unexpected("password_file " + settings.password_file + ": " +
+                                   why_not_read(text.error()));
+        return first_line(*text);
     }
     if (settings.password_env.empty()) return std::string();
     const char* const value = std::getenv(settings.password_env.c_str());
@@ -65,13 +74,17 @@ std::uint64_t fnv1a(std::string_view text, std::uint64_t hash = 0xcbf29ce4842223
     return hash;
 }
 
+std::string machine_id() {
+    const auto text = file::read_file("/etc/machine-id", kLongestSecret);
+    return text ? first_line(*text) : std::string();
+}
+
 // The same after a restart, and another one for each machine, project and output: brokers end the older of
 // two connections with the same client identifier.
 std::string default_client_id(const model::Output& output, const std::string& project_file) {
     std::array<char, 256> host{};
     (void)::gethostname(host.data(), host.size() - 1);
-    const auto hash =
-        fnv1a(fs::absolute(project_file).string(), fnv1a(first_line("/etc/machine-id"), fnv1a(host.data())));
+    const auto hash = fnv1a(fs::absolute(project_file).string(), fnv1a(machine_id(), fnv1a(host.data())));
     std::array<char, 20> text{};
     (void)std::snprintf(text.data(), text.size(), "%08x", static_cast<unsigned>(hash ^ (hash >> 32U)));
     return "takt-" + output.name + "-" + text.data();
