@@ -123,7 +123,7 @@ void TransactionCore::handle(Instant t, const wire::FramerStep& step) {
 void TransactionCore::on_fault(Instant t, const wire::FramerStep& step) {
     const FrameFault fault = step.fault;
     ++counters_.faults;
-    if (fault == FrameFault::bad_header) must_reconnect_ = true;
+    if (fault == FrameFault::bad_header) must_reconnect_ = bad_header_ = true;
     if (numbered() && fault == FrameFault::too_long)
         if (Slot* slot = addressee(framer_.frame())) give_up(t, *slot, Status::unexpected_reply);
     if (fault == FrameFault::surplus || numbered()) return;

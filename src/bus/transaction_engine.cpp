@@ -229,6 +229,7 @@ void TransactionCore::on_link(Instant t, bool up) {
     if (up == link_up_) return;
     if (!up) return link_down(t, Status::link_lost);
     link_up_ = true;
+    bad_header_ = false;
     last_activity_ = activity_since_ = t;
     blocked_until_ = std::max(blocked_until_, t + config_.pause_after_connect);
     if (numbered()) outstanding_.clear();  // else a gateway may pass on what its serial line still sends

@@ -25,7 +25,13 @@ public:
         needed_ = needed_ && !up;
         engine_.on_link(t, up);
     }
-    void on_close(Instant t) override { engine_.on_close(t); }
+    /// A stream that is out of step is no answer: what the peer sent is in the reason of the link.
+    void on_close(Instant t) override {
+        if (engine_.must_reconnect())
+            engine_.on_link(t, false);
+        else
+            engine_.on_close(t);
+    }
     [[nodiscard]] std::optional<Instant> opens_at() const override {
         return needed_ ? Instant::min() : kNever;
     }
@@ -51,6 +57,9 @@ public:
         line::DriverOptions driver;
         driver.connect_limit = options.timeout;
         driver.on_link = [this](Instant, bool, const std::optional<Error>& why) { link_error_ = why; };
+        driver.on_close = [this](Instant, const std::optional<Error>& why) {
+            if (why && why->code == Code::not_modbus) link_error_ = why;
+        };
         driver.must_reconnect = [this] { return engine_.must_reconnect(); };
         TAKT_TRY(driver_, open_line(loop_, line, reopened_, driver));
         loop_.run_until([this] { return up() || link_error_.has_value(); }, options.timeout);

@@ -184,7 +184,7 @@ void interpret_project(Interpretation& state) {
     interpret_outputs(state, reader);
     check_segments(state);
     note_shared_hosts(state);
-    note_overlaps(state);
+    if (!state.findings.any_error()) note_overlaps(state);  // a wrong register counts as 0
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ void read_connection(Reader& reader, Line& line) {
     const bool on_demand = rules.use == ConnectionUse::on_demand;
     if (!on_demand) reader.report_needs("idle_close", "connection: on_demand");
     if (on_demand && !rules.idle_close) {
-        reader.report(Rule::field_missing, "idle_close");
+        reader.report(Rule::field_missing, "idle_close", {}, {{"key", "idle_close"}});
         line.connection = {};
     }
 }

@@ -206,6 +206,7 @@ public:
     /// Whether further findings of that rule are only counted, so that expensive arguments need not be
     /// computed.
     [[nodiscard]] bool full(Rule rule) const;
+    [[nodiscard]] bool any_error() const { return errors_seen_ > 0; }
 
     /// An unknown column of a table is reported once, not per row.
     /// @returns the likely key, possibly empty; nullptr: the column was not reported yet

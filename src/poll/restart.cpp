@@ -113,6 +113,7 @@ bool LinePoller::Run::spare(Instant t, const bus::TransactionCore::Awaited& wait
 
 void LinePoller::Run::on_close(Instant t) {
     if (line_.is_serial() || link_.state() != LinkState::up) return on_link(t, false);
+    if (engine_.bad_header() && link_.answers() == 0) return on_link(t, false);  // it does not speak Modbus
     const auto waiting = engine_.awaited();
     const bool asked = waiting && !spare(t, *waiting);
     if (asked) {

@@ -212,6 +212,8 @@ public:
     [[nodiscard]] bool link_up() const { return link_up_; }
     /// The byte stream has lost its frames (a wrong MBAP header): the owner must reconnect.
     [[nodiscard]] bool must_reconnect() const { return must_reconnect_; }
+    /// On this connection something else than an MBAP header was received.
+    [[nodiscard]] bool bad_header() const { return bad_header_; }
     [[nodiscard]] const LineCounters& counters() const { return counters_; }
     [[nodiscard]] const LineConfig& config() const { return config_; }
     /// The least silence before a request.
@@ -273,6 +275,7 @@ private:
     std::uint16_t next_wire_id_ = 0;
     bool link_up_ = false;
     bool must_reconnect_ = false;
+    bool bad_header_ = false;
     Duration silence_{};                       // least silence before a request
     Duration busy_limit_{};                    // the longest traffic without a silence
     Duration frame_silence_{};                 // silence that ends a received frame
