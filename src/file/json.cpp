@@ -236,6 +236,9 @@ Result<Json> Json::parse(std::string_view text, std::size_t max_bytes) {
     if (text.size() > max_bytes)
         return fail(Code::too_long, static_cast<std::int64_t>(text.size()),
                     static_cast<std::int64_t>(max_bytes));
+    // For the parser a NUL ends the text, whatever follows. No JSON contains one.
+    if (const auto nul = text.find('\0'); nul != std::string_view::npos)
+        return fail(Code::syntax, "NUL", static_cast<std::int64_t>(nul));
     Builder builder;
     if (!ordered_json::sax_parse(text, &builder)) return std::unexpected(builder.error());
     return builder.take();

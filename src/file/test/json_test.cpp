@@ -76,6 +76,7 @@ TEST(Json, ReadsWithLimits) {
         EXPECT_EQ(json.error().code, Code::syntax) << text;
         EXPECT_FALSE(json.error().subject.empty()) << text;
     }
+    EXPECT_EQ(Json::parse(std::string_view("{}\0x", 4)).error(), (Error{Code::syntax, "NUL", {2}}));
     EXPECT_EQ(Json::parse("[1]", 2).error(), (Error{Code::too_long, "", {3, 2}}));
     EXPECT_EQ(Json::parse("[1,x]").error().numbers[0], 4);
     const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
