@@ -145,6 +145,39 @@ std::optional<ChunkRow> restored(SQLite::Database& database, const StoredRow& ba
     return same || chunk.is_bound() ? std::optional(row) : std::nullopt;
 }
 
+std::string insert_row(const std::string& table) {
+    return "INSERT INTO " + table + " (" + kRowColumns +
+           ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)";
+}
+
+/// @returns the sum of the row
+std::int64_t write_row(SQLite::Statement& insert, const ChunkRow& row) {
+    const auto& summary = row.summary;
+    const std::int64_t sum = sum_of(row);
+    insert.reset();
+    insert.bind(1, row.series.value);
+    insert.bind(2, milliseconds(summary.begin_ns));
+    insert.bind(3, row.id);
+    insert.bind(4, milliseconds(summary.end_ns));
+    insert.bind(5, row.open ? 1 : 0);
+    insert.bind(6, static_cast<std::int64_t>(summary.samples));
+    insert.bind(7, static_cast<int>(summary.quality));
+    insert.bind(8, static_cast<int>(summary.reason));
+    insert.bind(9, flags_of(summary));
+    insert.bind(10, static_cast<std::int64_t>(summary.numbers));
+    bind_point(insert, 11, summary, summary.first);
+    bind_point(insert, 13, summary, summary.min);
+    bind_point(insert, 15, summary, summary.max);
+    bind_point(insert, 17, summary, summary.last);
+    insert.bind(19, summary.area);
+    insert.bind(20, summary.drawn_s);
+    insert.bind(21, summary.good_s);
+    insert.bind(22, sum);
+    insert.exec();
+    insert.reset();
+    return sum;
+}
+
 /// Collects the chunks of a variable.
 class ChunkCollector {
 public:
@@ -174,7 +207,7 @@ public:
         if (std::cmp_greater(result_.rows.size() + found.size(), series_.chunks.rows)) return;
         for (const auto& row : found) {
             result_.rows.push_back(row);
-            result_.restored.push_back({row.summary.begin_ns, row});
+            ++result_.restored;
         }
         order();
     }
@@ -194,7 +227,7 @@ private:
         }
         const auto row = restored(database_, stored, gaps_);
         if (!row || row->series != series_.info.id) return;
-        result_.restored.push_back({stored.row.summary.begin_ns, *row});
+        ++result_.restored;
         result_.rows.push_back(*row);
     }
     void order() {
@@ -215,41 +248,13 @@ private:
 
 ChunkWriter::ChunkWriter(SQLite::Database& database)
     : database_(database),
-      row_(database, std::string("INSERT OR REPLACE INTO rollup (") + kRowColumns +
-                         ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"),
+      row_(database, insert_row("rollup")),
       data_(database, "INSERT INTO chunk (id, data, series, sum) VALUES (?, ?, ?, ?)"),
       erase_row_(database, "DELETE FROM rollup WHERE series = ? AND t0 = ? AND chunk = ? RETURNING sum"),
       erase_data_(database, "DELETE FROM chunk WHERE id = ?") {}
 
-void ChunkWriter::write_row(const ChunkRow& row) {
-    const auto& summary = row.summary;
-    const std::int64_t sum = sum_of(row);
-    row_.reset();
-    row_.bind(1, row.series.value);
-    row_.bind(2, milliseconds(summary.begin_ns));
-    row_.bind(3, row.id);
-    row_.bind(4, milliseconds(summary.end_ns));
-    row_.bind(5, row.open ? 1 : 0);
-    row_.bind(6, static_cast<std::int64_t>(summary.samples));
-    row_.bind(7, static_cast<int>(summary.quality));
-    row_.bind(8, static_cast<int>(summary.reason));
-    row_.bind(9, flags_of(summary));
-    row_.bind(10, static_cast<std::int64_t>(summary.numbers));
-    bind_point(row_, 11, summary, summary.first);
-    bind_point(row_, 13, summary, summary.min);
-    bind_point(row_, 15, summary, summary.max);
-    bind_point(row_, 17, summary, summary.last);
-    row_.bind(19, summary.area);
-    row_.bind(20, summary.drawn_s);
-    row_.bind(21, summary.good_s);
-    row_.bind(22, sum);
-    row_.exec();
-    row_.reset();
-    changes_[row.series].add(sum);
-}
-
 void ChunkWriter::write(const ChunkRow& row, const std::vector<std::uint8_t>& data) {
-    write_row(row);
+    changes_[row.series].add(write_row(row_, row));
     data_.reset();
     data_.bind(1, row.id);
     bind_bytes(data_, 2, data);
@@ -259,27 +264,17 @@ void ChunkWriter::write(const ChunkRow& row, const std::vector<std::uint8_t>& da
     data_.reset();
 }
 
-void ChunkWriter::erase_row(SeriesId series, std::int64_t begin_ns, std::int64_t id) {
+void ChunkWriter::erase(SeriesId series, std::int64_t begin_ns, std::int64_t id) {
     erase_row_.reset();
     erase_row_.bind(1, series.value);
     erase_row_.bind(2, milliseconds(begin_ns));
     erase_row_.bind(3, id);
     while (erase_row_.executeStep()) changes_[series].remove(erase_row_.getColumn(0).getInt64());
     erase_row_.reset();
-}
-
-void ChunkWriter::erase(SeriesId series, std::int64_t begin_ns, std::int64_t id) {
-    erase_row(series, begin_ns, id);
     erase_data_.reset();
     erase_data_.bind(1, id);
     erase_data_.exec();
     erase_data_.reset();
-}
-
-void ChunkWriter::rewrite(std::int64_t begin_ns, const ChunkRow& row) {
-    erase_row(row.series, begin_ns, row.id);
-    erase_row(row.series, row.summary.begin_ns, row.id);
-    write_row(row);
 }
 
 // The digest of a damaged row is not known: that row is left as it is.
@@ -351,12 +346,19 @@ std::size_t drop_chunks(SQLite::Database& database, HistoryState& state, std::in
     return chunks.size();
 }
 
-void drop_rollup_indexes(SQLite::Database& database) {
-    database.exec("DROP INDEX rollup_by_end; DROP INDEX rollup_open");
-}
-
-void make_rollup_indexes(SQLite::Database& database) {
+void rebuild_rollups(SQLite::Database& database, const std::vector<SeriesRow>& all, const HistoryGaps& gaps) {
+    const auto sql =
+        database.execAndGet("SELECT sql FROM sqlite_master WHERE type = 'table' AND name = 'rollup'")
+            .getString();
+    database.exec("CREATE TABLE rebuilt " + sql.substr(std::min(sql.find('('), sql.size())));
+    {
+        SQLite::Statement insert(database, insert_row("rebuilt"));
+        for (const SeriesRow& series : all)
+            for (const ChunkRow& row : read_chunks(database, series, gaps).rows)
+                static_cast<void>(write_row(insert, row));
+    }
     database.exec(
+        "DROP TABLE rollup; ALTER TABLE rebuilt RENAME TO rollup;"
         "CREATE INDEX rollup_by_end ON rollup (t1);"
         "CREATE INDEX rollup_open ON rollup (open) WHERE open = 1");
 }
@@ -387,7 +389,7 @@ void add_sums(SQLite::Database& database) {
     add_gap_sums(database);
 }
 
-void count_rows(SQLite::Database& database, HistoryState& state) {
+void count_rows(SQLite::Database& database, HistoryState& state, const std::set<SeriesId>& incomplete) {
     const auto digest = [&database](const std::string& rows) {
         SQLite::Statement select(database, "SELECT count(*), coalesce(sum(sum), 0) FROM " + rows);
         select.executeStep();
@@ -396,7 +398,7 @@ void count_rows(SQLite::Database& database, HistoryState& state) {
     state.gaps = digest("gap NOT INDEXED");
     state.log = digest_of_log(database);
     for (SeriesRow& row : read_series_rows(database)) {
-        if (!row.is_good() && row.sum != kNoSum) continue;
+        if (!row.is_good() || incomplete.contains(row.info.id)) continue;
         row.chunks = digest("rollup WHERE series = " + std::to_string(row.info.id.value));
         write_series_row(database, state, row);
     }

@@ -1,8 +1,10 @@
 // The chunks of a history file and their roll-ups. All functions throw SQLite::Exception.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "database.hpp"
@@ -27,15 +29,10 @@ public:
     explicit ChunkWriter(SQLite::Database& database);
     void write(const ChunkRow& row, const std::vector<std::uint8_t>& data);
     void erase(SeriesId series, std::int64_t begin_ns, std::int64_t id);
-    /// Replaces only the row of a chunk. @param begin_ns  of the row that is replaced
-    void rewrite(std::int64_t begin_ns, const ChunkRow& row);
     /// Brings the digests of the variables up to date. Required after the last of the other calls.
     void finish(HistoryState& state);
 
 private:
-    void write_row(const ChunkRow& row);
-    void erase_row(SeriesId series, std::int64_t begin_ns, std::int64_t id);
-
     SQLite::Database& database_;
     SQLite::Statement row_;
     SQLite::Statement data_;
@@ -46,12 +43,8 @@ private:
 
 /// The chunks of a variable.
 struct SeriesChunks {
-    struct Restored {
-        std::int64_t begin_ns = 0;  ///< of the damaged row
-        ChunkRow row;
-    };
     std::vector<ChunkRow> rows;         ///< by their begin; of equal ones by their numbers
-    std::vector<Restored> restored;     ///< rows that were recomputed from their chunks; they are in `rows`
+    std::size_t restored = 0;           ///< of `rows`: recomputed from their chunks
     std::vector<HistoryDamage> damage;  ///< chunks that are missing in `rows`
 };
 
@@ -74,14 +67,14 @@ struct SeriesChunks {
 [[nodiscard]] std::size_t drop_chunks(SQLite::Database& database, HistoryState& state, std::int64_t cutoff_ns,
                                       std::size_t most);
 
-/// A repair may not rely on indexes: they may not fit their damaged table.
-void drop_rollup_indexes(SQLite::Database& database);
-void make_rollup_indexes(SQLite::Database& database);
+/// Writes the table of roll-ups anew, from what read_chunks() returns: in a damaged tree, a row with a
+/// damaged key is not found, and it hides others.
+void rebuild_rollups(SQLite::Database& database, const std::vector<SeriesRow>& all, const HistoryGaps& gaps);
 
 /// Gives all rows of gaps, variables and roll-ups sums, as they are.
 void add_sums(SQLite::Database& database);
-/// Sets all digests to what the tables have, except the digest of the log, which becomes that of an empty log
-/// if the log is empty.
-void count_rows(SQLite::Database& database, HistoryState& state);
+/// Sets all digests to what the tables have.
+/// @param incomplete  variables that keep their digests: it goes on to show that chunks are missing
+void count_rows(SQLite::Database& database, HistoryState& state, const std::set<SeriesId>& incomplete = {});
 
 }  // namespace takt::store

@@ -1,6 +1,7 @@
 #include "history_load.hpp"
 
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "history_chunks.hpp"
@@ -14,7 +15,10 @@ void append(std::vector<HistoryDamage>& all, const std::vector<HistoryDamage>& m
 
 /// What a repair needs.
 struct Findings {
-    std::vector<SeriesChunks::Restored> restored;
+    std::vector<SeriesRow> rows;
+    HistoryGaps known_gaps;
+    std::set<SeriesId> incomplete;  // chunks of these variables are missing
+    bool rollups = false;
     std::vector<ChunkRow> bad_open;
     bool gaps = false;
     bool series = false;
@@ -22,9 +26,10 @@ struct Findings {
 
 void load_chunks(SQLite::Database& database, const SeriesRow& series, const HistoryGaps& gaps,
                  OpenChunks& open, LoadedHistory& loaded, Findings& findings) {
-    auto chunks = read_chunks(database, series, gaps);
+    const auto chunks = read_chunks(database, series, gaps);
     append(loaded.damage, chunks.damage);
-    for (auto& row : chunks.restored) findings.restored.push_back(std::move(row));
+    if (!chunks.damage.empty()) findings.incomplete.insert(series.info.id);
+    findings.rollups = findings.rollups || chunks.restored > 0 || !chunks.damage.empty();
     for (const ChunkRow& row : chunks.rows) {
         if (!row.open) continue;
         if (const auto samples = read_samples(database, row)) {
@@ -52,17 +57,15 @@ void repair(SQLite::Database& database, LoadedHistory& loaded, OpenChunks& open,
     SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
     if (findings.series) database.exec("REINDEX series");
     if (findings.gaps) repair_gaps(database);
-    if (!findings.restored.empty()) drop_rollup_indexes(database);
+    if (findings.rollups) rebuild_rollups(database, findings.rows, findings.known_gaps);
     {
         ChunkWriter writer(database);
-        for (const auto& [begin_ns, row] : findings.restored) writer.rewrite(begin_ns, row);
         for (const ChunkRow& row : findings.bad_open) writer.erase(row.series, row.summary.begin_ns, row.id);
         writer.finish(loaded.state);
     }
-    if (!findings.restored.empty()) make_rollup_indexes(database);
     write_gaps(database, loaded, open);
     open.fold(database, loaded.state, loaded.state.known_until_ns);
-    count_rows(database, loaded.state);
+    count_rows(database, loaded.state, findings.incomplete);
     loaded.state.damaged = false;
     write_state(database, loaded.state);
     transaction.commit();
@@ -76,22 +79,23 @@ LoadedHistory load_history(SQLite::Database& database, OpenChunks& open) {
     Findings findings;
     loaded.state = read_state(database);
     if (loaded.state.damaged) loaded.damage.push_back({.part = HistoryPart::state});
-    const auto rows = read_series_rows(database);
-    append(loaded.damage, damage_of(rows, loaded.state));
+    findings.rows = read_series_rows(database);
+    append(loaded.damage, damage_of(findings.rows, loaded.state));
     findings.series = loaded.damage.size() > (loaded.state.damaged ? 1U : 0U);
-    const auto [gaps, bad_gaps] = read_gaps(database, loaded.state);
+    auto [gaps, bad_gaps] = read_gaps(database, loaded.state);
+    findings.known_gaps = std::move(gaps);
     findings.gaps = !bad_gaps.empty();
     append(loaded.damage, bad_gaps);
     open.begin_at(last_chunk(database) + 1);
-    for (const SeriesRow& row : rows) {
-        load_chunks(database, row, gaps, open, loaded, findings);
+    for (const SeriesRow& row : findings.rows) {
+        load_chunks(database, row, findings.known_gaps, open, loaded, findings);
         if (row.is_good()) loaded.series.push_back(row.info);
     }
     const auto log = read_log(database, loaded.state, newest_chunk_end(database));
     append(loaded.damage, log.damage);
     open.load(log);
-    open.load(gaps);
-    if (!loaded.damage.empty() || !findings.restored.empty()) repair(database, loaded, open, findings);
+    open.load(findings.known_gaps);
+    if (!loaded.damage.empty() || findings.rollups) repair(database, loaded, open, findings);
     return loaded;
 }
 

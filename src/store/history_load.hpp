@@ -18,8 +18,8 @@ struct LoadedHistory {
 
 /// Reads state, variables, open chunks and the log. If something is damaged, one transaction recomputes
 /// roll-ups, writes gaps `damaged` in the place of samples, removes the damaged rows of log and gaps, folds,
-/// and sets all digests: so a second call does not find the same damage. A damaged row of a variable, and a
-/// roll-up that cannot be recomputed, are left for readers to report.
+/// and sets digests: so a second call does not find the same damage. A damaged row of a variable stays, and
+/// so does the digest of a variable with a roll-up that cannot be recomputed: readers report them.
 /// @throws SQLite::Exception
 [[nodiscard]] LoadedHistory load_history(SQLite::Database& database, OpenChunks& open);
 
