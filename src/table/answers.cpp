@@ -83,12 +83,17 @@ void Executor::on_read(const bus::Outcome& outcome, std::uint32_t index) {
     const bool came = ended.status == StatusCode::ok || ended.status == StatusCode::ambiguous;
     if (probe && came && is_polled(planned) && state.release.next() <= t) state.release.serve(t);
     if (ended.status == StatusCode::link_lost) {
-        state.read_triggered = state.read_triggered || state.by_trigger;
+        // It is sent again, once in a row.
+        if (state.by_trigger)
+            state.read_triggered = true;
+        else if (!outcome.sent || !std::exchange(state.link_lost, true))
+            state.retry = t;
         return;
     }
     if (!devices_[device_of(planned)].enabled) return;
     if (!ended.answered) return fail_read(t, index, planned, ended.status);
     state.health.answered();
+    state.link_lost = false;
     if (ended.busy)
         state.read_not_before = after(t, state.read_busy.next());
     else

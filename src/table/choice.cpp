@@ -166,10 +166,8 @@ void Executor::start_read(Instant t, std::uint32_t index, bool by_trigger) {
         state.read_triggered = false;
     } else {
         arbiter_.advance_round(index);
-        if (state.retry)
-            state.retry.reset();
-        else if (is_polled(planned) && t >= state.release.next())
-            state.release.serve(t);
+        state.retry.reset();
+        if (is_polled(planned) && t >= state.release.next()) state.release.serve(t);
     }
     const auto request = wire::prepare(
         wire::ReadRequest{wire::Function{planned.read}, DataAddress{planned.start}, planned.quantity});

@@ -2,6 +2,7 @@
 #include "takt/table/executor.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "takt/base/assert.hpp"
 #include "words.hpp"
@@ -104,17 +105,25 @@ bool Executor::reachable(const DeviceState& device) const {
     return device.enabled && (device.health.answering() || !device.has_reads);
 }
 
-void Executor::restart_device(Instant t, std::uint32_t index, bool at_once) {
+// Nothing is known of it any more. Its reads are due when they were due before.
+void Executor::resume_device(std::uint32_t index) {
     const auto record = device(index);
     devices_[index].health = fresh_health(record);
     for (std::uint32_t i = 0; i < record.entry_count; ++i) {
-        const auto e = record.first_entry - line_.first_entry + i;
-        auto& state = entries_[e];
+        auto& state = entries_[record.first_entry - line_.first_entry + i];
         state.status = StatusCode::ok;
         state.health = fresh_health(record);
-        state.release.follow(after(epoch_, Duration(entry(e).phase)), t);
-        state.retry.reset();
         state.read_not_before = Instant::min();
+    }
+}
+
+void Executor::restart_device(Instant t, std::uint32_t index, bool at_once) {
+    resume_device(index);
+    const auto record = device(index);
+    for (std::uint32_t i = 0; i < record.entry_count; ++i) {
+        const auto e = record.first_entry - line_.first_entry + i;
+        entries_[e].release.follow(after(epoch_, Duration(entry(e).phase)), t);
+        entries_[e].retry.reset();
     }
     if (at_once) release_at_once(t, record);
 }
@@ -174,12 +183,18 @@ void Executor::on_link(Instant t, bool up) {
     take_outcomes();
     if (up == up_ && up) return;
     up_ = up;
-    if (up) epoch_ = t;
-    arbiter_.restart_round();
+    // The schedule goes on, whatever the link does, as that of poll::LinePoller.
+    const bool first = up && !std::exchange(was_up_, was_up_ || up);
+    if (first) {
+        epoch_ = t;
+        arbiter_.restart_round();
+    }
     for (std::uint32_t d = 0; d < devices_.size(); ++d) {
         if (!devices_[d].enabled) continue;
-        if (up)
+        if (first)
             restart_device(t, d, false);
+        else if (up)
+            resume_device(d);
         else
             degrade_device(d, StatusCode::link_lost, true);
     }

@@ -56,6 +56,7 @@ struct EntryState {
     std::uint64_t write_order = 0;
     std::uint16_t write_failures = 0;
     StatusCode status = StatusCode::ok;
+    bool link_lost = false;  // before its last response
     bool read_triggered = false;
     bool by_trigger = false;  // of the transaction in flight
     bool asked = false;       // by set(), or by a retry
@@ -161,6 +162,7 @@ private:
     void restart_device(Instant t, std::uint32_t device, bool at_once);
     void switch_device(Instant t, std::uint32_t device, bool on);
     void release_at_once(Instant t, const DeviceRecord& device);
+    void resume_device(std::uint32_t device);
     [[nodiscard]] bool brings_news(const EntryRecord& entry, std::uint32_t index,
                                    const DeviceRecord& device) const;
     [[nodiscard]] bool has_member(const EntryRecord& entry, std::uint32_t item) const;
@@ -223,8 +225,9 @@ private:
     bus::TransactionEngineOf<1> engine_;
     bus::Arbiter arbiter_;
     std::uint64_t last_order_ = 0;
-    Instant epoch_;  // origin of the release grid
+    Instant epoch_;  // origin of the release grid: the first link
     bool up_ = false;
+    bool was_up_ = false;
 };
 
 }  // namespace takt::table
