@@ -175,7 +175,7 @@ TEST_F(HistoryFlipTest, AReaderReportsEachLossAndReturnsNoWrongValue) {
 
 TEST_F(HistoryFlipTest, AWriterReportsEachLossAndLeavesNoWrongValue) {
     const auto all = contents_of(path_);
-    const std::size_t step = is_thorough() ? 1 : 61;
+    const std::size_t step = is_thorough() ? 7 : 61;
     for (std::size_t at = 0; at < bytes_.size(); at += step) {
         for (const char* suffix : {"-wal", "-shm", "-journal"}) std::filesystem::remove(path_ + suffix);
         overwrite(path_, bytes_);
@@ -185,6 +185,7 @@ TEST_F(HistoryFlipTest, AWriterReportsEachLossAndLeavesNoWrongValue) {
         {
             const auto opened = History::open(path_);
             reported = !opened || !opened->set_aside.empty() || !opened->damage.empty();
+            if (opened) std::filesystem::remove(opened->set_aside);  // at most 999 of them are kept
         }
         const auto some = contents_of(path_);
         ASSERT_TRUE(is_right(some, all)) << "byte " << at << " bit " << bit;
