@@ -45,12 +45,17 @@ private:
     bool needed_ = false;
 };
 
+bus::LineConfig one_at_a_time(bus::LineConfig config) {
+    config.length_tolerance = config.framing == wire::Framing::tcp;
+    return config;
+}
+
 class RealConnection final : public Connection {
 public:
     RealConnection(line::Loop& loop, const model::Line& line, std::shared_ptr<wire::TrafficObserver> traffic)
         : loop_(loop),
           traffic_(std::move(traffic)),
-          engine_(one_off_line(line), traffic_.get()),
+          engine_(one_at_a_time(one_off_line(line)), traffic_.get()),
           reopened_(engine_) {}
 
     Result<void> open(const model::Line& line, const Options& options, const OpenLine& open_line) {
@@ -105,7 +110,6 @@ bus::LineConfig one_off_line(const model::Line& line) {
     config.framing = line.framing;
     config.format = line.format;
     if (line.transport != model::Transport::serial) config.echo = bus::Echo::absent;
-    config.length_tolerance = config.framing == wire::Framing::tcp;  // there is one request at a time
     return line::fit_to_real_line(config, line);
 }
 

@@ -110,11 +110,15 @@ void Executor::on_read(const bus::Outcome& outcome, std::uint32_t index) {
 void Executor::fail_read(Instant t, std::uint32_t index, const EntryRecord& planned, StatusCode status) {
     auto& state = entries_[index];
     state.health.failed(t);
+    // A read whose response broke the stream is sent again once in a row, as after a lost link.
+    const bool repeats = !engine_.must_reconnect() || !std::exchange(state.link_lost, true);
     if (!devices_[device_of(planned)].health.answering()) return;
     if (!state.health.answering()) {
         degrade(planned, Quality::bad, status, true);
-    } else {
+    } else if (repeats) {
         read_again(t, state, planned, status);
+    } else {
+        degrade(planned, Quality::uncertain, status, false);
     }
     set_status(index, planned, status);
 }

@@ -90,7 +90,8 @@ TEST(Interpret, Line) {
         {"{transport: simulated, port: 502}", ""},
         {"{transport: ~, ip: plc, port: ~}",
          "key.unknown ip=ip [name, transport, port, host, tcp_port, framing, baud, parity, stop_bits, "
-         "data_bits, rs485, order, request_gap, frame_gap, byte_timeout, relay_interval, command_interval, "
+         "data_bits, rs485, order, request_gap, frame_gap, byte_timeout, connection, idle_close, "
+         "pause_after_connect, connections_per_host, length_tolerance, relay_interval, command_interval, "
          "command_burst, devices]"},
         {"{transport: tcp, host: \"tcp://1.2.3.4\", port: ~}", "host.malformed host=tcp://1.2.3.4"},
         {"{transport: tcp, host: \"[::1]:502\", port: ~}", "host.malformed host=[::1]:502"},
@@ -142,7 +143,8 @@ TEST(Interpret, Line) {
         {"{devices: {a: b}}", "field.not_a_list devices="},
         {"{bauds: 9600}",
          "key.unknown bauds=bauds [name, transport, port, host, tcp_port, framing, baud, parity, stop_bits, "
-         "data_bits, rs485, order, request_gap, frame_gap, byte_timeout, relay_interval, command_interval, "
+         "data_bits, rs485, order, request_gap, frame_gap, byte_timeout, connection, idle_close, "
+         "pause_after_connect, connections_per_host, length_tolerance, relay_interval, command_interval, "
          "command_burst, devices]"},
     };
     for (const auto& [keys, expected] : cases) EXPECT_EQ(findings_text({.line = keys}), expected) << keys;
