@@ -36,6 +36,16 @@ std::vector<std::string> bad_projects() {
         "turnaround: 20ms, response_timeout: 10ms, "
         "variables: [{name: V, type: int, register: 0, scale: \"0,1\"}]}]}\n",
         "takt: 1\nlines:\n- {name: N, host: 10.0.0.5/24, port: 502, parity: E, devices: []}\n",
+        "takt: 1\n" + line +
+            "{name: A, type: bool, register: 17, read: 1}, {name: B, type: float, register: 1, read: 3},\n"
+            "{name: C, type: int, register: 2, read: 3}]}]}\n",
+        "takt: 1\n" + line + "{name: A, type: int, register: 1, read: 3}]}], idle_close: 1s}\n" +
+            "- {name: O, host: h, devices: [{name: E, address: 1, variables: [{name: B, type: int, register: "
+            "1, "
+            "read: 3}]}]}\n"
+            "- {name: P, host: h, devices: [{name: F, address: 1, variables: [{name: C, type: int, register: "
+            "1, "
+            "read: 3}]}]}\n",
         "takt: 2\nprofil: x\nbaud: 9600\nlines:\n- 5\nlocals:\n- {name: a, type: real}\n",
         "takt: \"1\"\nprofile: [x]\nlines: {}\nderive_timeouts: yes\ntimeout_margin: 5\nlocals:\n",
         "profile: x\nlines:\n",
