@@ -236,7 +236,7 @@ Result<Json> Json::parse(std::string_view text, std::size_t max_bytes) {
     if (text.size() > max_bytes)
         return fail(Code::too_long, static_cast<std::int64_t>(text.size()),
                     static_cast<std::int64_t>(max_bytes));
-    // For the parser a NUL ends the text, whatever follows. No JSON contains one.
+    // The parser stops at a NUL and ignores the rest. JSON text contains no NUL.
     if (const auto nul = text.find('\0'); nul != std::string_view::npos)
         return fail(Code::syntax, "NUL", static_cast<std::int64_t>(nul));
     Builder builder;

@@ -16,7 +16,7 @@ enum class LinkState : std::uint8_t {
     none,    ///< there was none yet
     up,      ///< requests can be sent
     closed,  ///< the peer closed it, or it was not needed: the next request opens it
-    lost,    ///< the port is gone, connecting failed, or the peer closes it whatever it is asked
+    lost,    ///< the port is gone, connecting failed, or each unit met a close
 };
 
 /// The state of the link, and how long nothing was received on it.

@@ -60,7 +60,7 @@ void LinePoller::Run::on_link(Instant t, bool up) {
         link_lost(t);
 }
 
-// The plan's schedule goes on, whatever the link does: only the first link gives it its origin.
+// Only the first link sets the origin of the schedule.
 void LinePoller::Run::link_opened(Instant t) {
     const LinkState before = link_.state();
     link_.up(t);
@@ -120,7 +120,7 @@ void LinePoller::Run::on_close(Instant t) {
         closes_.closed(engine_.responses_awaited());
         engine_.on_close(t);
     } else {
-        engine_.on_link(t, false);  // nobody is charged
+        engine_.on_link(t, false);  // no request fails
     }
     take_outcomes();
     const auto spoken_for = [this](const DeviceRun& device) {

@@ -183,7 +183,7 @@ void Executor::on_link(Instant t, bool up) {
     take_outcomes();
     if (up == up_ && up) return;
     up_ = up;
-    // The schedule goes on, whatever the link does, as that of poll::LinePoller.
+    // Only the first link sets the origin of the schedule, as in poll::LinePoller.
     const bool first = up && !std::exchange(was_up_, was_up_ || up);
     if (first) {
         epoch_ = t;

@@ -11,8 +11,8 @@
 
 namespace takt::line {
 
-/// The places for connections to hosts that accept few at a time. First come, first served. Whoever holds a
-/// place while others wait for it should give it back when it can: see wanted().
+/// The places for connections to hosts that accept few at a time. First come, first served. A holder
+/// gives its place back while another line waits: see wanted().
 ///
 /// It must outlive every Place. One owner; the thread of its users only.
 class HostPlaces {
@@ -43,7 +43,7 @@ public:
         std::uint64_t ticket_ = 0;
     };
 
-    /// @param on_wanted  called with the host when somebody begins to wait; may be empty
+    /// @param on_wanted  called with the host when a line begins to wait; may be empty
     explicit HostPlaces(std::function<void(const std::string& host)> on_wanted = {})
         : on_wanted_(std::move(on_wanted)) {}
     HostPlaces(const HostPlaces&) = delete;
@@ -53,7 +53,7 @@ public:
     /// @param most  connections to the host at a time, at least 1
     [[nodiscard]] Place ask(const std::string& host, std::size_t most, std::function<void()> admitted);
 
-    /// Somebody waits for a place.
+    /// A line waits for a place.
     [[nodiscard]] bool wanted(const std::string& host) const;
 
 private:
