@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::int64_t kVersion = 1;
 constexpr int kMostSetAside = 999;
+constexpr int kMostOpenings = 3;
 constexpr std::size_t kMostLine = std::size_t{64} << 10;
 constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 53;
 constexpr std::string_view kFormat = R"({"takt":"marks",)";
@@ -140,16 +141,17 @@ Result<bool> is_leftover(int descriptor) {
     return count >= 0 && kFormat.starts_with(std::string_view(head.data(), static_cast<std::size_t>(count)));
 }
 
-/// The file of the path, locked.
+/// The file of the path, locked. The path may get another file, or none, between two of the calls.
 Result<os::Descriptor> open_locked(const std::string& path) {
-    auto file = os::open_for_update(path);
-    if (!file && file.error().code == Code::cannot_open && file.error().numbers[0] == ENOENT)
-        file = os::create_file(path);
-    if (!file) return file;
-    // The program that had the lock may have replaced the file meanwhile.
-    if (::flock(file->get(), LOCK_EX | LOCK_NB) != 0 || !os::is_at(file->get(), path))
-        return fail(Code::busy, path);
-    return file;
+    for (int i = 0; i < kMostOpenings; ++i) {
+        auto file = os::open_for_update(path);
+        if (!file && file.error().code == Code::cannot_open && file.error().numbers[0] == ENOENT)
+            file = os::create_file(path);
+        if (!file) return file;
+        if (::flock(file->get(), LOCK_EX | LOCK_NB) != 0) break;
+        if (os::is_at(file->get(), path)) return file;
+    }
+    return fail(Code::busy, path);
 }
 
 }  // namespace

@@ -55,6 +55,10 @@ protected:
         while (!enough() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(5ms);
         return enough();
     }
+    [[nodiscard]] bool is_written(std::string_view text) const {
+        std::ifstream file(path_);
+        return std::string(std::istreambuf_iterator<char>(file), {}).find(text) != std::string::npos;
+    }
     /// A run of the program that puts marks.
     std::string run(const std::vector<std::string>& put) {
         Marks marks(2000);
@@ -81,10 +85,7 @@ TEST_F(MarkWriterTest, WritesWhileTheProgramRuns) {
     Marks marks(2000);
     MarkWriter writer(marks, options());
     marks.put(mark("soon"));
-    EXPECT_TRUE(wait([&] {
-        std::ifstream file(path_);
-        return std::string(std::istreambuf_iterator<char>(file), {}).find("soon") != std::string::npos;
-    }));
+    EXPECT_TRUE(wait([&] { return is_written("soon"); }));
 }
 
 TEST_F(MarkWriterTest, WithoutAHistoryThereIsNoFile) {
@@ -129,7 +130,7 @@ TEST_F(MarkWriterTest, AFileThatWasRemovedIsWrittenAnew) {
     {
         MarkWriter writer(marks, options());
         marks.put(mark("a"));
-        ASSERT_TRUE(wait([&] { return std::filesystem::exists(path_); }));
+        ASSERT_TRUE(wait([&] { return is_written("\"a\""); }));
         std::filesystem::remove(path_);
         marks.put(mark("b"));
     }
