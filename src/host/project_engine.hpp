@@ -85,6 +85,8 @@ public:
     void publish(Instant t);
     /// An event that an engine did not cause.
     void publish_event(Instant t, decltype(Event::body) body);
+    /// Event::number of the next event that is published.
+    [[nodiscard]] std::uint64_t next_event() const { return link_.events.end().next; }
 
     /// Time-outs of commands, retained values, files, service variables. To be called at next_tick().
     void on_tick(Instant t);

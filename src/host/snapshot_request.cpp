@@ -91,6 +91,7 @@ bool SnapshotFill::fill_slice(ProjectEngine& engine, Instant t) {
         case Step::done: break;
     }
     if (step_ != Step::done) return true;
+    engine.publish(t);  // who has the copy can read all events that led to it
     buffer_->snapshot.t = t;
     buffer_->ready.release();
     return false;
@@ -98,6 +99,7 @@ bool SnapshotFill::fill_slice(ProjectEngine& engine, Instant t) {
 
 void SnapshotFill::begin(ProjectEngine& engine) {
     auto& snapshot = buffer_->snapshot;
+    snapshot.first_newer_event = engine.next_event();
     snapshot.configuration = engine.configuration();
     snapshot.started = engine.started();
     const bool fits = buffer_->made_for == engine.configuration();

@@ -76,37 +76,42 @@ void SampleSelector::deliver(Entry& entry, Instant t, SampleCause cause, std::op
           .previous = good ? previous : seen.good_at});
 }
 
-void SampleSelector::on_change(Instant t, const host::ValueChanged& changed, const Sink& sink) {
+void SampleSelector::on_change(const host::Event& event, const host::ValueChanged& changed,
+                               const Sink& sink) {
     if (changed.slot.value >= entry_of_.size() || entry_of_[changed.slot.value] == 0) return;
     auto& entry = entries_[entry_of_[changed.slot.value] - 1];
-    entry.seen = {changed.value, changed.quality, changed.reason, changed.good_at, t};
+    entry.seen = {changed.value, changed.quality, changed.reason, changed.good_at, event.t, event.number + 1};
     if (!entry.policy.on_change) return;
     const auto& last = entry.delivered;
     const bool graded = !last || last->quality != changed.quality || last->reason != changed.reason;
     if (graded || moved(last->value, changed.value, entry.policy.dead_band))
-        deliver(entry, t, SampleCause::change, changed.good_before, sink);
+        deliver(entry, event.t, SampleCause::change, changed.good_before, sink);
 }
 
-void SampleSelector::on_snapshot(Instant t, std::span<const value::Slot> slots, const Sink& sink) {
-    while (!dues_.empty() && dues_.front().at <= t) {
+void SampleSelector::on_snapshot(const host::Snapshot& snapshot, const Sink& sink) {
+    while (!dues_.empty() && dues_.front().at <= snapshot.t) {
         std::ranges::pop_heap(dues_, later<Due, Due>);
         const auto index = dues_.back().entry;
         dues_.pop_back();
-        const auto slot = entries_[index].slot.value;
-        TAKT_ASSERT(slot < slots.size());
-        on_due(t, index, slots[slot], sink);
+        on_due(snapshot, index, sink);
         schedule(index);
     }
 }
 
-// An event that is newer than the snapshot may have been read before it.
-void SampleSelector::see(Entry& entry, Instant t, const value::Slot& slot) {
-    if (entry.seen.t <= t) entry.seen = {slot.value, slot.quality, slot.reason, slot.good_at, t};
+// An event that was read already may be newer than the copied value. Times do not show it: an event has the
+// time at which its bytes arrived.
+void SampleSelector::see(Entry& entry, const host::Snapshot& snapshot) {
+    TAKT_ASSERT(entry.slot.value < snapshot.values.size());
+    if (entry.seen.events > snapshot.first_newer_event) return;
+    const auto& slot = snapshot.values[entry.slot.value];
+    entry.seen = {slot.value,   slot.quality, slot.reason,
+                  slot.good_at, snapshot.t,   snapshot.first_newer_event};
 }
 
-void SampleSelector::on_due(Instant t, std::size_t index, const value::Slot& slot, const Sink& sink) {
+void SampleSelector::on_due(const host::Snapshot& snapshot, std::size_t index, const Sink& sink) {
+    const Instant t = snapshot.t;
     auto& entry = entries_[index];
-    see(entry, t, slot);
+    see(entry, snapshot);
     const bool ever_read = entry.seen.quality != value::Quality::never_read;
     const auto& policy = entry.policy;
     if (entry.next_period <= t) {
@@ -120,14 +125,12 @@ void SampleSelector::on_due(Instant t, std::size_t index, const value::Slot& slo
     }
 }
 
-void SampleSelector::deliver_current(Instant t, std::span<const value::Slot> slots, const Sink& sink,
-                                     bool retained_only) {
+void SampleSelector::deliver_current(const host::Snapshot& snapshot, const Sink& sink, bool retained_only) {
     for (auto& entry : entries_) {
         if (retained_only && !entry.policy.retained) continue;
-        TAKT_ASSERT(entry.slot.value < slots.size());
-        see(entry, t, slots[entry.slot.value]);
+        see(entry, snapshot);
         if (entry.seen.quality == value::Quality::never_read) continue;
-        deliver(entry, t, SampleCause::current, {}, sink);
+        deliver(entry, snapshot.t, SampleCause::current, {}, sink);
     }
 }
 

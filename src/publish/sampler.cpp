@@ -63,7 +63,7 @@ void Sampler::read_events(Instant now) {
 
 void Sampler::on_event(const host::Event& event) {
     if (const auto* const changed = std::get_if<host::ValueChanged>(&event.body)) {
-        for (auto* feed : feeds_) feed->on_change(event.t, *changed);
+        for (auto* feed : feeds_) feed->on_change(event, *changed);
     } else if (std::holds_alternative<host::DeviceStateChanged>(event.body) ||
                std::holds_alternative<host::LinkChanged>(event.body)) {
         owner_.on_state_changed();
@@ -81,8 +81,7 @@ void Sampler::count_lost(Instant now, Instant next_event) {
     current_at_ = now;
 }
 
-// The events up to the moment of the snapshot are read before it is used, so the samples of a slot stay in
-// order.
+// The events up to the end of the copy are read before it is used, so the samples of a slot stay in order.
 std::optional<host::Snapshot> Sampler::take_snapshot(Instant now) {
     auto snapshot = session_.snapshot({});
     read_events(now);
@@ -94,7 +93,7 @@ void Sampler::sample_due(Instant now) {
     if (!std::ranges::any_of(feeds_, [&](const auto* feed) { return feed->next_due() <= now; })) return;
     const auto snapshot = take_snapshot(now);
     if (!snapshot) return;
-    for (auto* feed : feeds_) feed->on_snapshot(snapshot->t, snapshot->values);
+    for (auto* feed : feeds_) feed->on_snapshot(*snapshot);
     flush();
 }
 
@@ -104,7 +103,7 @@ void Sampler::deliver_current(Instant now) {
     if (!snapshot) return;
     // Unless events were lost again meanwhile.
     if (current_at_ > now) current_at_ = kNever;
-    for (auto* feed : feeds_) feed->deliver_current(snapshot->t, snapshot->values);
+    for (auto* feed : feeds_) feed->deliver_current(*snapshot);
     flush();
 }
 
@@ -119,7 +118,7 @@ void Sampler::deliver_retained(Instant now) {
     const auto snapshot = take_snapshot(now);
     if (!snapshot) return;
     retained_again_ = Instant::min();
-    for (auto* feed : feeds_) feed->deliver_retained(snapshot->t, snapshot->values);
+    for (auto* feed : feeds_) feed->deliver_retained(*snapshot);
     flush();
 }
 

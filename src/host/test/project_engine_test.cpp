@@ -346,6 +346,21 @@ TEST(ProjectEngine, ASnapshotMadeForAnotherProjectIsNotFilled) {
     EXPECT_TRUE(buffer->too_small);
 }
 
+// An event while it is copied may be newer than a value that was copied before.
+TEST(ProjectEngine, ASnapshotNamesTheFirstEventThatMayBeNewer) {
+    Rig rig(kPlant);
+    const auto session = rig.open({.from_beginning = true});
+    rig.run(300ms);
+    const auto before = take_events(*session).back().number;
+    const auto buffer = make_snapshot_buffer(rig.engine->configuration(), nullptr, {.statistics = true}, 0);
+    ASSERT_TRUE(rig.link->post(std::make_unique<SnapshotFill>(buffer)));
+    ASSERT_TRUE(rig.engine->serve(rig.now)) << "it takes several slices";
+    rig.engine->publish_event(rig.now, ConfigurationChanged{});
+    rig.serve();
+    ASSERT_TRUE(buffer->ready.try_acquire());
+    EXPECT_EQ(buffer->snapshot.first_newer_event, before + 1);
+}
+
 TEST(ProjectEngine, ASnapshotThatIsBegunWhenAnotherProjectIsAppliedEnds) {
     Rig rig(kPlant);
     const auto buffer = make_snapshot_buffer(rig.engine->configuration(), nullptr, {.statistics = true}, 0);

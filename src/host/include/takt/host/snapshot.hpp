@@ -45,7 +45,10 @@ struct Snapshot {
 
     ConfigurationPtr configuration;
     Instant started;  ///< when the host began
-    Instant t;        ///< when the copy was complete
+    Instant t;        ///< when the copy was complete; values may have changed since they were copied
+    /// Event::number: each value has the changes of all events before this one, and of no event that comes
+    /// after the copy. Events between may be newer or older than the value.
+    std::uint64_t first_newer_event = 0;
     /// By SlotId. The members of one request are of one moment: the host copies a device between two
     /// transactions.
     std::vector<value::Slot> values;

@@ -29,19 +29,18 @@ public:
     /// Wall time minus the time of the host, for the samples that follow.
     void set_clock(std::int64_t wall_minus_host_ns) { offset_ns_ = wall_minus_host_ns; }
 
-    void on_change(Instant t, const host::ValueChanged& changed) { selector_.on_change(t, changed, sink_); }
+    /// @param event  whose body is `changed`
+    void on_change(const host::Event& event, const host::ValueChanged& changed) {
+        selector_.on_change(event, changed, sink_);
+    }
     [[nodiscard]] Instant next_due() const { return selector_.next_due(); }
-    void on_snapshot(Instant t, std::span<const value::Slot> slots) {
-        selector_.on_snapshot(t, slots, sink_);
-    }
-    void deliver_current(Instant t, std::span<const value::Slot> slots) {
-        selector_.deliver_current(t, slots, sink_);
-    }
+    void on_snapshot(const host::Snapshot& snapshot) { selector_.on_snapshot(snapshot, sink_); }
+    void deliver_current(const host::Snapshot& snapshot) { selector_.deliver_current(snapshot, sink_); }
     /// The destination has lost the values that it kept.
     [[nodiscard]] bool retained_requested() const { return queue_.retained_requested(); }
     /// Delivers them again, if it has.
-    void deliver_retained(Instant t, std::span<const value::Slot> slots) {
-        if (queue_.take_retained_request()) selector_.deliver_current(t, slots, sink_, true);
+    void deliver_retained(const host::Snapshot& snapshot) {
+        if (queue_.take_retained_request()) selector_.deliver_current(snapshot, sink_, true);
     }
 
     /// Events that were lost before they could be read. Each may have been a sample.

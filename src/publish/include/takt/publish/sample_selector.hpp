@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "takt/base/time.hpp"
 #include "takt/host/event.hpp"
+#include "takt/host/snapshot.hpp"
 #include "takt/publish/sample.hpp"
 #include "takt/value/store.hpp"
 
@@ -51,18 +51,18 @@ public:
 
     SampleSelector(const std::vector<SelectedSlot>& selected, Instant start);
 
-    void on_change(Instant t, const host::ValueChanged& changed, const Sink& sink);
+    /// @param event  whose body is `changed`
+    void on_change(const host::Event& event, const host::ValueChanged& changed, const Sink& sink);
 
     /// When a snapshot is needed; kNever: no period or heartbeat is selected.
     [[nodiscard]] Instant next_due() const;
-    /// @param t      of the snapshot: the events up to it were passed to on_change()
-    /// @param slots  all slots
-    void on_snapshot(Instant t, std::span<const value::Slot> slots, const Sink& sink);
+    /// @param snapshot  with all values. All events up to the end of the copy, and perhaps newer ones, were
+    ///                  passed to on_change()
+    void on_snapshot(const host::Snapshot& snapshot, const Sink& sink);
     /// Delivers the current state of all selected slots that were ever read: at the start, and after lost
     /// events.
     /// @param retained_only  of those with SamplePolicy::retained, because the destination has lost them
-    void deliver_current(Instant t, std::span<const value::Slot> slots, const Sink& sink,
-                         bool retained_only = false);
+    void deliver_current(const host::Snapshot& snapshot, const Sink& sink, bool retained_only = false);
 
     [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
@@ -72,7 +72,8 @@ private:
         value::Quality quality = value::Quality::never_read;
         value::Reason reason = value::Reason::ok;
         std::optional<Instant> good_at;
-        Instant t;  // of the event or snapshot
+        Instant t;                 // of the event or snapshot
+        std::uint64_t events = 0;  // it has the changes of all events before this number
     };
     struct Entry {
         value::SlotId slot;
@@ -89,8 +90,8 @@ private:
 
     void deliver(Entry& entry, Instant t, SampleCause cause, std::optional<Instant> previous,
                  const Sink& sink);
-    static void see(Entry& entry, Instant t, const value::Slot& slot);
-    void on_due(Instant t, std::size_t index, const value::Slot& slot, const Sink& sink);
+    static void see(Entry& entry, const host::Snapshot& snapshot);
+    void on_due(const host::Snapshot& snapshot, std::size_t index, const Sink& sink);
     [[nodiscard]] Instant due_of(const Entry& entry) const;
     void schedule(std::size_t index);
 
