@@ -40,7 +40,7 @@ void CommandExecutor::get(Instant t, std::unique_ptr<CommandRequest> command) {
     command->outcome.t = t;
     if (const auto& service = command->command.service) {
         command->outcome.value = surroundings_.service_value(t, *service);
-        command->outcome.good_at = t;
+        command->outcome.good_at = command->outcome.sampled_at = t;
         return end(std::move(command));
     }
     const auto& slot = master_.store()[command->command.slot];
@@ -48,6 +48,7 @@ void CommandExecutor::get(Instant t, std::unique_ptr<CommandRequest> command) {
     command->outcome.quality = slot.quality;
     command->outcome.reason = slot.reason;
     command->outcome.good_at = slot.good_at;
+    command->outcome.sampled_at = slot.sampled_at;
     const auto owner = configuration_.slots().owner(command->command.slot);
     const auto* const index = std::get_if<value::VariableIndex>(&owner);
     if (index && slot.reason == value::Reason::not_answering)

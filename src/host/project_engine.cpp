@@ -280,6 +280,7 @@ void ProjectEngine::take_over(Instant t, ProjectEngine& old,
                                       .quality = slot.quality,
                                       .reason = slot.reason,
                                       .good_at = slot.good_at,
+                                      .sampled_at = slot.sampled_at,
                                       .good_before = {},
                                       .batch = slot.batch});
     }

@@ -175,8 +175,8 @@ void fields(Archive& archive, Outcome& outcome) {
 
 template <class Archive>
 void fields(Archive& archive, ValueChanged& body) {
-    all(archive, body.slot, body.value, body.quality, body.reason, body.good_at, body.good_before,
-        body.batch);
+    all(archive, body.slot, body.value, body.quality, body.reason, body.good_at, body.sampled_at,
+        body.good_before, body.batch);
 }
 
 template <class Archive>
@@ -312,7 +312,7 @@ void encode(std::uint32_t generation, const value::Event& changed, std::vector<s
     auto& event = const_cast<value::Event&>(changed);
     std::size_t alternative_index = 0;
     all(writer, generation, event.t, alternative_index, event.slot, event.value, event.quality, event.reason,
-        event.good_at, event.good_before, event.batch);
+        event.good_at, event.sampled_at, event.good_before, event.batch);
 }
 
 Event decode_event(std::span<const std::uint64_t> record) {

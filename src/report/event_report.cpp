@@ -123,8 +123,8 @@ public:
         if (const auto utc = utc_text(info, changed.value); !utc.empty()) object.set("utc", utc);
         object.set("quality", value::name(changed.quality));
         object.set("reason", reason_word(changed.reason));
-        object.set("age_ms", changed.good_at
-                                 ? file::Json(milliseconds(std::max(Duration{}, t_ - *changed.good_at)))
+        object.set("age_ms", changed.sampled_at
+                                 ? file::Json(milliseconds(std::max(Duration{}, t_ - *changed.sampled_at)))
                                  : file::Json());
         return object;
     }

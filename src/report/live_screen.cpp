@@ -149,10 +149,10 @@ std::vector<std::string> value_row(const Texts& texts, const host::Snapshot& sna
     const auto& configuration = *snapshot.configuration;
     const auto& slot = snapshot.values[id.value];
     const auto& info = configuration.info(id);
-    const bool aged = !info.local && slot.good_at;
+    const bool aged = !info.local && slot.sampled_at;
     return {device_name(configuration, id), info.name,
             value::is_empty(slot.value) ? "–" : value_text(configuration, id, slot.value),
-            aged ? age_text(std::max(Duration{}, snapshot.t - *slot.good_at)) : "",
+            aged ? age_text(std::max(Duration{}, snapshot.t - *slot.sampled_at)) : "",
             slot.quality == Quality::good ? "" : texts.quality(slot.quality, slot.reason)};
 }
 

@@ -56,9 +56,9 @@ ValueState state_of_slot(const host::Configuration& configuration, value::SlotId
 }
 
 /// Since the value was good, at the moment `t`.
-std::optional<Duration> age_of(std::optional<Instant> good_at, Instant t) {
-    if (!good_at) return std::nullopt;
-    return std::max(Duration{}, t - *good_at);
+std::optional<Duration> age_of(std::optional<Instant> sampled_at, Instant t) {
+    if (!sampled_at) return std::nullopt;
+    return std::max(Duration{}, t - *sampled_at);
 }
 
 file::Json json_of(const ValueState& state) {
@@ -458,7 +458,7 @@ file::Json values_json(const host::Snapshot& snapshot, const std::string& time, 
         state.quality = slot.quality;
         state.reason = slot.reason;
         if (slot.reason == value::Reason::not_answering) state.cause = cause_of(snapshot, {id});
-        state.age = age_of(slot.good_at, snapshot.t);
+        state.age = age_of(slot.sampled_at, snapshot.t);
         values.push_back(json_of(state));
     }
     auto object = answer("values");
@@ -479,7 +479,7 @@ file::Json get_json(const host::Configuration& configuration, const host::Outcom
     state.quality = outcome.quality;
     state.reason = outcome.reason;
     state.cause = outcome.cause;
-    state.age = age_of(outcome.good_at, outcome.t);
+    state.age = age_of(outcome.sampled_at, outcome.t);
     auto object = answer("get");
     const auto entry = json_of(state);
     for (const auto& [key, value] : std::get<file::Json::Object>(entry.value())) object.set(key, value);

@@ -107,6 +107,7 @@ void Store::report(Instant t, SlotId id, std::optional<Instant> good_before) {
     event.quality = slot.quality;
     event.reason = slot.reason;
     event.good_at = slot.good_at;
+    event.sampled_at = slot.sampled_at;
     event.good_before = good_before;
 }
 

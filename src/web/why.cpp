@@ -223,7 +223,7 @@ std::vector<WhyHop> why(const host::Snapshot& snapshot, value::SlotId slot) {
 file::Json why_json(const report::Texts& texts, const host::Snapshot& snapshot, value::SlotId slot) {
     const auto& its = snapshot.values.at(slot.value);
     std::optional<Duration> age;
-    if (its.good_at) age = std::max(Duration{}, snapshot.t - *its.good_at);
+    if (its.sampled_at) age = std::max(Duration{}, snapshot.t - *its.sampled_at);
     std::optional<Duration> proved;
     const auto owner = snapshot.configuration->slots().owner(slot);
     if (const auto* const index = std::get_if<value::VariableIndex>(&owner))

@@ -40,6 +40,7 @@ TEST(RecordCodec, KeepsEveryKindOfValue) {
                                                      .quality = value::Quality::bad,
                                                      .reason = value::exception_reason(2),
                                                      .good_at = {},
+                                                     .sampled_at = Instant(Duration(4)),
                                                      .good_before = Instant(Duration(3)),
                                                      .batch = 9});
         EXPECT_TRUE(value::same(changed.value, value));
@@ -47,6 +48,7 @@ TEST(RecordCodec, KeepsEveryKindOfValue) {
         EXPECT_EQ(changed.quality, value::Quality::bad);
         EXPECT_EQ(changed.reason, value::exception_reason(2));
         EXPECT_FALSE(changed.good_at);
+        EXPECT_EQ(changed.sampled_at, Instant(Duration(4)));
         EXPECT_EQ(changed.good_before, Instant(Duration(3)));
         EXPECT_EQ(changed.batch, 9U);
     }
@@ -61,15 +63,17 @@ TEST(RecordCodec, TheShortWayOfAValueChangeIsTheSameRecord) {
                                .quality = value::Quality::uncertain,
                                .reason = value::Reason::timeout,
                                .good_at = Instant(Duration(6)),
+                               .sampled_at = Instant(Duration(4)),
                                .good_before = Instant(Duration(3))};
     std::vector<std::uint64_t> one;
     encode(4, changed, one);
     std::vector<std::uint64_t> other;
-    encode(Event{.generation = 4,
-                 .t = changed.t,
-                 .body = ValueChanged{changed.slot, changed.value, changed.quality, changed.reason,
-                                      changed.good_at, changed.good_before, changed.batch}},
-           other);
+    encode(
+        Event{.generation = 4,
+              .t = changed.t,
+              .body = ValueChanged{changed.slot, changed.value, changed.quality, changed.reason,
+                                   changed.good_at, changed.sampled_at, changed.good_before, changed.batch}},
+        other);
     EXPECT_EQ(one, other);
 }
 

@@ -81,6 +81,7 @@ struct Outcome {
     bool not_retained = false;                 ///< the value is to survive the end of the run, and will not
     value::Quality quality = value::Quality::good;  ///< of get
     std::optional<Instant> good_at;                 ///< of get: when the value was last read well, or set
+    std::optional<Instant> sampled_at;              ///< of that read, the begin: the age counts from here
     value::Reason cause = value::Reason::ok;  ///< of get, if `reason` is not_answering: the last failure
     value::Value value;                       ///< get: the value; set, write: that was asked for; pull: true
     value::Value written;                     ///< with Reason::differs: what was written

@@ -37,6 +37,7 @@ struct ValueChanged {
     value::Quality quality = value::Quality::good;
     value::Reason reason = value::Reason::ok;
     std::optional<Instant> good_at;      ///< when it was last read well, or set
+    std::optional<Instant> sampled_at;   ///< of that read, the begin: the age counts from here
     std::optional<Instant> good_before;  ///< the begin of the last good read before: it changed after that
     std::uint64_t batch = 0;             ///< equal for slots that changed together
 };

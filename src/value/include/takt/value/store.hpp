@@ -62,6 +62,7 @@ struct Event {
     Quality quality = Quality::good;
     Reason reason = Reason::ok;
     std::optional<Instant> good_at;      ///< Slot::good_at after the change
+    std::optional<Instant> sampled_at;   ///< Slot::sampled_at after the change
     std::optional<Instant> good_before;  ///< Slot::sampled_at before it: the value changed after that
 };
 
