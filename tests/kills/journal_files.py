@@ -131,8 +131,9 @@ class Segment:
 class JournalFolder:
     """The folder of an output's journal."""
 
-    def __init__(self, folder, name):
-        self.folder, self.name = pathlib.Path(folder), name
+    def __init__(self, folder, name, kept=None):
+        """`kept`: a folder with the segments that the program removed (TAKT_REMOVED of kill_points.cpp)."""
+        self.folder, self.name, self.kept = pathlib.Path(folder), name, kept
         self.segments = {}
 
     def forget(self, path):
@@ -160,6 +161,13 @@ class JournalFolder:
     def removed(self, limit_of):
         """The records up to a size of files that were removed since the last read()."""
         gone = [segment for path, segment in sorted(self.segments.items()) if not path.exists()]
+        for path in sorted(self.kept.iterdir()) if self.kept else ():
+            if self.folder / path.name not in self.segments:
+                segment = Segment(path)
+                segment.read()
+                segment.path = self.folder / path.name
+                gone.append(segment)
+            path.unlink()
         return [
             record for segment in gone
             for record in segment.records[:bisect.bisect_right(segment.ends, limit_of(segment.path))]

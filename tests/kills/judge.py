@@ -1,6 +1,8 @@
 """The rules for what was published and what arrived, by the records that were on the disk."""
 from collections import Counter
 
+from field import FIXED
+from journal_files import decode_samples
 from ledger import float32, require, same_value, text_of
 
 DERIVED = ("quota", "damaged")  # gaps that are not records
@@ -15,10 +17,11 @@ def check_sample(item, ledger):
         require(found, "a sample was published that is not durable", item)
         record, kept = found
         require(record.epoch == item.epoch, "a sample has another epoch than its record", item, record)
-        after = text_of(kept.before_ns) if kept.before_ns is not None else None
+        before = text_of(kept.before_ns) if kept.before_ns is not None else None
+        of_before = sent.get("after" if kept.quality == "good" else "last_good")
         same = (sent["variable"] == kept.variable and same_value(sent["value"], kept.value)
                 and sent["quality"] == kept.quality and sent["time"] == text_of(kept.time_ns)
-                and sent.get("after") == after)
+                and of_before == before)
         require(same, "a sample differs from the one on the disk", sent, kept)
 
 
@@ -179,5 +182,52 @@ def check_history(ledger, rows, gaps):
             list(surplus)[:3], surplus.total())
     times = [(text_of(record.gap.first_ns), text_of(record.gap.last_ns)) for record in ledger.restarts()]
     # The first start is a gap without a length.
-    owed_gaps, kept_gaps = ([gap for gap in some if gap[0] != gap[1]] for some in (times, gaps))
-    require(owed_gaps == sorted(kept_gaps), "gaps of cause restart in the history", owed_gaps, kept_gaps)
+    owed_gaps, kept_gaps = (sorted(gap for gap in some if gap[0] != gap[1]) for some in (times, gaps))
+    require(owed_gaps == kept_gaps, "gaps of cause restart in the history", owed_gaps, kept_gaps)
+
+
+class Counting:
+    """Judges the samples of counting devices: while no gap is between them, the values of a counter follow
+    one another, because the device counts each answer and each answer is a sample. An answer that is taken as
+    doubtful makes the value uncertain instead."""
+
+    def __init__(self, ledger, devices):
+        self.ledger, self.devices = ledger, devices
+        self.counts = Counter()
+        self._judged_to, self._before = 0, None
+        self._last, self._doubtful = {}, set()  # by device: the last value, since the last gap
+
+    def check(self):
+        """Judges the records that are new."""
+        for sequence in sorted(n for n in self.ledger.records if n > self._judged_to):
+            record = self.ledger.records[sequence]
+            self._judged_to = sequence
+            before, self._before = self._before, record
+            if record.gap or not before or (before.end, before.epoch) != (record.before, record.epoch):
+                self._last = {}
+            if record.gap:
+                continue
+            for sample in decode_samples(record.payload):
+                self._check_sample(sample)
+
+    def _check_sample(self, sample):
+        name, _, value = sample.variable.rpartition(".")
+        if sample.quality != "good":
+            self._doubtful.add(name)
+            return
+        if value == "Fixed":
+            require(sample.value == FIXED, "a sample with a value of another register", sample)
+            return
+        device, last = self.devices[name], self._last.get(name)
+        require(0 < sample.value <= device.count, "a sample that the device did not send", sample,
+                device.count)
+        if sample.value == last:
+            self.counts["sampled again by a reload"] += 1
+            return
+        if last is not None:
+            require(sample.value > last, "a value goes back", sample, last)
+            missing = [n for n in range(last + 1, sample.value) if not device.was_late(n)]
+            require(not missing or name in self._doubtful, "a response is not sampled", sample, last)
+        self._last[name] = sample.value
+        self._doubtful.discard(name)
+        self.counts["counted samples"] += 1

@@ -6,12 +6,18 @@
 //   TAKT_KILL_AT   CALL:COUNT:WHEN: kills the program with SIGKILL at the COUNTth call. WHEN is `before`,
 //                  `after` or `torn`: after a part of the bytes was written.
 //
+//   TAKT_TROUBLE   a file with two 64-bit numbers that may change at any time: nanoseconds by which the wall
+//                  clock is wrong, and whether no file of the program can grow (ENOSPC).
+//
+//   TAKT_REMOVED   a folder with one for each journal: removed segments are linked there first.
+//
 //   append, sync          bytes of a segment
 //   slot, slot_sync       bytes of a cursor
 //   create, remove        a segment
 //   send, receive         a TCP connection
 #include <fcntl.h>
 #include <netinet/in.h>
+#include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -22,9 +28,11 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdarg>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <string>
 #include <string_view>
 
@@ -105,8 +113,37 @@ auto guarded(std::string_view name, const Call& call) {
     return result;
 }
 
+/// The numbers of TAKT_TROUBLE.
+struct Trouble {
+    std::atomic<std::int64_t> clock_offset_ns = 0;
+    std::atomic<std::int64_t> disk_full = 0;
+};
+
+Trouble& trouble() {
+    static Trouble none;
+    static Trouble* const shared = [] {
+        const char* const path = std::getenv("TAKT_TROUBLE");
+        if (path == nullptr) return &none;
+        const long file = ::syscall(SYS_openat, AT_FDCWD, path, O_RDWR | O_CLOEXEC, 0);
+        void* const memory =
+            ::mmap(nullptr, sizeof(Trouble), PROT_READ | PROT_WRITE, MAP_SHARED, static_cast<int>(file), 0);
+        return memory == MAP_FAILED ? &none : static_cast<Trouble*>(memory);
+    }();
+    return *shared;
+}
+
+bool has_no_space(int file) {
+    struct stat status{};
+    return trouble().disk_full != 0 && file > STDERR_FILENO && ::fstat(file, &status) == 0 &&
+           S_ISREG(status.st_mode);
+}
+
 template <typename Call>
 ssize_t write_to(int file, std::size_t size, const Call& call) {
+    if (has_no_space(file)) {
+        errno = ENOSPC;
+        return -1;
+    }
     Path path;
     const auto name = name_of_write(kind_of(file, path));
     if (!kill_point().reached(name)) return call(size);
@@ -156,6 +193,15 @@ int open_with(int folder, const char* path, int flags, mode_t mode) {
                    [&] { return static_cast<int>(::syscall(SYS_openat, folder, path, flags, mode)); });
 }
 
+/// Links FOLDER/JOURNAL/SEGMENT.
+void keep_removed(std::string_view path) {
+    static const char* const folder = std::getenv("TAKT_REMOVED");
+    if (folder == nullptr) return;
+    const auto journal = path.rfind('/', path.rfind('/') - 1);
+    const auto kept = std::string(folder) + std::string(path.substr(journal));
+    (void)::syscall(SYS_linkat, AT_FDCWD, std::string(path).c_str(), AT_FDCWD, kept.c_str(), 0);
+}
+
 mode_t mode_of(int flags, va_list arguments) {
     return (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(arguments, mode_t) : 0;
 }
@@ -163,6 +209,17 @@ mode_t mode_of(int flags, va_list arguments) {
 }  // namespace
 
 extern "C" {
+
+int clock_gettime(clockid_t clock, timespec* time) noexcept {
+    constexpr std::int64_t kSecond = 1'000'000'000;
+    const auto result = static_cast<int>(::syscall(SYS_clock_gettime, clock, time));
+    const auto offset = clock == CLOCK_REALTIME ? trouble().clock_offset_ns.load() : 0;
+    if (result == 0 && offset != 0) {
+        const auto ns = time->tv_sec * kSecond + time->tv_nsec + offset;
+        *time = {.tv_sec = ns / kSecond, .tv_nsec = ns % kSecond};
+    }
+    return result;
+}
 
 ssize_t write(int file, const void* bytes, size_t size) {
     return write_to(file, size, [&](size_t part) { return ::syscall(SYS_write, file, bytes, part); });
@@ -203,6 +260,7 @@ int fsync(int file) {
 }
 
 int unlink(const char* path) noexcept {
+    if (kind_of(path) == "segment") keep_removed(path);
     return guarded(kind_of(path) == "segment" ? "remove" : "",
                    [&] { return static_cast<int>(::syscall(SYS_unlink, path)); });
 }

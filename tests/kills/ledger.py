@@ -180,10 +180,10 @@ class Ledger:
     def gaps(self):
         return [record for record in self.records.values() if record.gap]
 
-    def epoch_since(self, wall_ns):
-        """Of the run that started after this time; 0: it has no durable record."""
+    def epoch_after(self, sequence):
+        """Of the run whose first record follows this one; 0: it has no durable record."""
         newest = max(self.restarts(), key=lambda record: record.sequence, default=None)
-        return newest.epoch if newest and newest.gap.last_ns >= wall_ns else 0
+        return newest.epoch if newest and newest.sequence > sequence else 0
 
     def restarts(self):
         return [record for record in self.gaps() if record.gap.cause == "restart"]

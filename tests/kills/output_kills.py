@@ -2,11 +2,13 @@
 """Kills `takt run` with an MQTT output at random instants, and judges what is on the disk and what arrives.
 
 usage: output_kills.py [--kills N] [--plant-kills N] [--seed S] [--jobs J] [--takt PROGRAM] [--kind KIND]
-                       [--kept FOLDER]
+                       [--kept FOLDER] [--everything SECONDS] [--resume FILE]
 
-A plant has 50 kills. Plant number i has the seed S + i; the same seed repeats its plan, not the moments at
-which the operating system runs the program. Exit status 1: a rule was violated; the folder of the plant is
-kept.
+A plant has 50 kills. With --everything each run lasts for about that long, with devices, clients and faults
+of all kinds (life.py); half of the runs end in order.
+
+Plant number i has the seed S + i; the same seed repeats its plan, not the moments at which the operating
+system runs the program. Exit status 1: a rule was violated; the folder of the plant is kept.
 """
 import argparse
 import ctypes
@@ -23,9 +25,10 @@ import traceback
 from collections import Counter
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))
+sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 from ledger import Violation  # noqa: E402
+from life import LivingPlant  # noqa: E402
 from plant import KINDS, Plant  # noqa: E402
 
 KILLS = 50  # of a plant
@@ -42,6 +45,9 @@ def arguments():
                                                          str(HERE.parent.parent / "build/release/bin/takt")))
     parser.add_argument("--kind", choices=KINDS)
     parser.add_argument("--plant-kills", type=int, default=KILLS, help="kills of a plant")
+    parser.add_argument("--everything", type=float, metavar="SECONDS", help="mean length of a run")
+    parser.add_argument("--resume", type=pathlib.Path, metavar="FILE",
+                        help="seeds without a violation; they are not run again")
     parser.add_argument("--kept",
                         help="folder for plants with a violation; it is created if it does not exist")
     return parser.parse_args()
@@ -70,7 +76,10 @@ def work(options, library, folder, plants, results, enough):
             continue
         place = folder / f"seed-{seed}"
         try:
-            plant = Plant(options.takt, library, place, seed, options.kind)
+            if options.everything:
+                plant = LivingPlant(options.takt, library, place, seed, options.everything)
+            else:
+                plant = Plant(options.takt, library, place, seed, options.kind)
             counts = plant.run(kills, lambda seed=seed: results.put((seed, 1)))
             results.put((seed, counts))
             shutil.rmtree(place)
@@ -88,11 +97,14 @@ def main():
     folder = pathlib.Path(tempfile.mkdtemp(prefix="takt-kills-", dir=options.kept))
     library = build_kill_points(folder)
     plants, results = multiprocessing.Queue(), multiprocessing.Queue()
+    known = set(options.resume.read_text().split()) if options.resume and options.resume.exists() else set()
     left = options.kills
     count = 0
     while left > 0:
-        plants.put((options.seed + count, min(left, options.plant_kills)))
-        left -= options.plant_kills
+        kills = min(left, options.plant_kills)
+        if str(options.seed + count) not in known:
+            plants.put((options.seed + count, kills))
+        left -= kills
         count += 1
     for _ in range(options.jobs):
         plants.put(None)
@@ -127,6 +139,9 @@ def follow(options, results, enough):
             print(f"seed {seed}: {result}", flush=True)
         else:
             total += result
+            if options.resume:
+                with options.resume.open("a") as file:
+                    file.write(f"{seed}\n")
         if sys.stderr.isatty():
             spent = time.monotonic() - begin
             print(f"\r{done} of {options.kills} kills, {spent:.0f} s, {len(failures)} violations ", end="",
@@ -142,9 +157,11 @@ def report(options, folder, failures, done, total):
         print(f"seed {seed}: {text.splitlines()[0][:100]}")
         print(f"  kept: {folder}/seed-{seed}")
         print(f"  again: {sys.argv[0]} --kills {options.plant_kills} --seed {seed} --jobs 1" +
-              (f" --kind {options.kind}" if options.kind else ""))
+              (f" --kind {options.kind}" if options.kind else "") +
+              (f" --everything {options.everything:g}" if options.everything else ""))
     counts = ", ".join(f"{key} {value}" for key, value in sorted(total.items()))
-    print(f"{done} kills, {len(failures)} violations: {counts}")
+    runs = "lives" if options.everything else "kills"
+    print(f"{done} {runs}, {len(failures)} violations: {counts}")
     if not failures:
         shutil.rmtree(folder)
 

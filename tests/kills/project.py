@@ -1,8 +1,8 @@
 """The project of a plant, and its broker."""
 import os
-import socket
 import subprocess
 
+from endpoints import free_port
 from ledger import float32
 
 QUOTA_MB = 32
@@ -49,9 +49,7 @@ class Broker:
     """mosquitto without persistence."""
 
     def __init__(self, folder):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
+        self.port = free_port()
         self.config = folder / "mosquitto.conf"
         self.config.write_text(f"listener {self.port} 127.0.0.1\nallow_anonymous true\npersistence false\n"
                                "max_queued_messages 0\nuser root\n")

@@ -28,6 +28,16 @@ def test_nothing_is_lost_by_kills(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_everything_at_once(tmp_path):
+    command = [
+        sys.executable, KILLS / "output_kills.py", "--takt", TAKT, "--kills", "4", "--plant-kills", "2",
+        "--everything", "5", "--seed", "3", "--jobs", "2", "--kept",
+        str(tmp_path)
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=1200, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 SECOND = 1_000_000_000
 START = SECOND  # the first epoch is 1
 
@@ -60,10 +70,10 @@ def varint(number):
     return bytes((number, )) if number < 0x80 else bytes((number & 0x7F | 0x80, )) + varint(number >> 7)
 
 
-def samples(sequence, before, epoch, values):
+def samples(sequence, before, epoch, values, name=b"x"):
     """A record as src/publish/sample_codec.cpp writes it: int16, all of one instant."""
     wall = START + sequence * SECOND
-    series = b"\1" + b"\0\1x" + 3 * b"\0\0" + b"\1\0"
+    series = b"\1" + len(name).to_bytes(2, "big") + name + 3 * b"\0\0" + b"\1\0"
     body = b"".join(b"\0" + bytes((1 | 2 << 4, 0)) + varint(2 * wall if i == 0 else 0) + varint(2 * value)
                     for i, value in enumerate(values))
     payload = b"\2" + series + varint(len(values)) + body
@@ -189,6 +199,38 @@ def test_a_history_with_a_mistake(program, rows):
     judge.check_history(program.ledger, good, [])
     with pytest.raises(Violation, match="samples"):
         judge.check_history(program.ledger, rows(good), [])
+
+
+class Devices(dict):
+    """A device that sent 1, 2 and 3."""
+
+    class Device:
+        count = 3
+
+        def was_late(self, _number):
+            return False
+
+    def __init__(self):
+        super().__init__(x=self.Device())
+
+
+@pytest.mark.parametrize("values, rule", [
+    ([1, 2, 3], None),
+    ([1, 1, 2], None),
+    ([1, 3], "not sampled"),
+    ([2, 1], "goes back"),
+    ([4], "did not send"),
+])
+def test_samples_of_a_counter(values, rule):
+    ledger = Ledger()
+    ledger.starts.append((START, START + 9 * SECOND))
+    ledger.add([gap(1, 0, 1), samples(2, 0, 1, values, b"x.Count")], cut=False)
+    counting = judge.Counting(ledger, Devices())
+    if rule is None:
+        counting.check()
+    else:
+        with pytest.raises(Violation, match=rule):
+            counting.check()
 
 
 def test_a_history_with_a_gap_that_is_no_start(program):
