@@ -127,4 +127,11 @@ int run_program(int argc, char** argv) {
     return end_program(common.language, code);
 }
 
+void leave_program(Language language, ExitCode code) {
+    end_log();
+    const int status = end_program(language, code);
+    std::fflush(nullptr);
+    std::_Exit(status);
+}
+
 }  // namespace takt::app

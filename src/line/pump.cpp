@@ -55,6 +55,7 @@ void Pump::readable() {
     if (!got && !is_half_closed(got.error())) return end(got.error());
     if (!got) {
         input_end_ = got.error();
+        if (options_.input_ended) options_.input_ended();
         return service();
     }
     counters_.bytes_read += *got;

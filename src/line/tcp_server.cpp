@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <netinet/in.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <list>
@@ -102,6 +103,8 @@ struct TcpServer::Impl {
 
     void accept_some();
     void serve(os::Descriptor fd, const SocketAddress& address);
+    /// Connections that an address may have.
+    [[nodiscard]] std::size_t most_of(std::string_view peer) const;
     [[nodiscard]] bool evict(const std::size_t* only_peer);
     void closed(std::list<ServedConnection>::iterator connection, const std::optional<Error>& why);
     void refuse_without_descriptors();
@@ -181,11 +184,17 @@ bool TcpServer::Impl::evict(const std::size_t* only_peer) {
     return true;
 }
 
+std::size_t TcpServer::Impl::most_of(std::string_view peer) const {
+    const auto address = parse_peer(peer);
+    const auto holds = [&](const Network& network) { return address && network.contains(*address); };
+    const bool limited = options.max_per_peer > 0 && std::ranges::none_of(options.shared_peers, holds);
+    return limited ? options.max_per_peer : std::numeric_limits<std::size_t>::max();
+}
+
 void TcpServer::Impl::serve(os::Descriptor fd, const SocketAddress& address) {
     std::string peer = address.text();
     const auto known = peers.find(host_of(peer));
-    if (known != peers.end() && options.max_per_peer > 0 && known->second >= options.max_per_peer &&
-        !evict(&known->second))
+    if (known != peers.end() && known->second >= most_of(peer) && !evict(&known->second))
         return refuse(peer, counters.over_peer_limit);
     if (connections.size() >= options.max_connections && !evict(nullptr))
         return refuse(peer, counters.over_limit);
@@ -203,6 +212,7 @@ void TcpServer::Impl::serve(os::Descriptor fd, const SocketAddress& address) {
     pumping.wants_bytes = [served = connection->session.get()] { return served->wants_bytes(); };
     pumping.finished = [served = connection->session.get()] { return served->finished(); };
     pumping.drained = [served = connection->session.get()] { return served->drained(); };
+    pumping.input_ended = [served = connection->session.get()] { served->on_input_end(); };
     connection->pump = std::make_unique<Pump>(
         loop, connection->stream, connection->session->engine(), std::move(pumping),
         [this, connection](Instant, const std::optional<Error>& why) { closed(connection, why); });

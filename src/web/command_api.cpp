@@ -240,11 +240,13 @@ std::vector<ApiRoute> command_routes(const HostAccess& host, EventLog& log,
     using enum Method;
     return {
         {post, "/commands", true,
-         [&](const ApiRequest& request) { return command_response(host, log, stopping, request); }},
+         [&](const ApiRequest& request) { return command_response(host, log, stopping, request); },
+         Work::device},
         {post, "/commands/preview", false,
          [&](const ApiRequest& request) { return preview_response(host, request); }},
         {post, "/devices/probe", true,
-         [&](const ApiRequest& request) { return device_probe_response(host, stopping, request); }},
+         [&](const ApiRequest& request) { return device_probe_response(host, stopping, request); },
+         Work::device},
     };
 }
 

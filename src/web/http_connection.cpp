@@ -12,6 +12,8 @@ namespace {
 // What the driver copies if the socket accepts less; also the unit of its time limit for writing.
 constexpr std::size_t kChunk = std::size_t{64} << 10;
 constexpr std::size_t kSmallBody = std::size_t{64} << 10;
+// Of requests behind the one that is executed.
+constexpr std::size_t kMostPipelined = std::size_t{16} << 10;
 constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
 
 std::string host_of(std::string_view peer) {
@@ -45,8 +47,11 @@ std::string event_text(std::string_view name, std::string_view data) {
 
 std::string bare_reply(int status) {
     const std::string code = std::to_string(status);
+    const std::string_view reason = status == 429   ? ": this address is at a limit of one visitor"
+                                    : status == 503 ? ": all visitors together are at a limit"
+                                                    : "";
     const std::string body = "{\"error\":{\"code\":\"http_" + code + "\",\"text\":\"" + code + ' ' +
-                             std::string(phrase(status)) + "\"}}\n";
+                             std::string(phrase(status)).append(reason) + "\"}}\n";
     std::string text = "HTTP/1.1 " + code + ' ' + std::string(phrase(status)) +
                        "\r\nContent-Type: application/json\r\nX-Content-Type-Options: nosniff\r\n"
                        "Cache-Control: no-store\r\nConnection: close\r\nContent-Length: " +
@@ -55,19 +60,16 @@ std::string bare_reply(int status) {
     return text + "\r\n" + body;
 }
 
-HttpConnection::HttpConnection(const Limits& limits, std::string_view peer, Instant t, Execute execute,
-                               Reserve reserve, std::function<void()> on_destroyed)
+HttpConnection::HttpConnection(const Limits& limits, std::string_view peer, Instant t, Owner owner)
     : limits_(limits),
       peer_(host_of(peer)),
-      execute_(std::move(execute)),
-      reserve_(std::move(reserve)),
-      on_destroyed_(std::move(on_destroyed)),
+      owner_(std::move(owner)),
       deadline_(after(t, limits.idle)),
       last_received_(t) {}
 
 HttpConnection::~HttpConnection() {
     hold(0);
-    on_destroyed_();
+    owner_.destroyed();
 }
 
 void HttpConnection::poke() const {
@@ -84,6 +86,7 @@ void HttpConnection::drop() {
 }
 
 std::size_t HttpConnection::wants_bytes() const {
+    if (state_ == State::executing) return kMostPipelined - std::min(kMostPipelined, input_.size());
     return state_ == State::receiving || state_ == State::lingering || stream_ ? SIZE_MAX : 0;
 }
 
@@ -101,46 +104,76 @@ Instant HttpConnection::last_received() const {
     return stream_ ? line::now() : last_received_;
 }
 
+void HttpConnection::on_input_end() {
+    if (state_ == State::executing) owner_.input_ended();
+}
+
 void HttpConnection::on_link(Instant /*t*/, bool up) {
     if (!up) state_ = State::finished;
 }
 
 void HttpConnection::on_bytes(Instant t, Bytes bytes) {
     last_received_ = t;
-    if (state_ != State::receiving) return;  // a browser has nothing to say on a stream
-    if (input_.empty() && !head_) deadline_ = after(t, limits_.request);
+    if (state_ != State::receiving && state_ != State::executing) return;  // streams take no input
+    if (state_ == State::receiving && input_.empty() && !request_) deadline_ = after(t, limits_.request);
     input_.append(bytes.begin(), bytes.end());
-    receive(t);
+    if (state_ == State::receiving) receive(t);
 }
 
 // One request; what follows it waits in input_ until its answer is sent.
 void HttpConnection::receive(Instant t) {
-    if (!head_) {
-        const auto size = head_size(input_, scanned_);
-        scanned_ = size ? 0 : input_.size();
-        if (!size && input_.size() > limits_.framing.head_bytes) return reject(431);
-        if (!size) return;
-        auto parsed = parse_head(std::string_view(input_).substr(0, *size), limits_.framing);
-        if (parsed.status != 0) return reject(parsed.status);
-        held_ += parsed.head.body_bytes;
-        if (!reserve_(static_cast<std::ptrdiff_t>(parsed.head.body_bytes))) return reject(503);
-        input_.erase(0, *size);
-        head_ = std::move(parsed.head);
-        if (head_->body_bytes > kSmallBody) deadline_ = after(t, limits_.body);
-        if (head_->expects_continue && input_.size() < head_->body_bytes) output_ = kContinue;
-    }
-    if (input_.size() >= head_->body_bytes) begin_request(t);
+    if (!request_ && !receive_head(t)) return;
+    if (const int status = hold(std::min(input_.size(), body_bytes_)); status != 0) return reject(status);
+    if (input_.size() >= body_bytes_) begin_request();
 }
 
-void HttpConnection::begin_request(Instant /*t*/) {
-    HttpRequest request{
-        .head = std::move(head_->text), .body = input_.substr(0, head_->body_bytes), .peer = peer_};
-    input_.erase(0, head_->body_bytes);
-    input_.shrink_to_fit();
-    head_.reset();
+/// @returns whether a head is there, and its request was admitted
+bool HttpConnection::receive_head(Instant t) {
+    const auto size = head_size(input_, scanned_);
+    scanned_ = size ? 0 : input_.size();
+    if (!size && input_.size() > limits_.framing.head_bytes) reject(431);
+    if (!size) return false;
+    auto parsed = parse_head(std::string_view(input_).substr(0, *size), limits_.framing);
+    if (parsed.status != 0) {
+        reject(parsed.status);
+        return false;
+    }
+    input_.erase(0, *size);
+    body_bytes_ = parsed.head.body_bytes;
+    HttpRequest request{.head = std::move(parsed.head.text), .peer = peer_, .has_body = body_bytes_ > 0};
+    auto refusal = owner_.admit(request);
+    visitor_ = std::move(request.visitor);
+    if (refusal) {
+        refuse(*std::move(refusal));
+        return false;
+    }
+    request_ = std::move(request);
+    if (body_bytes_ > kSmallBody) deadline_ = after(t, limits_.body);
+    if (parsed.head.expects_continue && input_.size() < body_bytes_) output_ = kContinue;
+    return true;
+}
+
+void HttpConnection::begin_request() {
+    auto request = *std::exchange(request_, {});
+    request.visitor = visitor_;
+    if (input_.size() == body_bytes_) {
+        request.body = std::exchange(input_, {});
+    } else {
+        request.body = input_.substr(0, body_bytes_);
+        input_.erase(0, body_bytes_);
+    }
     state_ = State::executing;
     deadline_ = kNever;
-    if (const int status = execute_(*this, std::move(request)); status != 0) reject(status);
+    if (const int status = owner_.execute(std::move(request)); status != 0) reject(status);
+}
+
+// The body of a request that is refused is not received. What would follow it is lost with it.
+void HttpConnection::refuse(HttpReply reply) {
+    const bool close = reply.close || body_bytes_ > 0;
+    state_ = State::executing;
+    deadline_ = kNever;
+    if (close) input_.clear();
+    answer({.bytes = std::move(reply.bytes), .close = close});
 }
 
 void HttpConnection::reject(int status) {
@@ -148,11 +181,12 @@ void HttpConnection::reject(int status) {
     close_ = true;
     state_ = State::sending;
     deadline_ = kNever;
-    input_.clear();
-    head_.reset();
+    input_ = {};
+    request_.reset();
+    hold(0);
 }
 
-void HttpConnection::answer(Instant t, HttpReply reply) {
+void HttpConnection::answer(HttpReply reply) {
     if (state_ != State::executing) return;
     hold(reply.bytes.size());
     output_ = std::move(reply.bytes);
@@ -160,7 +194,6 @@ void HttpConnection::answer(Instant t, HttpReply reply) {
     close_ = reply.close;
     stream_ = std::move(reply.stream);
     state_ = State::sending;
-    static_cast<void>(t);
 }
 
 Bytes HttpConnection::next_chunk() {
@@ -204,16 +237,18 @@ void HttpConnection::sent(Instant t) {
 
 void HttpConnection::on_tick(Instant t) {
     if (t < deadline_) return;
-    if (state_ == State::receiving && (!input_.empty() || head_)) return reject(408);
+    if (state_ == State::receiving && (!input_.empty() || request_)) return reject(408);
     if (state_ == State::receiving || state_ == State::lingering) {
         state_ = State::finished;
         deadline_ = kNever;
     }
 }
 
-void HttpConnection::hold(std::size_t bytes) {
-    static_cast<void>(reserve_(static_cast<std::ptrdiff_t>(bytes) - static_cast<std::ptrdiff_t>(held_)));
+/// @returns as Owner::reserve
+int HttpConnection::hold(std::size_t bytes) {
+    const auto change = static_cast<std::ptrdiff_t>(bytes) - static_cast<std::ptrdiff_t>(held_);
     held_ = bytes;
+    return owner_.reserve(visitor_, change);
 }
 
 }  // namespace takt::web

@@ -5,21 +5,29 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 
 #include "request_framing.hpp"
 #include "takt/base/engine.hpp"
 #include "takt/line/tcp_server.hpp"
+#include "takt/web/api.hpp"
 #include "takt/web/stream.hpp"
 
 namespace takt::web {
 
-/// A complete request.
 struct HttpRequest {
-    std::string head;  ///< RequestHead::text
-    std::string body;
-    std::string peer;  ///< address without the port
+    std::string head;       ///< RequestHead::text
+    std::string body;       ///< empty until it is complete
+    std::string peer;       ///< address without the port
+    bool has_body = false;  ///< one is announced
+    // Known when it is admitted.
+    std::string visitor = {};  ///< whose limits count
+    Work work = Work::quick;
+    bool is_stream = false;
+    std::string superseded_by = {};  ///< RequestQueue::Entry
+    std::stop_token stop = {};       ///< ApiRequest::stop
 };
 
 struct HttpReply {
@@ -34,7 +42,10 @@ struct HttpReply {
 
 /// An HTTP/1.1 connection as an engine (takt/base/engine.hpp): no sockets, no threads, no clock.
 ///
-/// Requests are executed one after another. While one is executed or its answer is not sent, nothing is read.
+/// A request is admitted by its head. Its body counts as it is received, not as it is announced.
+///
+/// Requests are executed one after another. While one is executed, few bytes are read, so that the end of the
+/// connection is noticed. While its answer is sent, nothing is read.
 /// A request that is not complete in time is answered with 408. A rejected request ends the connection, after
 /// the input that is on its way has been dropped for a short time: closing at once could destroy the answer.
 class HttpConnection final : public line::Session, private Engine {
@@ -46,21 +57,32 @@ public:
         Duration body = std::chrono::seconds(60);     ///< likewise of a request with a body over 64 KiB
         Duration linger = std::chrono::seconds(1);
     };
-    /// Starts a request; answer() is called later, on the thread of the connection.
-    /// @returns 0, or the status of a request that cannot be executed now
-    using Execute = std::function<int(HttpConnection&, HttpRequest)>;
-    /// Counts the bytes that the connections hold. @returns whether `change` more are admitted
-    using Reserve = std::function<bool(std::ptrdiff_t change)>;
+    /// Called on the thread of the connection.
+    struct Owner {
+        /// A request without its body. Fills in what is known when it is admitted.
+        /// @returns the answer to a request that is refused
+        std::function<std::optional<HttpReply>(HttpRequest&)> admit;
+        /// Starts a request; answer() is called later.
+        /// @returns 0, or the status of a request that cannot be executed now
+        std::function<int(HttpRequest)> execute;
+        /// Counts the bytes that the connections of a visitor hold.
+        /// @returns 0, or the status of a request that may not hold so many
+        std::function<int(std::string_view visitor, std::ptrdiff_t change)> reserve;
+        /// The client has closed its sending side while a request is executed.
+        std::function<void()> input_ended;
+        std::function<void()> destroyed;
+    };
 
     /// @param peer  "10.0.0.5:49152"
-    HttpConnection(const Limits& limits, std::string_view peer, Instant t, Execute execute, Reserve reserve,
-                   std::function<void()> on_destroyed);
+    HttpConnection(const Limits& limits, std::string_view peer, Instant t, Owner owner);
     ~HttpConnection() override;
     HttpConnection(const HttpConnection&) = delete;
     HttpConnection& operator=(const HttpConnection&) = delete;
 
-    void answer(Instant t, HttpReply reply);
+    void answer(HttpReply reply);
     [[nodiscard]] bool streams() const { return stream_ != nullptr; }
+    /// Of its last request.
+    [[nodiscard]] const std::string& visitor() const { return visitor_; }
     /// When its client sent something last; nothing: a request is executed or its answer is sent.
     [[nodiscard]] std::optional<Instant> waits_since() const;
     /// Closes it. Not from inside of a call of the engine; it is destroyed.
@@ -74,6 +96,7 @@ public:
     [[nodiscard]] bool finished() const override;
     [[nodiscard]] bool drained() const override;
     [[nodiscard]] Instant last_received() const override;
+    void on_input_end() override;
     void attach(std::function<void()> poke) override { poke_ = std::move(poke); }
 
 private:
@@ -92,29 +115,31 @@ private:
     [[nodiscard]] Instant next_wakeup() const override { return deadline_; }
 
     void receive(Instant t);
+    [[nodiscard]] bool receive_head(Instant t);
+    void refuse(HttpReply reply);
     void reject(int status);
-    void begin_request(Instant t);
+    void begin_request();
     void sent(Instant t);
     [[nodiscard]] Bytes next_chunk();
-    void hold(std::size_t bytes);
+    int hold(std::size_t bytes);
 
     Limits limits_;
     std::string peer_;
-    Execute execute_;
-    Reserve reserve_;
-    std::function<void()> on_destroyed_;
+    Owner owner_;
     std::function<void()> poke_;
     State state_ = State::receiving;
     Instant deadline_;
     Instant last_received_;
     std::string input_;
-    std::size_t scanned_ = 0;          // of input_, without an end of a head
-    std::optional<RequestHead> head_;  // of the request whose body is being received
+    std::size_t scanned_ = 0;             // of input_, without an end of a head
+    std::optional<HttpRequest> request_;  // whose body is being received
+    std::size_t body_bytes_ = 0;          // announced for request_
+    std::string visitor_;
     std::string output_;
     std::size_t taken_ = 0;  // of output_, by the driver
     bool close_ = false;     // behind output_
     std::unique_ptr<StreamSource> stream_;
-    std::size_t held_ = 0;  // bytes counted by reserve_
+    std::size_t held_ = 0;  // bytes that the owner has counted for visitor_
 };
 
 }  // namespace takt::web

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "forwarding.hpp"
 #include "page.hpp"
 #include "takt/base/utf8.hpp"
 
@@ -84,11 +85,13 @@ text::Language language_of(const httplib::Request& request, text::Language other
     return text::language(request.get_header_value("Accept-Language")).value_or(otherwise);
 }
 
-/// What passes between reply() and the handler that cpp-httplib calls inside, on one thread.
+/// What passes between admit() or reply() and the handler that cpp-httplib calls inside, on one thread.
 struct HttpExchange {
-    std::string body;
+    HttpRequest& request;
+    bool admitting = false;
+    bool admitted = false;
     bool gzip = false;
-    std::unique_ptr<StreamSource> stream;
+    std::unique_ptr<StreamSource> stream = {};
 };
 
 thread_local HttpExchange* current = nullptr;
@@ -123,9 +126,10 @@ std::string quoted_file_name(std::string name) {
 }  // namespace
 
 struct HttpRouter::Impl final : httplib::Server {
-    Impl(GuardPolicy policy, text::Language spoken, std::vector<ApiRoute> api,
+    Impl(GuardPolicy policy, std::vector<Network> named, text::Language spoken, std::vector<ApiRoute> api,
          std::vector<StreamRoute> event_streams, Log sink)
         : guard(std::move(policy)),
+          proxies(std::move(named)),
           language(spoken),
           routes(std::move(api)),
           streams(std::move(event_streams)),
@@ -139,27 +143,36 @@ struct HttpRouter::Impl final : httplib::Server {
     }
 
     RequestGuard guard;
+    std::vector<Network> proxies;
     text::Language language;
     std::vector<ApiRoute> routes;
     std::vector<StreamRoute> streams;
     Log log;
 
-    std::string process(const HttpRequest& request, bool& closed) {
-        MemoryStream stream(request.head, request.peer);
-        static_cast<void>(process_request(stream, false, closed, [](httplib::Request& parsed) {
+    /// @param close  the answer announces the end of the connection
+    std::string process(HttpExchange& exchange, bool close, bool& closed) {
+        current = &exchange;
+        MemoryStream stream(exchange.request.head, exchange.request.peer);
+        static_cast<void>(process_request(stream, close, closed, [](httplib::Request& parsed) {
             current->gzip = accepts_gzip(parsed);
             parsed.headers.erase("Accept-Encoding");  // Brotli at its best quality takes seconds
             if (current->gzip && parsed.path.starts_with(kApi))
                 parsed.headers.emplace("Accept-Encoding", "gzip");
         }));
+        current = nullptr;
         return stream.take_output();
     }
 
     void handle(const httplib::Request& request, httplib::Response& response);
-    void serve_page(const httplib::Request& request, httplib::Response& response) const;
-    [[nodiscard]] ApiResponse serve_api(const httplib::Request& request, const report::Texts& texts,
-                                        httplib::Response& response) const;
-    [[nodiscard]] std::optional<Refusal> check(const httplib::Request& request, bool changes) const;
+    void serve_page(const httplib::Request& request, const report::Texts& texts,
+                    httplib::Response& response) const;
+    [[nodiscard]] ApiResponse serve_api(const httplib::Request& request, const ForwardedClient& client,
+                                        const report::Texts& texts, httplib::Response& response) const;
+    [[nodiscard]] ForwardedClient client_of(const httplib::Request& request) const;
+    [[nodiscard]] const ApiRoute* route_of(const httplib::Request& request) const;
+    [[nodiscard]] std::optional<Refusal> check(const httplib::Request& request, const ForwardedClient& client,
+                                               bool changes) const;
+    void admit(const httplib::Request& request, const ForwardedClient& client, const ApiRoute* route) const;
     [[nodiscard]] ApiResponse execute(const ApiRoute& route, const ApiRequest& request) const;
 };
 
@@ -185,12 +198,34 @@ std::optional<Method> method_of(const std::string& name) {
     return std::nullopt;
 }
 
+std::string_view api_path(const httplib::Request& request) {
+    return request.path.starts_with(kApi) ? std::string_view(request.path).substr(kApi.size()) : "";
+}
+
 }  // namespace
 
-std::optional<Refusal> HttpRouter::Impl::check(const httplib::Request& request, bool changes) const {
+ForwardedClient HttpRouter::Impl::client_of(const httplib::Request& request) const {
+    const auto addresses = request.get_header_value("X-Forwarded-For");
+    const auto host = request.get_header_value("X-Forwarded-Host");
+    const auto scheme = request.get_header_value("X-Forwarded-Proto");
+    return forwarded_client(request.remote_addr, {addresses, host, scheme}, proxies);
+}
+
+const ApiRoute* HttpRouter::Impl::route_of(const httplib::Request& request) const {
+    const auto found = std::ranges::find_if(routes, [&](const ApiRoute& its) {
+        return its.path == api_path(request) && its.method == method_of(request.method);
+    });
+    return found == routes.end() ? nullptr : &*found;
+}
+
+// Visitors with the token have limits of their own: behind a proxy that is not named all have one address,
+// and those without a token must not use up the limits of the others.
+std::optional<Refusal> HttpRouter::Impl::check(const httplib::Request& request, const ForwardedClient& client,
+                                               bool changes) const {
     GuardedRequest guarded{.api = request.path.starts_with("/api"),
                            .reads = method_of(request.method) == Method::get,
                            .changes = changes,
+                           .tls = client.tls,
                            .host = header_field(request, "Host"),
                            .origin = header_field(request, "Origin"),
                            .fetch_site = header_field(request, "Sec-Fetch-Site"),
@@ -198,22 +233,44 @@ std::optional<Refusal> HttpRouter::Impl::check(const httplib::Request& request, 
                            .content_type = header_field(request, "Content-Type"),
                            .authorization = header_field(request, "Authorization"),
                            .parameters = request.params.size()};
+    if (!client.host.empty()) guarded.forwarded_host = client.host;
     if (request.has_param("token")) guarded.query_token = request.get_param_value("token");
     for (const auto& [name, value] : request.params)
         guarded.longest_parameter = std::max({guarded.longest_parameter, name.size(), value.size()});
+    current->request.visitor = limit_key(client.address) + (guard.has_token(guarded) ? " token" : "");
     return guard.check(guarded);
+}
+
+void HttpRouter::Impl::admit(const httplib::Request& request, const ForwardedClient& client,
+                             const ApiRoute* route) const {
+    auto& admitted = current->request;
+    current->admitted = true;
+    admitted.is_stream = request.method == "GET" && std::ranges::any_of(streams, [&](const auto& stream) {
+                             return stream.path == api_path(request);
+                         });
+    if (!route) return;
+    admitted.work = route->work;
+    if (route->newest_only) admitted.superseded_by = client.address + ' ' + request.get_param_value("client");
 }
 
 void HttpRouter::Impl::handle(const httplib::Request& request, httplib::Response& response) {
     for (const auto& [name, value] : kFields) response.set_header(name, value);
     const report::Texts texts(language_of(request, language));
-    if (request.path.starts_with("/api")) return put(response, serve_api(request, texts, response));
-    if (const auto why = check(request, false)) return put(response, refusal(texts, *why));
-    serve_page(request, response);
+    const auto client = client_of(request);
+    const bool api = request.path.starts_with("/api");
+    // The rules come first: a stranger does not learn which routes there are.
+    const auto* const route = api ? route_of(request) : nullptr;
+    if (const auto why = check(request, client, route && route->changes)) {
+        if (why->status == 401) response.set_header("WWW-Authenticate", "Bearer");
+        return put(response, refusal(texts, *why));
+    }
+    if (current->admitting) return admit(request, client, route);
+    if (api) return put(response, serve_api(request, client, texts, response));
+    serve_page(request, texts, response);
 }
 
-void HttpRouter::Impl::serve_page(const httplib::Request& request, httplib::Response& response) const {
-    const report::Texts texts(language_of(request, language));
+void HttpRouter::Impl::serve_page(const httplib::Request& request, const report::Texts& texts,
+                                  httplib::Response& response) const {
     const auto* const file = find_page_file(request.path == "/index.html" ? "/" : request.path);
     if (!file) return put(response, refusal(texts, {404, "not_found"}));
     if (method_of(request.method) != Method::get) {
@@ -233,23 +290,16 @@ void HttpRouter::Impl::serve_page(const httplib::Request& request, httplib::Resp
     response.set_content(content.data(), content.size(), std::string(file->content_type));
 }
 
-ApiResponse HttpRouter::Impl::serve_api(const httplib::Request& request, const report::Texts& texts,
-                                        httplib::Response& response) const {
-    const auto method = method_of(request.method);
-    const std::string_view path =
-        request.path.starts_with(kApi) ? std::string_view(request.path).substr(kApi.size()) : "";
-    const auto with_path = [path](const auto& route) { return route.path == path; };
-    const auto route = std::ranges::find_if(
-        routes, [&](const ApiRoute& its) { return with_path(its) && its.method == method; });
-    // The rules come first: a stranger does not learn which routes there are.
-    if (const auto why = check(request, route != routes.end() && route->changes)) {
-        if (why->status == 401) response.set_header("WWW-Authenticate", "Bearer");
-        return refusal(texts, *why);
-    }
-    ApiRequest asked{.body = std::move(current->body), .texts = texts, .peer = request.remote_addr};
+ApiResponse HttpRouter::Impl::serve_api(const httplib::Request& request, const ForwardedClient& client,
+                                        const report::Texts& texts, httplib::Response& response) const {
+    ApiRequest asked{.body = std::move(current->request.body),
+                     .texts = texts,
+                     .peer = client.address,
+                     .stop = current->request.stop};
     for (const auto& [name, value] : request.params)
         if (name != "token") asked.query.emplace(name, value);
-    if (route != routes.end()) return execute(*route, asked);
+    if (const auto* const route = route_of(request)) return execute(*route, asked);
+    const auto with_path = [path = api_path(request)](const auto& route) { return route.path == path; };
     const auto stream = std::ranges::find_if(streams, with_path);
     if (stream != streams.end() && request.method == "GET") {
         current->stream = stream->open(asked);
@@ -273,18 +323,25 @@ ApiResponse HttpRouter::Impl::execute(const ApiRoute& route, const ApiRequest& r
     }
 }
 
-HttpRouter::HttpRouter(GuardPolicy policy, text::Language language, std::vector<ApiRoute> routes,
-                       std::vector<StreamRoute> streams, Log log)
-    : impl_(std::make_unique<Impl>(std::move(policy), language, std::move(routes), std::move(streams), log)) {
-}
+HttpRouter::HttpRouter(GuardPolicy policy, std::vector<Network> proxies, text::Language language,
+                       std::vector<ApiRoute> routes, std::vector<StreamRoute> streams, Log log)
+    : impl_(std::make_unique<Impl>(std::move(policy), std::move(proxies), language, std::move(routes),
+                                   std::move(streams), log)) {}
 HttpRouter::~HttpRouter() = default;
 
-HttpReply HttpRouter::reply(HttpRequest request) const {
-    HttpExchange exchange{.body = std::move(request.body)};
-    current = &exchange;
+std::optional<HttpReply> HttpRouter::admit(HttpRequest& request) const {
+    HttpExchange exchange{.request = request, .admitting = true};
     bool closed = false;
-    auto text = impl_->process(request, closed);
-    current = nullptr;
+    auto text = impl_->process(exchange, request.has_body, closed);
+    if (exchange.admitted) return std::nullopt;
+    if (text.empty()) return HttpReply{.bytes = bare_reply(400), .close = true};
+    return HttpReply{.bytes = std::move(text), .close = closed};
+}
+
+HttpReply HttpRouter::reply(HttpRequest request) const {
+    HttpExchange exchange{.request = request};
+    bool closed = false;
+    auto text = impl_->process(exchange, false, closed);
     if (exchange.stream) return {.bytes = stream_head(), .stream = std::move(exchange.stream)};
     // What cpp-httplib itself rejects ends the connection.
     if (text.empty()) return {.bytes = bare_reply(400), .close = true};

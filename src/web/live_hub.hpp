@@ -28,7 +28,7 @@ namespace takt::web {
 /// its place in the ring and gets a new snapshot, so that a browser that stops reading costs nothing.
 class LiveHub {
 public:
-    static constexpr std::size_t kMostStreams = 16;
+    static constexpr std::size_t kMostStreams = 64;
     static constexpr auto kTick = std::chrono::milliseconds(100);
 
     static constexpr std::size_t kFrames = 256;

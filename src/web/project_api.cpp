@@ -7,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "evaluation_queue.hpp"
 #include "field_table.hpp"
 #include "import_table.hpp"
 #include "project_parts.hpp"
@@ -52,6 +51,11 @@ constexpr std::size_t kMostBodyBytes = 2 * file::kMaxFileBytes;
 
 /// Ends an evaluation from inside its progress report.
 struct Superseded {};
+
+/// @throws Superseded  the answer is of no use
+void end_if_superseded(const ApiRequest& request) {
+    if (request.stop.stop_requested()) throw Superseded{};
+}
 
 ApiResponse project_refusal(const ApiRequest& request, int status, std::string_view code,
                             const report::Texts::Arguments& arguments = {}) {
@@ -141,13 +145,11 @@ struct ProjectApi::Impl {
 
     ApiResponse evaluate(const ApiRequest& request, const SavedPtr& saved) {
         const auto begin = std::chrono::steady_clock::now();
-        EvaluationQueue::Turn turn(evaluations,
-                                   request.peer + ' ' + std::string(request.parameter("client")));
-        if (!turn.begin()) return project_refusal(request, 409, "superseded");
-        auto sent = sent_in(request, root_of(saved));
-        if (!sent) return std::move(sent.error());
         try {
-            auto object = evaluated(request, saved, std::move(sent->document), turn);
+            end_if_superseded(request);
+            auto sent = sent_in(request, root_of(saved));
+            if (!sent) return std::move(sent.error());
+            auto object = evaluated(request, saved, std::move(sent->document));
             const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
             object.set("took_ms", took.count());
             return ApiResponse::json(object);
@@ -156,23 +158,23 @@ struct ProjectApi::Impl {
         }
     }
 
-    Json evaluated(const ApiRequest& request, const SavedPtr& saved, Node document,
-                   const EvaluationQueue::Turn& turn) const {
+    Json evaluated(const ApiRequest& request, const SavedPtr& saved, Node document) const {
+        end_if_superseded(request);
         file::without_origins(document);
         const auto own = document;
         auto read = file::load_document(options.file, std::move(document),
                                         restricted_reader(options.file, saved->alone.document.root));
         const TemplateParts shifted(own, read.document.root);
+        end_if_superseded(request);
         auto loaded = host::interpreted(std::move(read));
         static_cast<void>(host::recall_learnt(loaded, options.file));
+        end_if_superseded(request);
         if (loaded.has_errors()) {
             shifted.correct(loaded.findings);
             return report::no_plan_json(request.texts, loaded);
         }
-        const auto proof =
-            host::prove(loaded, true, request.parameter("measures") == "1", [&](std::size_t, std::size_t) {
-                if (turn.superseded()) throw Superseded{};
-            });
+        const auto proof = host::prove(loaded, true, request.parameter("measures") == "1",
+                                       [&](std::size_t, std::size_t) { end_if_superseded(request); });
         host::add_findings(loaded, proof);
         shifted.correct(loaded.findings);
         return report::project_plan_json(request.texts, loaded, proof, nullptr, true);
@@ -289,7 +291,6 @@ struct ProjectApi::Impl {
 
     ProjectApiOptions options;
     ProjectOnDisk disk;
-    EvaluationQueue evaluations{kMostEvaluations};
     std::mutex saving;  // saves and applications, one at a time
 };
 
@@ -302,7 +303,11 @@ std::vector<ApiRoute> ProjectApi::routes() {
     const auto schema = [](const ApiRequest&) { return ApiResponse::json(file::project_schema()); };
     return {
         {.method = Method::get, .path = "/project", .handler = impl.with_file(&Impl::project)},
-        {.method = Method::post, .path = "/project/evaluate", .handler = impl.with_file(&Impl::evaluate)},
+        {.method = Method::post,
+         .path = "/project/evaluate",
+         .handler = impl.with_file(&Impl::evaluate),
+         .work = Work::planning,
+         .newest_only = true},
         {.method = Method::post, .path = "/project/diff", .handler = impl.with_file(&Impl::diff)},
         {.method = Method::post,
          .path = "/project/take_over",

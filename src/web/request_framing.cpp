@@ -18,6 +18,10 @@ constexpr std::array<std::string_view, 10> kKnown = {
     "host",   "origin",          "connection",      "content-type",  "authorization",
     "x-takt", "accept-encoding", "accept-language", "if-none-match", "sec-fetch-site"};
 
+// Fields of proxies. Each proxy may append a line of its own; together they are one list (RFC 9110, 5.3).
+constexpr std::array<std::string_view, 3> kLists = {"x-forwarded-for", "x-forwarded-host",
+                                                    "x-forwarded-proto"};
+
 bool is_token(std::string_view text) {
     constexpr std::string_view kMarks = "!#$%&'*+-.^_`|~";
     return !text.empty() && std::ranges::all_of(text, [&](char c) {
@@ -56,6 +60,12 @@ class HeadParser {
 public:
     explicit HeadParser(const FramingLimits& limits) : limits_(limits) {}
 
+    void end() {
+        for (std::size_t i = 0; i < kLists.size(); ++i)
+            if (!lists_[i].empty()) put(kLists[i], lists_[i]);
+        head.text += "\r\n";
+    }
+
     /// @returns 0 or the status
     int line(std::string_view text) {
         if (++count_ > limits_.fields) return 431;
@@ -71,6 +81,11 @@ private:
         const bool known = std::ranges::find(kKnown, name) != kKnown.end();
         if (name == "transfer-encoding") return 501;
         if (name == "content-encoding" && lower_ascii(value) != "identity") return 415;
+        if (const auto list = std::ranges::find(kLists, name); list != kLists.end()) {
+            auto& text = lists_[static_cast<std::size_t>(list - kLists.begin())];
+            text.append(text.empty() ? "" : ", ").append(value);
+            return 0;
+        }
         if (!known && name != "content-length" && name != "expect") return 0;
         if (!seen_.insert(name).second) return 400;
         if (name == "content-length") return content_length(value);
@@ -78,8 +93,12 @@ private:
             head.expects_continue = lower_ascii(value) == "100-continue";
             return head.expects_continue ? 0 : 417;
         }
-        head.text.append(name).append(": ").append(value).append("\r\n");
+        put(name, value);
         return 0;
+    }
+
+    void put(std::string_view name, std::string_view value) {
+        head.text.append(name).append(": ").append(value).append("\r\n");
     }
 
     int content_length(std::string_view value) {
@@ -93,6 +112,7 @@ private:
     const FramingLimits& limits_;
     std::set<std::string, std::less<>> seen_;
     std::size_t count_ = 0;
+    std::array<std::string, kLists.size()> lists_;
 };
 
 }  // namespace
@@ -116,7 +136,7 @@ ParsedHead parse_head(std::string_view head, const FramingLimits& limits) {
         if (!is_printable(line)) return {.status = 400};
         if (const int status = parser.line(line)) return {.status = status};
     }
-    parser.head.text += "\r\n";
+    parser.end();
     return {.head = std::move(parser.head)};
 }
 

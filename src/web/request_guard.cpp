@@ -80,6 +80,7 @@ bool RequestGuard::is_own_host(std::string_view host) const {
 }
 
 bool RequestGuard::has_token(const GuardedRequest& request) const {
+    if (policy_.token.empty()) return false;
     constexpr std::string_view kScheme = "bearer ";
     if (request.authorization) {
         const auto& text = *request.authorization;
@@ -93,8 +94,10 @@ bool RequestGuard::has_token(const GuardedRequest& request) const {
 
 std::optional<Refusal> RequestGuard::check(const GuardedRequest& request) const {
     if (!request.host || !is_own_host(*request.host)) return Refusal{421, "host"};
-    if (request.origin && lower_ascii(*request.origin) != "http://" + lower_ascii(*request.host))
-        return Refusal{403, "origin"};
+    if (request.forwarded_host && !is_own_host(*request.forwarded_host)) return Refusal{421, "host"};
+    const auto origin =
+        (request.tls ? "https://" : "http://") + lower_ascii(request.forwarded_host.value_or(*request.host));
+    if (request.origin && lower_ascii(*request.origin) != origin) return Refusal{403, "origin"};
     if (!request.api) return std::nullopt;
     if (request.fetch_site && *request.fetch_site != "same-origin" && *request.fetch_site != "none")
         return Refusal{403, "origin"};

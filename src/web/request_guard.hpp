@@ -20,7 +20,9 @@ struct GuardedRequest {
     bool api = true;       ///< below /api; the page itself holds no secret
     bool reads = true;     ///< GET or HEAD
     bool changes = false;  ///< the route needs --allow-write
+    bool tls = false;      ///< the browser's connection, which may end at a proxy, is encrypted
     std::optional<std::string> host;
+    std::optional<std::string> forwarded_host;  ///< X-Forwarded-Host of a proxy that counts
     std::optional<std::string> origin;
     std::optional<std::string> fetch_site;  ///< Sec-Fetch-Site
     std::optional<std::string> mark;        ///< X-Takt
@@ -54,7 +56,8 @@ public:
 
     /// @returns nothing: admitted
     ///
-    /// 421 host       the Host field is neither the bound address nor a loopback name (DNS rebinding)
+    /// 421 host       the Host field, or that of a proxy, is none of: the bound address, a loopback name,
+    ///                a name of the policy (DNS rebinding)
     /// 403 origin     another site's page asks, or there is an Origin that is not the Host
     /// 401 token      with a token: it is missing or wrong
     /// 400 query      too many or too long parameters
@@ -63,11 +66,11 @@ public:
     /// 415 content    POST or PUT without `Content-Type: application/json`
     [[nodiscard]] std::optional<Refusal> check(const GuardedRequest& request) const;
 
-    [[nodiscard]] const GuardPolicy& policy() const { return policy_; }
+    /// With a token: whether the request has it.
+    [[nodiscard]] bool has_token(const GuardedRequest& request) const;
 
 private:
     [[nodiscard]] bool is_own_host(std::string_view host) const;
-    [[nodiscard]] bool has_token(const GuardedRequest& request) const;
 
     GuardPolicy policy_;
 };

@@ -24,7 +24,7 @@ namespace takt::web {
 /// browser, or this thread, could not take are counted in the event `missed`.
 class TrafficHub {
 public:
-    static constexpr std::size_t kMostStreams = 16;
+    static constexpr std::size_t kMostStreams = 64;
     static constexpr std::size_t kMostFrames = 1000;  ///< in one event, of a tenth of a second
     static constexpr std::size_t kMostCaptured = 10'000;
     static constexpr auto kRegistersWanted = std::chrono::seconds(10);

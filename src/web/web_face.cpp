@@ -161,20 +161,21 @@ struct WebFace::Impl {
 
     // The hubs poke the server, and the server's threads use the hubs: their threads end before anything is
     // destroyed.
-    void stop() {
+    bool stop() {
         stopping = true;
         if (log) log->end();
         if (live) live->end();
         if (traffic) traffic->end();
-        if (server) server->stop();
+        const bool ended = !server || server->stop();
         search.end();
         if (writer) writer->end();  // with the marks of the last commands
+        return ended;
     }
 };
 
 WebFace::WebFace(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 WebFace::~WebFace() {
-    impl_->stop();
+    static_cast<void>(impl_->stop());
 }
 
 Result<std::unique_ptr<WebFace>> WebFace::start(WebFaceOptions options) {
@@ -183,8 +184,8 @@ Result<std::unique_ptr<WebFace>> WebFace::start(WebFaceOptions options) {
     return face;
 }
 
-void WebFace::stop() {
-    impl_->stop();
+bool WebFace::stop() {
+    return impl_->stop();
 }
 
 std::string WebFace::url() const {

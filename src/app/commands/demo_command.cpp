@@ -82,6 +82,7 @@ ExitCode demo(const CommonOptions& common, const DemoOptions& options) {
         if (!created) return ended_by(texts, created.error());
         folder.emplace(*std::move(created));
         run.file = folder->file();
+        run.on_leave = [&folder] { folder.reset(); };
         run.web = {.address = line::ListenAddress{"127.0.0.1", 8502},
                    .or_free_port = true,
                    .allow_write = true,

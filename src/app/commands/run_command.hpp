@@ -1,12 +1,15 @@
 // takt run and takt demo (docs/commands).
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "commands/common_options.hpp"
 #include "commands/realtime_mode.hpp"
 #include "exit_code.hpp"
+#include "takt/base/network.hpp"
 #include "takt/base/time.hpp"
 #include "takt/console/capture_file.hpp"
 #include "takt/line/target.hpp"
@@ -18,7 +21,9 @@ struct WebOptions {
     std::optional<line::ListenAddress> address;  ///< nothing: they are not served
     bool or_free_port = false;                   ///< another port if that of `address` is in use
     bool allow_write = false;
-    std::string token_file;  ///< empty: no token
+    std::string token_file;          ///< empty: no token
+    std::vector<std::string> names;  ///< further ones of this machine: web::WebServerOptions::names
+    std::vector<Network> proxies;    ///< whose fields X-Forwarded-* count
     bool demo = false;
 };
 
@@ -39,6 +44,8 @@ struct RunOptions {
     std::string state;         ///< file of retained values; empty: beside the project (of the demo: none)
     RealtimeMode realtime;
     WebOptions web;
+    /// Called if the process ends inside the run (leave_program()). May be empty.
+    std::function<void()> on_leave = {};
 };
 
 struct DemoOptions {

@@ -17,6 +17,7 @@
 #include "commands/web_run.hpp"
 #include "log.hpp"
 #include "output.hpp"
+#include "program.hpp"
 #include "takt/console/capture_log.hpp"
 #include "takt/console/host_console.hpp"
 #include "takt/console/notices.hpp"
@@ -63,9 +64,10 @@ public:
         return console_->begin();
     }
 
-    void work() {
+    /// @returns whether nothing is at work any more. If not, threads still use this object
+    bool work() {
         work_loop_.work(options_.run_for);
-        if (web_) web_->stop();
+        const bool ended = !web_ || web_->stop();
         host_->stop();
         capture_.reset();
         if (outputs_) outputs_->stop();
@@ -73,6 +75,7 @@ public:
         // After Ctrl-C a slow reader has half a second; at the end of a run it has time.
         out_.finish(work_loop_.loop().stopped() ? std::chrono::milliseconds(500) : std::chrono::seconds(10));
         note_stdout_error(out_.error());
+        return ended;
     }
 
 private:
@@ -229,8 +232,9 @@ ExitCode run_project(const Texts& texts, const model::Project& project, const pl
     Run run(texts, options);
     if (const auto begun = run.begin(project, plan, prepare, *token); !begun)
         return ended_by(texts, begun.error());
-    run.work();
-    return ExitCode::ok;
+    if (run.work()) return ExitCode::ok;
+    if (options.on_leave) options.on_leave();
+    leave_program(texts.language(), ExitCode::ok);
 }
 
 }  // namespace takt::app

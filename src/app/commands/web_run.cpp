@@ -60,7 +60,7 @@ public:
         return {};
     }
 
-    void stop() override { face_->stop(); }
+    bool stop() override { return face_->stop(); }
     [[nodiscard]] std::string url() const { return face_->url(); }
 
 private:
@@ -88,6 +88,8 @@ Result<std::unique_ptr<WebSide>> start_web(const Texts& texts, const WebOptions&
                                            const std::string& token, WebRun run) {
     const bool editable = options.allow_write && !run.project_file.empty();
     web::WebFaceOptions face{.server = {.address = *options.address,
+                                        .names = options.names,
+                                        .proxies = options.proxies,
                                         .token = token,
                                         .allow_write = options.allow_write,
                                         .language = texts.language(),

@@ -28,7 +28,8 @@ struct WebRun {
 class WebSide {
 public:
     virtual ~WebSide() = default;
-    virtual void stop() = 0;
+    /// As web::WebFace::stop().
+    virtual bool stop() = 0;
 };
 
 /// Serves the page, and prints its address.

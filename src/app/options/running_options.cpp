@@ -3,7 +3,9 @@
 #include "commands/run_command.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
+#include "takt/base/network.hpp"
 #include "takt/line/target.hpp"
+#include "takt/web/web_server.hpp"
 
 namespace takt::app {
 namespace {
@@ -25,6 +27,12 @@ void add_web(Command& command, WebOptions& web) {
     address.value_name("HOST:PORT");
     command.flag("--allow-write", web.allow_write, "help.run.allow_write").needs(address);
     command.value("--web-token", web.token_file, "help.run.web_token").needs(address).value_name("FILE");
+    add_parsed(command, "--web-name", web.names, web::parse_web_name, "NAME", "app.option.form.web_name",
+               "help.run.web_name")
+        .needs(address);
+    add_parsed(command, "--web-proxy", web.proxies, parse_network, "ADDRESS", "app.option.form.web_proxy",
+               "help.run.web_proxy")
+        .needs(address);
 }
 
 void add_demo(CommandLine& line, const CommonOptions& common) {

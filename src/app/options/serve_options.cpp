@@ -8,28 +8,6 @@
 namespace takt::app {
 namespace {
 
-/// An option that may be given several times, each value read by `parse`.
-/// @param form  the word for the value in the help
-/// @param rule  the message for a value that is not accepted: the form and the limits
-template <class T>
-Option add_parsed(Command& command, const std::string& name, std::vector<T>& target,
-                  std::optional<T> (*parse)(std::string_view), const std::string& form,
-                  const std::string& rule, const std::string& help) {
-    return command
-        .texts(
-            name,
-            [=, &target](const std::vector<std::string>& texts) {
-                for (const auto& text : texts) {
-                    auto parsed = parse(text);
-                    if (!parsed) reject({rule, {{"option", name}, {"value", text}}});
-                    target.push_back(*std::move(parsed));
-                }
-            },
-            help)
-        .one_value_each()
-        .value_name(form);
-}
-
 void add_listen_addresses(Command& serve, std::string& listen) {
     serve
         .text(

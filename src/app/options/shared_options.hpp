@@ -4,7 +4,11 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "commands/client_options.hpp"
 #include "commands/realtime_mode.hpp"
@@ -62,6 +66,28 @@ Option add_word(Command& command, const std::string& name, Target& target,
             target = found->second;
         },
         help);
+}
+
+/// An option that may be given several times, each value read by `parse`.
+/// @param form  the word for the value in the help
+/// @param rule  the message for a value that is not accepted: the form and the limits
+template <class T>
+Option add_parsed(Command& command, const std::string& name, std::vector<T>& target,
+                  std::optional<T> (*parse)(std::string_view), const std::string& form,
+                  const std::string& rule, const std::string& help) {
+    return command
+        .texts(
+            name,
+            [=, &target](const std::vector<std::string>& texts) {
+                for (const auto& text : texts) {
+                    auto parsed = parse(text);
+                    if (!parsed) reject({rule, {{"option", name}, {"value", text}}});
+                    target.push_back(*std::move(parsed));
+                }
+            },
+            help)
+        .one_value_each()
+        .value_name(form);
 }
 
 /// The words for the types of values in registers.

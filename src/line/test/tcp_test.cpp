@@ -154,6 +154,18 @@ TEST(TcpServer, OneAddressTakesNoMoreThanItsShare) {
     EXPECT_TRUE(again.receives(*loop, "re:again"));
 }
 
+TEST(TcpServer, AnAddressOfManyClientsHasNoShare) {
+    const auto loop = make_loop();
+    TcpServerOptions options;
+    options.max_per_peer = 1;
+    options.shared_peers = {*parse_network("127.0.0.0/31")};
+    const Server serving(*loop, options);
+    const Client first(serving.port());
+    const Client second(serving.port());
+    const Client third(serving.port());
+    ASSERT_TRUE(loop->run_until([&] { return serving.alive == 3; }, kDeadline));
+}
+
 TEST(TcpServer, ClosesAnIdleConnectionOfTheGreatestHolderForANewOne) {
     const auto loop = make_loop();
     TcpServerOptions options;

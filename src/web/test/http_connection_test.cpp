@@ -18,18 +18,31 @@ struct Rig {
     int refuse = 0;  ///< status
     std::ptrdiff_t held = 0;
     std::ptrdiff_t most_held = 32 << 20;
+    std::string not_admitted;  ///< the answer to heads; empty: they are admitted
+    int gone = 0;              ///< calls of input_ended
     bool destroyed = false;
     std::unique_ptr<HttpConnection> connection = std::make_unique<HttpConnection>(
         HttpConnection::Limits{}, "10.0.0.5:49152", t,
-        [this](HttpConnection&, HttpRequest request) {
-            if (refuse == 0) requests.push_back(std::move(request));
-            return refuse;
-        },
-        [this](std::ptrdiff_t change) {
-            held += change;
-            return held <= most_held;
-        },
-        [this] { destroyed = true; });
+        HttpConnection::Owner{.admit =
+                                  [this](HttpRequest& request) {
+                                      request.visitor = "visitor";
+                                      return not_admitted.empty()
+                                                 ? std::nullopt
+                                                 : std::optional(HttpReply{.bytes = not_admitted});
+                                  },
+                              .execute =
+                                  [this](HttpRequest request) {
+                                      if (refuse == 0) requests.push_back(std::move(request));
+                                      return refuse;
+                                  },
+                              .reserve =
+                                  [this](std::string_view visitor, std::ptrdiff_t change) {
+                                      held += change;
+                                      EXPECT_TRUE(change == 0 || visitor == "visitor");
+                                      return held <= most_held ? 0 : 429;
+                                  },
+                              .input_ended = [this] { ++gone; },
+                              .destroyed = [this] { destroyed = true; }});
 
     Rig() { engine().on_link(t, true); }
     Engine& engine() { return connection->engine(); }
@@ -48,7 +61,7 @@ struct Rig {
         if (engine().next_wakeup() <= t) engine().on_tick(t);
     }
     void answer(std::string bytes, bool close = false) {
-        connection->answer(t, {.bytes = std::move(bytes), .close = close});
+        connection->answer({.bytes = std::move(bytes), .close = close});
     }
 };
 
@@ -60,7 +73,7 @@ TEST(HttpConnection, ExecutesOneRequestAfterTheOther) {
     ASSERT_EQ(rig.requests.size(), 1u);
     EXPECT_EQ(rig.requests[0].head, "GET / HTTP/1.1\r\nhost: a\r\n\r\n");
     EXPECT_EQ(rig.requests[0].peer, "10.0.0.5");
-    EXPECT_EQ(rig.connection->wants_bytes(), 0u);
+    EXPECT_LE(rig.connection->wants_bytes(), 16u << 10);
     EXPECT_FALSE(rig.connection->drained());
     rig.answer("first");
     EXPECT_EQ(rig.sent(), "first");
@@ -152,12 +165,59 @@ TEST(HttpConnection, RejectsWhatTheServerCannotExecute) {
     EXPECT_NE(reply.find("Retry-After: 1\r\n"), std::string::npos);
 }
 
-TEST(HttpConnection, RejectsBodiesBeyondTheMemoryOfAll) {
+TEST(HttpConnection, CountsBodiesAsTheyAreReceived) {
     Rig rig;
     rig.most_held = 1000;
     rig.receive("POST / HTTP/1.1\r\nContent-Length: 1001\r\n\r\n");
-    EXPECT_TRUE(rig.sent().starts_with("HTTP/1.1 503 "));
     EXPECT_EQ(rig.held, 0);
+    rig.receive(std::string(1000, 'x'));
+    EXPECT_EQ(rig.held, 1000);
+    EXPECT_EQ(rig.sent(), "");
+    rig.receive("x");
+    EXPECT_TRUE(rig.sent().starts_with("HTTP/1.1 429 "));
+    EXPECT_EQ(rig.held, 0);
+}
+
+TEST(HttpConnection, ReceivesNoBodyThatIsNotAdmitted) {
+    Rig rig;
+    rig.not_admitted = "HTTP/1.1 401 ";
+    rig.receive("POST / HTTP/1.1\r\nContent-Length: 16000000\r\n\r\n");
+    EXPECT_EQ(rig.sent(), "HTTP/1.1 401 ");
+    rig.receive(std::string(100'000, 'x'));
+    EXPECT_EQ(rig.held, 0);
+    rig.wait(1s);
+    EXPECT_TRUE(rig.connection->finished());
+    EXPECT_TRUE(rig.requests.empty());
+}
+
+TEST(HttpConnection, GoesOnAfterARequestWithoutABodyThatIsNotAdmitted) {
+    Rig rig;
+    rig.not_admitted = "HTTP/1.1 401 ";
+    rig.receive(kGet);
+    EXPECT_EQ(rig.sent(), "HTTP/1.1 401 ");
+    rig.not_admitted.clear();
+    rig.receive(kGet);
+    EXPECT_EQ(rig.requests.size(), 1u);
+}
+
+TEST(HttpConnection, ReportsThatItsClientHasGone) {
+    Rig rig;
+    rig.connection->on_input_end();
+    EXPECT_EQ(rig.gone, 0) << "no request is executed";
+    rig.receive(kGet);
+    rig.connection->on_input_end();
+    EXPECT_EQ(rig.gone, 1);
+    rig.answer("still sent");
+    EXPECT_EQ(rig.sent(), "still sent");
+}
+
+TEST(HttpConnection, ReadsLittleBehindARequestThatIsExecuted) {
+    Rig rig;
+    rig.receive(kGet);
+    const auto most = rig.connection->wants_bytes();
+    EXPECT_GT(most, 0u) << "the end of the connection is noticed";
+    rig.receive(std::string(most, 'x'));
+    EXPECT_EQ(rig.connection->wants_bytes(), 0u);
 }
 
 TEST(HttpConnection, LimitsEndlessHeads) {
@@ -194,7 +254,7 @@ TEST(HttpConnection, StreamsUntilTheSourceEnds) {
     auto source = std::make_unique<Numbers>();
     auto* const numbers = source.get();
     rig.receive(kGet);
-    rig.connection->answer(rig.t, {.bytes = "head ", .stream = std::move(source)});
+    rig.connection->answer({.bytes = "head ", .stream = std::move(source)});
     EXPECT_TRUE(rig.connection->streams());
     EXPECT_EQ(rig.sent(), "head data: 0\n\n");
     EXPECT_TRUE(rig.connection->drained());  // the end of the browser's side ends it

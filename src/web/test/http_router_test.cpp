@@ -19,29 +19,33 @@ public:
 };
 
 HttpRouter router(bool streams_free = true) {
-    return HttpRouter({.allow_write = true}, text::Language::english,
-                      {{Method::get, "/echo", false,
-                        [](const ApiRequest& request) {
-                            auto object = file::Json::object();
-                            for (const auto& [name, value] : request.query) object.set(name, value);
-                            object.set("peer", request.peer);
-                            object.set("language", text::tag(request.texts.language()));
-                            return ApiResponse::json(object);
-                        }},
-                       {Method::post, "/echo", true,
-                        [](const ApiRequest& request) {
-                            return ApiResponse{
-                                .content_type = "text/csv", .body = request.body, .file_name = "a\"b.csv"};
-                        }},
-                       {Method::get, "/long", false,
-                        [](const ApiRequest&) { return ApiResponse{.body = std::string(100'000, 'x')}; }},
-                       {Method::get, "/fails", false,
-                        [](const ApiRequest&) -> ApiResponse { throw std::runtime_error("secret"); }}},
-                      {{"/events",
-                        [streams_free](const ApiRequest&) -> std::unique_ptr<StreamSource> {
-                            return streams_free ? std::make_unique<OneEvent>() : nullptr;
-                        }}},
-                      {});
+    return HttpRouter(
+        {.names = {"plant.example.com"}, .allow_write = true}, {*parse_network("10.0.0.1")},
+        text::Language::english,
+        {{Method::get, "/echo", false,
+          [](const ApiRequest& request) {
+              auto object = file::Json::object();
+              for (const auto& [name, value] : request.query) object.set(name, value);
+              object.set("peer", request.peer);
+              object.set("language", text::tag(request.texts.language()));
+              return ApiResponse::json(object);
+          }},
+         {Method::post, "/echo", true,
+          [](const ApiRequest& request) {
+              return ApiResponse{.content_type = "text/csv", .body = request.body, .file_name = "a\"b.csv"};
+          },
+          Work::device},
+         {Method::get, "/newest", false, [](const ApiRequest&) { return ApiResponse{}; }, Work::planning,
+          true},
+         {Method::get, "/long", false,
+          [](const ApiRequest&) { return ApiResponse{.body = std::string(100'000, 'x')}; }},
+         {Method::get, "/fails", false,
+          [](const ApiRequest&) -> ApiResponse { throw std::runtime_error("secret"); }}},
+        {{"/events",
+          [streams_free](const ApiRequest&) -> std::unique_ptr<StreamSource> {
+              return streams_free ? std::make_unique<OneEvent>() : nullptr;
+          }}},
+        {});
 }
 
 std::string get(const std::string& target, const std::string& more = "", const std::string& method = "GET") {
@@ -138,6 +142,66 @@ TEST(HttpRouter, OpensStreams) {
     reply = router(false).reply({.head = "GET /api/v1/events HTTP/1.1\r\nhost: localhost\r\n\r\n"});
     EXPECT_FALSE(reply.stream);
     EXPECT_TRUE(reply.bytes.starts_with("HTTP/1.1 503 "));
+}
+
+TEST(HttpRouter, AdmitsByTheHead) {
+    const auto routes = router();
+    const auto admitted = [&](HttpRequest request, const std::string& start, const std::string& fields) {
+        request.head = start + " HTTP/1.1\r\nhost: localhost\r\n" + fields + "\r\n";
+        request.peer = "10.0.0.5";
+        const auto refusal = routes.admit(request);
+        return std::pair(refusal ? refusal->bytes : "", std::move(request));
+    };
+    const std::string marked = "x-takt: 1\r\ncontent-type: application/json\r\n";
+    const auto [none, change] = admitted({.has_body = true}, "POST /api/v1/echo", marked);
+    EXPECT_EQ(none, "");
+    EXPECT_EQ(change.work, Work::device);
+    EXPECT_EQ(change.superseded_by, "");
+    EXPECT_FALSE(change.is_stream);
+    const auto [refused, stranger] = admitted({.has_body = true}, "POST /api/v1/echo", "");
+    EXPECT_TRUE(refused.starts_with("HTTP/1.1 403 ")) << refused;
+    EXPECT_NE(refused.find("Connection: close\r\n"), std::string::npos) << "its body is not received";
+    EXPECT_EQ(stranger.visitor, change.visitor);
+    EXPECT_TRUE(admitted({}, "GET /api/v1/events", "").second.is_stream);
+    const auto newest = admitted({}, "GET /api/v1/newest?client=a", "").second;
+    EXPECT_EQ(newest.work, Work::planning);
+    EXPECT_EQ(newest.superseded_by, "10.0.0.5 a");
+    EXPECT_EQ(admitted({}, "GET /", "").first, "");
+    EXPECT_TRUE(admitted({}, "GET", "").first.starts_with("HTTP/1.1 400 "));
+}
+
+TEST(HttpRouter, FieldsOfANamedProxyCount) {
+    const auto routes = router();
+    const auto ask = [&](const char* peer, const std::string& fields) {
+        HttpRequest request{
+            .head = "GET /api/v1/echo HTTP/1.1\r\nhost: plant.example.com\r\n" + fields + "\r\n",
+            .peer = peer};
+        static_cast<void>(routes.admit(request));
+        return std::pair(request.visitor, routes.reply(request).bytes);
+    };
+    const std::string fields =
+        "x-forwarded-for: 1.2.3.4, 192.0.2.7\r\nx-forwarded-proto: https\r\norigin: "
+        "https://plant.example.com\r\n";
+    const auto [client, answer] = ask("10.0.0.1", fields);
+    EXPECT_TRUE(answer.starts_with("HTTP/1.1 200 ")) << answer;
+    EXPECT_NE(answer.find("\"peer\":\"192.0.2.7\""), std::string::npos) << answer;
+    EXPECT_EQ(client, ask("192.0.2.7", "").first);
+    const auto [other, refused] = ask("10.0.0.2", fields);
+    EXPECT_TRUE(refused.starts_with("HTTP/1.1 403 ")) << refused;
+    EXPECT_NE(other, client);
+    EXPECT_TRUE(ask("10.0.0.1", "x-forwarded-host: evil.example\r\n").second.starts_with("HTTP/1.1 421 "));
+}
+
+TEST(HttpRouter, VisitorsWithTheTokenAreCountedApart) {
+    const HttpRouter routes({.token = "0123456789abcdef"}, {}, text::Language::english, {}, {}, {});
+    const auto visitor = [&](const std::string& fields) {
+        HttpRequest request{.head = "GET /api/v1/x HTTP/1.1\r\nhost: localhost\r\n" + fields + "\r\n",
+                            .peer = "10.0.0.5"};
+        static_cast<void>(routes.admit(request));
+        return request.visitor;
+    };
+    EXPECT_NE(visitor("authorization: Bearer 0123456789abcdef\r\n"), visitor(""));
+    EXPECT_EQ(visitor("authorization: Bearer wrong\r\n"), visitor(""));
 }
 
 TEST(HttpRouter, ClosesWhatAsksForIt) {

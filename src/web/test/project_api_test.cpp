@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <stop_token>
 #include <thread>
 
 #include "folder.hpp"
@@ -105,6 +107,20 @@ TEST_F(ProjectApiTest, EvaluatesADocumentWithoutSavingIt) {
     EXPECT_NE(wrong.body.find("lines[0].devices[0].address"), std::string::npos) << wrong.body;
     EXPECT_NE(wrong.body.find("\"line\":8"), std::string::npos) << wrong.body;
     EXPECT_EQ(folder_.read("plant.yaml"), kProject);
+}
+
+TEST_F(ProjectApiTest, AnEvaluationThatIsToStopEnds) {
+    std::stop_source stop;
+    stop.request_stop();
+    const ApiRequest request{.query = {},
+                             .body = body_of(*project().find("document")).dump(),
+                             .texts = texts_,
+                             .peer = "127.0.0.1",
+                             .stop = stop.get_token()};
+    const auto evaluate = std::ranges::find(routes_, "/project/evaluate", &ApiRoute::path);
+    EXPECT_EQ(code_of(evaluate->handler(request)), "409 superseded");
+    EXPECT_EQ(evaluate->work, Work::planning);
+    EXPECT_TRUE(evaluate->newest_only);
 }
 
 TEST_F(ProjectApiTest, ShowsTheDifference) {

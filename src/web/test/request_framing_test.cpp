@@ -73,5 +73,15 @@ TEST(RequestFraming, LimitsHeads) {
     EXPECT_EQ(parsed("A: " + std::string(17000, 'b') + "\r\n").status, 431);
 }
 
+TEST(RequestFraming, JoinsTheLinesOfProxies) {
+    const auto parsed = parse_head(
+        "GET / HTTP/1.1\r\nX-Forwarded-For: 192.0.2.7\r\nHost: a\r\nx-forwarded-for: 10.0.0.2,\t10.0.0.3\r\n"
+        "X-Forwarded-Proto: https\r\nX-Forwarded-Proto: http\r\n\r\n");
+    EXPECT_EQ(parsed.status, 0);
+    EXPECT_EQ(parsed.head.text,
+              "GET / HTTP/1.1\r\nhost: a\r\nx-forwarded-for: 192.0.2.7, 10.0.0.2,\t10.0.0.3\r\n"
+              "x-forwarded-proto: https, http\r\n\r\n");
+}
+
 }  // namespace request_framing_test
 }  // namespace takt::web

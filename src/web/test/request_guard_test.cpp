@@ -75,6 +75,13 @@ TEST(RequestGuard, AppliesItsRulesInOrder) {
         {[](auto& r) { r.origin = "http://127.0.0.1:8503"; }, Refusal{403, "origin"}},
         {[](auto& r) { r.origin = "https://127.0.0.1:8502"; }, Refusal{403, "origin"}},
         {[](auto& r) { r.origin = "null"; }, Refusal{403, "origin"}},
+        {[](auto& r) { r.tls = true, r.origin = "https://127.0.0.1:8502"; }, std::nullopt},
+        {[](auto& r) { r.tls = true, r.origin = "http://127.0.0.1:8502"; }, Refusal{403, "origin"}},
+        {[](auto& r) { r.forwarded_host = "plant", r.origin = "http://plant"; }, std::nullopt},
+        {[](auto& r) { r.forwarded_host = "plant", r.origin = "http://127.0.0.1:8502"; },
+         Refusal{403, "origin"}},
+        {[](auto& r) { r.forwarded_host = "evil.example"; }, Refusal{421, "host"}},
+        {[](auto& r) { r.forwarded_host = "plant", r.host = "evil.example"; }, Refusal{421, "host"}},
         {[](auto& r) { r.fetch_site = "same-origin"; }, std::nullopt},
         {[](auto& r) { r.fetch_site = "none"; }, std::nullopt},
         {[](auto& r) { r.fetch_site = "cross-site"; }, Refusal{403, "origin"}},
@@ -88,7 +95,7 @@ TEST(RequestGuard, AppliesItsRulesInOrder) {
         {[](auto& r) { r.parameters = 65; }, Refusal{400, "query"}},
         {[](auto& r) { r.longest_parameter = 1025; }, Refusal{400, "query"}},
     };
-    const RequestGuard guard({.allow_write = true});
+    const RequestGuard guard({.names = {"plant"}, .allow_write = true});
     for (std::size_t i = 0; i < cases.size(); ++i) {
         auto request = change();
         cases[i].with(request);

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <string>
 #include <thread>
 
@@ -19,9 +20,11 @@ using Clock = std::chrono::steady_clock;
 /// A blocking client.
 class Client {
 public:
-    explicit Client(std::uint16_t port) {
+    explicit Client(std::uint16_t port, const char* from = "127.0.0.1") {
         const auto address = line::resolve("127.0.0.1", port, true).value().front();
+        const auto source = line::resolve(from, 0, true).value().front();
         fd_.reset(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+        EXPECT_EQ(::bind(fd_.get(), source.get(), source.length), 0);
         EXPECT_EQ(::connect(fd_.get(), address.get(), address.length), 0);
         const timeval limit{10, 0};
         ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
@@ -34,6 +37,11 @@ public:
     std::string receive() const {
         char buffer[65536];
         const auto count = ::recv(fd_.get(), buffer, sizeof buffer, 0);
+        return {buffer, static_cast<std::size_t>(std::max<ssize_t>(count, 0))};
+    }
+    [[nodiscard]] std::string receive_available() const {
+        char buffer[4096];
+        const auto count = ::recv(fd_.get(), buffer, sizeof buffer, MSG_DONTWAIT);
         return {buffer, static_cast<std::size_t>(std::max<ssize_t>(count, 0))};
     }
     std::string receive_until(const std::string& part) const {
@@ -74,6 +82,14 @@ struct WebServerTest : ::testing::Test {
                          while (hold) std::this_thread::sleep_for(1ms);
                          return ApiResponse::json(file::Json::object());
                      }},
+                    {Method::get, "/patient", false,
+                     [this](const ApiRequest& request) {
+                         ++patient;
+                         while (!request.stop.stop_requested()) std::this_thread::sleep_for(1ms);
+                         ++ended;
+                         return ApiResponse::json(file::Json::object(), 409);
+                     },
+                     Work::planning, true},
                     {Method::get, "/huge", false,
                      [](const ApiRequest&) { return ApiResponse{.body = std::string(20 << 20, 'x')}; }}},
                    {{"/endless",
@@ -90,6 +106,13 @@ struct WebServerTest : ::testing::Test {
         }
         return false;
     }
+    static bool comes(const std::function<bool()>& condition) {
+        for (const auto end = Clock::now() + 10s; Clock::now() < end && !condition();)
+            std::this_thread::sleep_for(1ms);
+        return condition();
+    }
+    std::atomic<int> patient = 0;
+    std::atomic<int> ended = 0;
     std::atomic<bool> hold = true;
     std::atomic<int> slow = 0;
 };
@@ -179,6 +202,62 @@ TEST_F(WebServerTest, ClosesIdleConnectionsForNewOnes) {
         EXPECT_TRUE(first.get("/quick").starts_with("HTTP/1.1 200 "));
         EXPECT_TRUE(second.get("/quick").starts_with("HTTP/1.1 200 "));
     }
+}
+
+TEST_F(WebServerTest, BytesThatWereReceivedCountForTheirVisitor) {
+    const auto server = start({.visitor_buffered = 50'000});
+    const std::string change =
+        "POST /api/v1/quick HTTP/1.1\r\nHost: localhost\r\nX-Takt: 1\r\n"
+        "Content-Type: application/json\r\nContent-Length: ";
+    const Client announces(server->port());
+    announces.send(change + "16000000\r\n\r\n");
+    const Client sends(server->port());
+    sends.send(change + "60000\r\n\r\n" + std::string(49'990, ' '));
+    EXPECT_TRUE(comes([&] {
+        const Client greedy(server->port());
+        greedy.send(change + "20\r\n\r\n" + std::string(20, ' '));
+        return greedy.receive_until("}\n").starts_with("HTTP/1.1 429 ");
+    }));
+    const Client other(server->port(), "127.0.0.2");
+    EXPECT_TRUE(other.get("/quick").starts_with("HTTP/1.1 200 "));
+    sends.send("123456789012345");
+    EXPECT_TRUE(sends.receive_until("}\n").starts_with("HTTP/1.1 429 "));
+    EXPECT_TRUE(announces.receive_available().empty());
+}
+
+const std::string kPatient = "GET /api/v1/patient?client=a HTTP/1.1\r\nHost: localhost\r\n\r\n";
+
+TEST_F(WebServerTest, StopsARequestWhoseClientHasGone) {
+    const auto server = start();
+    auto client = std::make_unique<Client>(server->port());
+    client->send(kPatient);
+    ASSERT_TRUE(comes([&] { return patient == 1; }));
+    client.reset();
+    EXPECT_TRUE(comes([&] { return ended == 1; }));
+}
+
+TEST_F(WebServerTest, StopsRequestsThatAreSuperseded) {
+    const auto server = start();
+    const Client first(server->port());
+    first.send(kPatient);
+    ASSERT_TRUE(comes([&] { return patient == 1; }));
+    const Client second(server->port());
+    second.send(kPatient);
+    EXPECT_TRUE(first.receive_until("}\n").starts_with("HTTP/1.1 409 "));
+    ASSERT_TRUE(comes([&] { return patient == 2; }));
+    EXPECT_TRUE(server->stop()) << "a stop ends it, too";
+    EXPECT_EQ(ended, 2);
+}
+
+TEST_F(WebServerTest, AStopDoesNotWaitForLong) {
+    const auto server = start();
+    const Client client(server->port());
+    client.send("GET /api/v1/slow HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    ASSERT_TRUE(comes([&] { return slow == 1; }));
+    const auto begin = Clock::now();
+    EXPECT_FALSE(server->stop());
+    EXPECT_LT(Clock::now() - begin, WebServer::kStopLimit + 2s);
+    hold = false;
 }
 
 TEST_F(WebServerTest, ReportsAnAddressInUse) {

@@ -31,6 +31,8 @@ struct PumpOptions {
     /// Returns true if nothing is left to be sent for the bytes received so far. When the peer has closed its
     /// sending side, the pump goes on until then. Empty: it ends at once.
     std::function<bool()> drained;
+    /// Called once when the peer has closed its sending side and the pump goes on.
+    std::function<void()> input_ended;
     /// A stream that can be made again: its end by the peer, or because the engine asked for it, is a close
     /// (Engine::on_close), not the loss of the link.
     bool reopens = false;

@@ -8,9 +8,11 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "takt/base/engine.hpp"
 #include "takt/base/log.hpp"
+#include "takt/base/network.hpp"
 #include "takt/base/result.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/line/target.hpp"
@@ -29,6 +31,8 @@ public:
     [[nodiscard]] virtual bool finished() const { return false; }
     /// Whether every request received so far is answered.
     [[nodiscard]] virtual bool drained() const { return true; }
+    /// The peer has closed its sending side. It may still read.
+    virtual void on_input_end() {}
     /// When the last byte was received, or the connection was accepted.
     [[nodiscard]] virtual Instant last_received() const = 0;
     /// Called once, before the engine's on_link().
@@ -43,6 +47,8 @@ using SessionFactory = std::function<std::unique_ptr<Session>(Instant t, std::st
 struct TcpServerOptions {
     std::size_t max_connections = 256;  ///< one beyond is accepted and closed at once
     std::size_t max_per_peer = 0;       ///< from one address, likewise; 0: as many as there may be in all
+    /// Addresses of many clients, such as proxies: max_per_peer does not count for them.
+    std::vector<Network> shared_peers = {};
     /// A connection that has been idle for this long may be closed for a new one.
     Duration evict_after = std::chrono::seconds(10);
     /// A client that accepts no bytes of an answer for this long is disconnected. At most one answer waits;

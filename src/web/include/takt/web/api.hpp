@@ -1,9 +1,11 @@
 // Requests of the HTTP API and their answers, without a server: what handlers see and return.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,12 +18,23 @@ namespace takt::web {
 
 enum class Method : std::uint8_t { get, post, put };
 
+/// The work of a request. Each kind has threads of its own.
+enum class Work : std::uint8_t {
+    quick,     ///< from memory or a file
+    planning,  ///< up to many seconds of processor time
+    device,    ///< waits for the response of a device
+};
+inline constexpr std::array kWorks = {Work::quick, Work::planning, Work::device};
+
 /// A request that has passed the guard: size, host, origin, token and rate are checked.
 struct ApiRequest {
     std::multimap<std::string, std::string, std::less<>> query;  ///< decoded
     std::string body;                                            ///< UTF-8; empty for GET
     const report::Texts& texts;                                  ///< in the language of the request
     std::string peer;                                            ///< address of the client, for audits
+    /// Stops when the answer is of no use: the client has gone, a newer request supersedes this one, or the
+    /// program stops.
+    std::stop_token stop = {};
 
     /// The first value of a query parameter; empty without one.
     [[nodiscard]] std::string_view parameter(std::string_view name) const;
@@ -47,6 +60,10 @@ struct ApiRoute {
     std::string_view path;  ///< below /api/v1, as in "/project/evaluate"
     bool changes = false;   ///< needs --allow-write
     ApiHandler handler;
+    Work work = Work::quick;
+    /// A newer request of the same client supersedes an older one. A client is a peer's address with the
+    /// query's `client`.
+    bool newest_only = false;
 };
 
 }  // namespace takt::web

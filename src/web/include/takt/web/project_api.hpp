@@ -23,13 +23,10 @@ struct ProjectApiOptions {
 /// GET /project, POST /project/evaluate, POST /project/diff, POST /project/take_over, PUT /project, GET
 /// /fields, GET /schema, POST /import.
 ///
-/// Threads: handlers run at the same time. At most kMostEvaluations are in progress, further ones wait; an
-/// evaluation ends early with 409 `superseded` when its client sends the next one. A client is a peer's
-/// address with the query's `client`.
+/// Threads: handlers run at the same time. An evaluation whose request is to stop ends early with 409
+/// `superseded`.
 class ProjectApi {
 public:
-    static constexpr int kMostEvaluations = 2;
-
     explicit ProjectApi(ProjectApiOptions options);
     ~ProjectApi();
     ProjectApi(const ProjectApi&) = delete;

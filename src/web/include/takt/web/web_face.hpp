@@ -28,13 +28,14 @@ class WebFace {
 public:
     /// @returns as WebServer::start()
     [[nodiscard]] static Result<std::unique_ptr<WebFace>> start(WebFaceOptions options);
-    /// stop()
+    /// stop(), and waits for requests that are being executed.
     ~WebFace();
     WebFace(const WebFace&) = delete;
     WebFace& operator=(const WebFace&) = delete;
 
-    /// Ends all streams, and waits for requests that are being executed. Before the host stops.
-    void stop();
+    /// Ends all streams, and requests as WebServer::stop() does. Before the host stops.
+    /// @returns whether all requests have ended. If not, threads still use the host
+    bool stop();
 
     [[nodiscard]] std::string url() const;
 
