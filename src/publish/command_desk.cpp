@@ -8,6 +8,7 @@
 #include "command_memory.hpp"
 #include "mqtt_packet.hpp"
 #include "takt/base/assert.hpp"
+#include "takt/base/utf8.hpp"
 
 namespace takt::publish {
 
@@ -30,6 +31,8 @@ struct OpenCommand {
 
 namespace {
 
+constexpr std::size_t kLongestTopic = 512;  // in the audit log
+
 struct Expiry {
     Instant at;
     bool future = false;  // the sender's clock is ahead
@@ -48,6 +51,15 @@ Expiry expiry_of(const CommandTime& now, const CommandRequest& request, const Mq
     return {end, request.sent_ns && at(*request.sent_ns) > after(now.t, CommandDesk::kFuture)};
 }
 
+std::size_t reply_bytes(const MqttProperties& properties) {
+    return properties.response_topic.size() + properties.correlation_data.size();
+}
+
+std::size_t bytes_of(const LiveMessage& live) {
+    return live.message.topic.size() + live.message.payload.size() + live.short_payload.size() +
+           live.message.properties.correlation_data.size();
+}
+
 std::uint64_t content_of(const MqttMessage& message) {
     return std::hash<std::string>()(message.payload);
 }
@@ -62,6 +74,7 @@ struct CommandDesk::State {
     std::uint64_t last_tag = 0;
     std::uint64_t last_id = 0;
     std::deque<LiveMessage> answers;
+    std::size_t answer_bytes = 0;
     CommandCounters counters;
     std::uint64_t missing_lines = 0;  // of the audit log, since the last one
     bool stopped = false;
@@ -74,6 +87,7 @@ struct CommandDesk::State {
     bool is_repeated(const CommandRequest& request, std::uint64_t content, const ReplyAddress& reply,
                      std::optional<CommandRefused>& refused);
     void answer(const ReplyAddress& reply, const CommandAnswer& answer);
+    void remove_first_answer();
     void audit(const CommandOrigin& origin, const CommandAnswer& answer);
     void end(std::map<std::uint64_t, OpenCommand>::iterator command, CommandAnswer&& with);
 };
@@ -91,6 +105,7 @@ std::optional<ParsedCommand> CommandDesk::State::parse(const MqttMessage& messag
 
 // An answer to a topic of commands would be a command.
 ReplyAddress CommandDesk::State::reply_of(const MqttProperties& properties) const {
+    if (reply_bytes(properties) > kLongestReply) return {options.control_topic + "/answer", {}};
     const auto& topic = properties.response_topic;
     const bool own =
         topic == options.control_topic + "/command" || topic.starts_with(options.control_topic + "/set/");
@@ -102,6 +117,9 @@ std::optional<CommandRefused> CommandDesk::State::first_check(const MqttInbound&
                                                               const ParsedCommand& parsed) const {
     if (inbound.message.retain) return CommandRefused{CommandRefusal::retained, {}};
     if (!inbound.subscribed) return CommandRefused{CommandRefusal::not_subscribed, {}};
+    if (const auto bytes = reply_bytes(inbound.message.properties); bytes > kLongestReply)
+        return CommandRefused{.detail = "response topic and correlation data: " + std::to_string(bytes) +
+                                        " bytes; allowed: " + std::to_string(kLongestReply)};
     return parsed.refused;
 }
 
@@ -134,15 +152,21 @@ bool CommandDesk::State::is_repeated(const CommandRequest& request, std::uint64_
 }
 
 void CommandDesk::State::answer(const ReplyAddress& reply, const CommandAnswer& with) {
-    if (answers.size() == kMostAnswers) {
-        answers.pop_front();
-        ++counters.answers_dropped;
-    }
     LiveMessage live{.message = {.topic = reply.topic, .payload = answer_message(with)},
                      .short_payload = short_answer_message(with)};
     live.message.properties.correlation_data = reply.correlation_data;
     live.message.properties.content_type = "application/json";
+    answer_bytes += bytes_of(live);
     answers.push_back(std::move(live));
+    while (answers.size() > kMostAnswers || answer_bytes > kMostAnswerBytes) {
+        remove_first_answer();
+        ++counters.answers_dropped;
+    }
+}
+
+void CommandDesk::State::remove_first_answer() {
+    answer_bytes -= bytes_of(answers.front());
+    answers.pop_front();
 }
 
 void CommandDesk::State::audit(const CommandOrigin& origin, const CommandAnswer& with) {
@@ -198,7 +222,8 @@ bool CommandDesk::on_message(const CommandTime& now, std::string_view broker, co
         else
             refused = std::move(accepted).error();
     }
-    CommandOrigin origin{state.options.output, std::string(broker), inbound.message.topic};
+    CommandOrigin origin{state.options.output, std::string(broker),
+                         std::string(whole_characters(inbound.message.topic, kLongestTopic))};
     if (refused) {
         ++state.counters.refused;
         auto answer = answer_of(request, *refused, now.wall_ns);
@@ -283,7 +308,7 @@ const LiveMessage* CommandDesk::first_answer() const {
 }
 
 void CommandDesk::remove_first_answer() {
-    state_->answers.pop_front();
+    state_->remove_first_answer();
 }
 
 std::size_t CommandDesk::open() const {

@@ -117,6 +117,8 @@ private:
             std::holds_alternative<Json::Object>(value))
             return wrong("value", *found, "true, false, a number or a string");
         const auto* const string = std::get_if<std::string>(&value);
+        if (string != nullptr && string->size() > CommandRequest::kLongestValue)
+            return wrong("value", *found, "a string of at most 1024 bytes");
         request_.form =
             string != nullptr ? CommandRequest::ValueForm::string : CommandRequest::ValueForm::other;
         request_.value = string != nullptr ? *string : found->dump();
@@ -251,7 +253,9 @@ ParsedCommand parse_command(std::string_view payload) {
     const auto json = Json::parse(payload, CommandRequest::kMostBytes);
     if (json) return Reader(*json).read();
     if (json.error().code == Code::too_long)
-        return {{}, CommandRefused{.detail = std::to_string(payload.size()) + " bytes; allowed: 65536"}};
+        return {{},
+                CommandRefused{.detail = std::to_string(payload.size()) +
+                                         " bytes; allowed: " + std::to_string(CommandRequest::kMostBytes)}};
     return {{}, CommandRefused{.detail = "no JSON: " + std::string(json.error().subject.view())}};
 }
 
@@ -264,9 +268,10 @@ ParsedCommand plain_set(std::string id, std::string_view variable, std::string_v
         return parsed;
     }
     parsed.request.subject = variable;
-    if (payload.empty() || payload.size() > CommandRequest::kMostBytes)
-        parsed.refused = CommandRefused{.detail = "value: " + std::to_string(payload.size()) +
-                                                  " bytes; allowed: 1 to 65536"};
+    if (payload.empty() || payload.size() > CommandRequest::kLongestValue)
+        parsed.refused =
+            CommandRefused{.detail = "value: " + std::to_string(payload.size()) + " bytes; allowed: 1 to " +
+                                     std::to_string(CommandRequest::kLongestValue)};
     else
         parsed.request.value = payload;
     return parsed;

@@ -1,50 +1,31 @@
 #include "mosquitto_client.hpp"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <mqtt_protocol.h>
-#include <poll.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
 
 #include "mosquitto_library.hpp"
 #include "mosquitto_properties.hpp"
-#include "takt/publish/command_request.hpp"
 
 namespace takt::publish {
 namespace {
 
-MqttFailureKind kind_of_errno(int error) {
-    switch (error) {
-        case ECONNREFUSED: return MqttFailureKind::refused;
-        case ETIMEDOUT: return MqttFailureKind::timed_out;
-        case EHOSTUNREACH:
-        case ENETUNREACH:
-        case EHOSTDOWN:
-        case ENETDOWN:
-        case EACCES:
-        case EPERM:
-        case EADDRNOTAVAIL: return MqttFailureKind::unreachable;
-        case EMFILE:
-        case ENFILE:
-        case ENOBUFS:
-        case ENOMEM: return MqttFailureKind::local;
-        default: return MqttFailureKind::lost;
-    }
-}
+// A record of TLS, so that none stays half-read in OpenSSL, where poll() does not see it.
+constexpr std::size_t kReadBytes = 16384;
+constexpr int kAcceptMs = 1000;
 
 MqttFailureKind kind_of_result(int result) {
     switch (result) {
         case MOSQ_ERR_CONN_LOST:
         case MOSQ_ERR_NO_CONN: return MqttFailureKind::lost;
         case MOSQ_ERR_KEEPALIVE: return MqttFailureKind::timed_out;
-        case MOSQ_ERR_TLS:
-        case MOSQ_ERR_TLS_HANDSHAKE: return MqttFailureKind::tls;
-        case MOSQ_ERR_EAI:
-        case MOSQ_ERR_LOOKUP: return MqttFailureKind::dns;
         case MOSQ_ERR_NOMEM:
         case MOSQ_ERR_INVAL:
         case MOSQ_ERR_NOT_SUPPORTED: return MqttFailureKind::local;
@@ -52,14 +33,9 @@ MqttFailureKind kind_of_result(int result) {
     }
 }
 
-// libmosquitto describes the first as "Unknown error.", the second as "A TLS error occurred."
+// libmosquitto describes it as "Unknown error."
 const char* text_of_result(int result) {
-    switch (result) {
-        case MOSQ_ERR_KEEPALIVE: return "no response to PINGREQ";
-        case MOSQ_ERR_TLS:
-        case MOSQ_ERR_TLS_HANDSHAKE: return "the TLS handshake failed; is it a port for TLS?";
-        default: return mosquitto_strerror(result);
-    }
+    return result == MOSQ_ERR_KEEPALIVE ? "no response to PINGREQ" : mosquitto_strerror(result);
 }
 
 // Why libmosquitto did not accept a message; none: the connection failed.
@@ -79,25 +55,60 @@ MosquittoClient& self_of(void* pointer) {
     return *static_cast<MosquittoClient*>(pointer);
 }
 
+sockaddr_in loopback() {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    return address;
+}
+
+/// @param get  getsockname or getpeername. @returns 0: it fails
+template <class Get>
+in_port_t port_of(Get get, int socket) {
+    sockaddr_in address{};
+    socklen_t length = sizeof address;
+    return get(socket, reinterpret_cast<sockaddr*>(&address), &length) == 0 ? address.sin_port : 0;
+}
+
+os::Descriptor listen_locally() {
+    os::Descriptor listener(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    const auto address = loopback();
+    if (listener && (bind(listener.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+                     listen(listener.get(), SOMAXCONN) != 0))
+        listener.reset();
+    return listener;
+}
+
+// Another program may find the port first: only the connection of `port` is accepted.
+os::Descriptor accept_from(const os::Descriptor& listener, in_port_t port) {
+    pollfd ready{.fd = listener.get(), .events = POLLIN, .revents = 0};
+    while (poll(&ready, 1, kAcceptMs) > 0) {
+        os::Descriptor accepted(accept4(listener.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+        if (accepted && port != 0 && port_of(getpeername, accepted.get()) == port) return accepted;
+    }
+    return {};
+}
+
 }  // namespace
 
 MosquittoClient::MosquittoClient(const MqttConnect& connect, const std::string& address, Sink sink)
-    : connection_(connect.connection), version_(connect.version), sink_(std::move(sink)) {
+    : connection_(connect.connection),
+      version_(connect.version),
+      sink_(std::move(sink)),
+      stream_(connect.broker, address) {
     use_mosquitto_library();
-    if (!prepare(connect)) {
-        if (!ended_) end({MqttFailureKind::local, {}, "libmosquitto rejects the options"});
-        return;
-    }
-    const int keep_alive = static_cast<int>(connect.keep_alive.count());
-    errno = 0;
-    const int result =
-        mosquitto_connect_async(client_.get(), address.c_str(), connect.broker.port, keep_alive);
-    check(result, errno);
-    // A program that is started meanwhile must not keep the connection open: the will would be late.
-    if (!ended_) fcntl(mosquitto_socket(client_.get()), F_SETFD, FD_CLOEXEC);
+    begin(connect);
 }
 
 MosquittoClient::~MosquittoClient() = default;
+
+void MosquittoClient::begin(const MqttConnect& connect) {
+    if (stream_.state() == BrokerStream::State::ended) return end(*stream_.failure());
+    if (!prepare(connect)) return end({MqttFailureKind::local, {}, "libmosquitto rejects the options"});
+    errno = 0;
+    const int result = connect_library(connect);
+    check(result, errno);
+}
 
 bool MosquittoClient::prepare(const MqttConnect& connect) {
     client_.reset(mosquitto_new(connect.client_id.empty() ? nullptr : connect.client_id.c_str(), true, this));
@@ -116,15 +127,29 @@ bool MosquittoClient::prepare(const MqttConnect& connect) {
         return false;
     if (connect.will && !set_will(*connect.will, connect.version)) return false;
     set_callbacks();
-    if (!connect.broker.tls) return true;
-    tls_ = std::make_unique<MosquittoTls>(*connect.broker.tls, connect.broker.host);
-    if (!tls_->context()) {
-        end(*tls_->failure());
-        return false;
-    }
-    // Without MOSQ_OPT_SSL_CTX_WITH_DEFAULTS the context is used as it is.
-    return mosquitto_int_option(client, MOSQ_OPT_SSL_CTX_WITH_DEFAULTS, 0) == MOSQ_ERR_SUCCESS &&
-           mosquitto_void_option(client, MOSQ_OPT_SSL_CTX, tls_->context()) == MOSQ_ERR_SUCCESS;
+    return true;
+}
+
+// Only the blocking function takes properties of CONNECT. The listener is in this process: it does not block.
+int MosquittoClient::connect_library(const MqttConnect& connect) {
+    const auto listener = listen_locally();
+    if (!listener) return MOSQ_ERR_ERRNO;
+    mosquitto_property* list = nullptr;
+    if (version_ == MqttVersion::v5 && mosquitto_property_add_int32(&list, MQTT_PROP_MAXIMUM_PACKET_SIZE,
+                                                                    kMostReceivedBytes) != MOSQ_ERR_SUCCESS)
+        return MOSQ_ERR_NOMEM;
+    const MosquittoProperties properties(list);
+    const int result =
+        mosquitto_connect_bind_v5(client_.get(), "127.0.0.1", ntohs(port_of(getsockname, listener.get())),
+                                  static_cast<int>(connect.keep_alive.count()), nullptr, properties.get());
+    if (result != MOSQ_ERR_SUCCESS) return result;
+    // A program that is started meanwhile must not keep the connection open: the will would be late.
+    fcntl(mosquitto_socket(client_.get()), F_SETFD, FD_CLOEXEC);
+    local_ = accept_from(listener, port_of(getsockname, mosquitto_socket(client_.get())));
+    if (!local_) return MOSQ_ERR_NO_CONN;
+    const int yes = 1;
+    setsockopt(local_.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+    return MOSQ_ERR_SUCCESS;
 }
 
 bool MosquittoClient::set_will(const MqttMessage& will, MqttVersion version) {
@@ -167,61 +192,125 @@ void MosquittoClient::end(MqttFailure failure) {
 
 // The result of a function of libmosquitto, and errno after it.
 void MosquittoClient::check(int result, int error) {
-    if (ended_) return;
-    if (result != MOSQ_ERR_SUCCESS)
+    if (ended_ || flushing_) return;
+    const bool closed = mosquitto_socket(client_.get()) < 0;
+    if (disconnecting_ && (closed || result != MOSQ_ERR_SUCCESS))
+        flushing_ = true;
+    else if (result != MOSQ_ERR_SUCCESS)
         end(failure_of(result, error));
-    else if (mosquitto_socket(client_.get()) < 0)
+    else if (closed)
         end(failure_of(MOSQ_ERR_CONN_LOST, 0));
 }
 
 MqttFailure MosquittoClient::failure_of(int result, int error) const {
     if (from_broker_) return *from_broker_;
-    if (disconnecting_) return {};
-    if (tls_ && tls_->failure()) return *tls_->failure();
-    // The alert of the broker is lost if its reset comes before.
-    if (tls_ && !open_ && result == MOSQ_ERR_ERRNO && error == EPROTO)
-        return {MqttFailureKind::tls, {}, "TLS ended before CONNACK; is a client certificate required?"};
-    if (result == MOSQ_ERR_ERRNO)
-        return {error == EPROTO ? MqttFailureKind::tls : kind_of_errno(error), {}, std::strerror(error)};
+    if (stream_.state() == BrokerStream::State::ended && stream_.failure()) {
+        // The alert of the broker is lost if its reset comes before.
+        if (stream_.failure()->kind == MqttFailureKind::tls && !open_ && stream_.was_open())
+            return {MqttFailureKind::tls, {}, "TLS ended before CONNACK; is a client certificate required?"};
+        return *stream_.failure();
+    }
+    if (result == MOSQ_ERR_ERRNO) return {kind_of_errno(error), {}, std::strerror(error)};
     return {kind_of_result(result), {}, text_of_result(result)};
 }
 
-int MosquittoClient::fd() const {
-    return ended_ || !client_ ? -1 : mosquitto_socket(client_.get());
+MosquittoClient::Descriptors MosquittoClient::descriptors(bool paused) const {
+    Descriptors all{{{.fd = -1, .events = 0, .revents = 0},
+                     {.fd = -1, .events = 0, .revents = 0},
+                     {.fd = -1, .events = 0, .revents = 0}}};
+    if (ended_ || !client_) return all;
+    auto& [broker, library, local] = all;
+    const bool writes = !flushing_ && mosquitto_want_write(client_.get());
+    broker.events =
+        stream_.events(!paused && !writes && to_library_.empty() && gate_.may_read(), !to_broker_.empty());
+    if (!flushing_)
+        library.events = static_cast<short>((paused || writes ? 0 : POLLIN) | (writes ? POLLOUT : 0));
+    const bool takes = stream_.is_open() && to_broker_.empty() && !library_ended_;
+    local.events = static_cast<short>((takes ? POLLIN : 0) | (to_library_.empty() ? 0 : POLLOUT));
+    // poll() reports the end of a connection without being asked.
+    if (broker.events != 0) broker.fd = stream_.fd();
+    if (library.events != 0) library.fd = mosquitto_socket(client_.get());
+    if (local.events != 0) local.fd = local_.get();
+    return all;
 }
 
-short MosquittoClient::events() const {
-    if (!reached_) return POLLOUT;
-    return static_cast<short>(POLLIN | (mosquitto_want_write(client_.get()) ? POLLOUT : 0));
+void MosquittoClient::on_ready(const Descriptors& ready) {
+    const auto& [broker, library, local] = ready;
+    if (!ended_ && broker.revents != 0) serve_stream();
+    if (!ended_ && !flushing_ && library.revents != 0) serve_library(library.revents);
+    if (!ended_ && local.revents != 0) serve_local();
+    if (!ended_ && flushing_ &&
+        (stream_.state() == BrokerStream::State::ended || (library_ended_ && to_broker_.empty())))
+        end({});
 }
 
-void MosquittoClient::on_ready(short ready) {
-    if (ended_ || ready == 0) return;
-    if (!reached_) return on_tcp_ready();
+void MosquittoClient::serve_stream() {
+    if (!stream_.is_open()) {
+        stream_.advance();
+        if (stream_.state() == BrokerStream::State::ended) end(failure_of(MOSQ_ERR_CONN_LOST, 0));
+        return;
+    }
+    flush_to_broker();
+    if (to_library_.empty()) pass_to_library();
+}
+
+void MosquittoClient::serve_library(short ready) {
     errno = 0;
     int result = MOSQ_ERR_SUCCESS;
-    // During the handshake of TLS both directions continue in mosquitto_loop_read().
-    if ((ready & ~POLLOUT) != 0 || (tls_ && !open_)) result = mosquitto_loop_read(client_.get(), 1);
+    if ((ready & ~POLLOUT) != 0) result = mosquitto_loop_read(client_.get(), 1);
     check(result, errno);
-    if (ended_ || (ready & POLLOUT) == 0) return;
+    if (ended_ || flushing_ || (ready & POLLOUT) == 0) return;
     errno = 0;
     result = mosquitto_loop_write(client_.get(), 1);
     check(result, errno);
 }
 
-// The library does not see how connect() ended before it reads or writes, and loops on a failed one.
-void MosquittoClient::on_tcp_ready() {
-    int error = 0;
-    socklen_t length = sizeof error;
-    if (getsockopt(mosquitto_socket(client_.get()), SOL_SOCKET, SO_ERROR, &error, &length) != 0)
-        error = errno;
-    if (error != 0) return end({kind_of_errno(error), {}, std::strerror(error)});
-    reached_ = true;
-    on_ready(POLLOUT);
+void MosquittoClient::serve_local() {
+    flush_to_library();
+    if (!to_broker_.empty() || !stream_.is_open()) return;
+    std::array<char, kReadBytes> buffer;
+    const auto got = recv(local_.get(), buffer.data(), buffer.size(), 0);
+    if (got > 0) return pass_to_broker({buffer.data(), static_cast<std::size_t>(got)});
+    if (got == 0 || (errno != EAGAIN && errno != EINTR)) library_ended_ = true;
+}
+
+void MosquittoClient::pass_to_library() {
+    std::array<char, kReadBytes> buffer;
+    const std::size_t got = stream_.read(buffer);
+    gate_.from_broker({buffer.data(), got}, to_library_);
+    while (auto dropped = gate_.next_dropped())
+        sink_(MqttOversized{connection_, std::move(dropped->topic), dropped->bytes});
+    pass_to_broker({});
+    flush_to_library();
+    check_gate();
+}
+
+void MosquittoClient::flush_to_library() {
+    if (!to_library_.empty()) {
+        const auto sent = send(local_.get(), to_library_.data(), to_library_.size(), MSG_NOSIGNAL);
+        if (sent > 0) to_library_.erase(0, static_cast<std::size_t>(sent));
+        if (sent < 0 && errno != EAGAIN && errno != EINTR) to_library_.clear();
+    }
+    // libmosquitto reads what is left, with the reason of a DISCONNECT, and then the end.
+    if (to_library_.empty() && stream_.state() == BrokerStream::State::ended) shutdown(local_.get(), SHUT_WR);
+}
+
+void MosquittoClient::pass_to_broker(std::string_view bytes) {
+    gate_.to_broker(bytes, to_broker_);
+    check_gate();
+    flush_to_broker();
+}
+
+void MosquittoClient::flush_to_broker() {
+    to_broker_.erase(0, stream_.write(to_broker_));
+}
+
+void MosquittoClient::check_gate() {
+    if (gate_.failure() && !ended_) end(*gate_.failure());
 }
 
 void MosquittoClient::on_second() {
-    if (ended_ || !reached_) return;
+    if (ended_ || flushing_ || !stream_.is_open()) return;
     errno = 0;
     const int result = mosquitto_loop_misc(client_.get());
     check(result, errno);
@@ -318,11 +407,9 @@ void MosquittoClient::on_subscribed(int identifier, int count, const int* codes)
 void MosquittoClient::on_message(const mosquitto_message& message, const mosquitto_property* properties) {
     MqttReceived event{.connection = connection_, .message = {}};
     event.message.topic = message.topic ? message.topic : "";
-    // One byte more than a command may have is enough to refuse it: a payload of 256 MiB is not copied.
     if (message.payloadlen > 0)
-        event.message.payload.assign(
-            static_cast<const char*>(message.payload),
-            std::min(static_cast<std::size_t>(message.payloadlen), CommandRequest::kMostBytes + 1));
+        event.message.payload.assign(static_cast<const char*>(message.payload),
+                                     static_cast<std::size_t>(message.payloadlen));
     event.message.qos = static_cast<std::uint8_t>(message.qos);
     event.message.retain = message.retain;
     event.message.properties = from_mosquitto(properties);

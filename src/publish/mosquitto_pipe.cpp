@@ -61,6 +61,15 @@ ResolvedBroker look_up(MqttConnectionId connection, const std::string& host) {
     return result;
 }
 
+// What the broker decides.
+std::size_t bytes_of(const MqttEvent& event) {
+    const auto* const received = std::get_if<MqttReceived>(&event);
+    if (!received) return 0;
+    const auto& [topic, payload, qos, retain, properties] = received->message;
+    return topic.size() + payload.size() + properties.response_topic.size() +
+           properties.correlation_data.size() + properties.content_type.size();
+}
+
 os::Descriptor make_bell() {
     os::Descriptor bell(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
     if (!bell) throw std::system_error(errno, std::generic_category(), "eventfd");
@@ -86,7 +95,8 @@ struct MosquittoPipe::Shared {
     std::deque<MqttAction> actions;
     std::deque<MqttEvent> events;
     std::optional<ResolvedBroker> resolved;
-    bool paused = false;  // kMostEvents wait
+    std::size_t event_bytes = 0;
+    bool paused = false;  // too many events wait
     bool ending = false;
     os::Descriptor bell = make_bell();   // wakes the thread
     os::Descriptor ready = make_bell();  // readable while events wait
@@ -155,27 +165,32 @@ bool MosquittoPipe::Thread::take() {
 }
 
 void MosquittoPipe::Thread::wait() {
-    std::array<pollfd, 2> descriptors{
-        {{.fd = shared_->bell.get(), .events = POLLIN, .revents = 0}, {.fd = -1, .events = 0, .revents = 0}}};
+    MosquittoClient::Descriptors of_client{};
+    std::array<pollfd, 1 + std::tuple_size_v<MosquittoClient::Descriptors>> descriptors{};
+    nfds_t count = 1;
+    descriptors[0] = {.fd = shared_->bell.get(), .events = POLLIN, .revents = 0};
     auto until = Clock::time_point::max();
     if (client_) {
         bool paused = false;
         {
             const std::lock_guard lock(shared_->mutex);
-            paused = shared_->paused = shared_->events.size() >= kMostEvents;
+            paused = shared_->paused =
+                shared_->events.size() >= kMostEvents || shared_->event_bytes >= kMostEventBytes;
         }
-        descriptors[1].fd = client_->fd();
-        descriptors[1].events = static_cast<short>(client_->events() & (paused ? ~POLLIN : ~0));
+        of_client = client_->descriptors(paused);
+        std::ranges::copy(of_client, descriptors.begin() + 1);
+        count = descriptors.size();
         until = std::min(next_tick_, deadline_.value_or(Clock::time_point::max()));
     }
     int milliseconds = -1;
     if (until != Clock::time_point::max())
         milliseconds = static_cast<int>(std::max<std::int64_t>(
             0, std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count()));
-    if (::poll(descriptors.data(), descriptors.size(), milliseconds) < 0) return;
+    if (::poll(descriptors.data(), count, milliseconds) < 0) return;
     if (descriptors[0].revents) silence(shared_->bell);
     if (!client_) return;
-    client_->on_ready(descriptors[1].revents);
+    std::copy(descriptors.begin() + 1, descriptors.end(), of_client.begin());
+    client_->on_ready(of_client);
     if (Clock::now() < next_tick_) return;
     next_tick_ = Clock::now() + kTick;
     client_->on_second();
@@ -245,6 +260,7 @@ void MosquittoPipe::Thread::check_client() {
 void MosquittoPipe::Thread::emit(MqttEvent&& event) {
     const std::lock_guard lock(shared_->mutex);
     if (shared_->events.empty()) ring(shared_->ready);
+    shared_->event_bytes += bytes_of(event);
     shared_->events.push_back(std::move(event));
 }
 
@@ -282,6 +298,7 @@ std::optional<MqttEvent> MosquittoPipe::next_event() {
     if (shared_->events.empty()) return {};
     auto event = std::move(shared_->events.front());
     shared_->events.pop_front();
+    shared_->event_bytes -= bytes_of(event);
     if (!shared_->events.empty()) return event;
     silence(shared_->ready);
     if (std::exchange(shared_->paused, false)) ring(shared_->bell);

@@ -189,6 +189,11 @@ void MqttSession::State::on(Instant now, MqttReceived&& event) {
                         {connection, subscribed && phase != Phase::subscribing, std::move(event.message)});
 }
 
+void MqttSession::State::on(Instant, MqttOversized&& event) {
+    ++counters.oversized;
+    last_oversized = std::move(event);
+}
+
 void MqttSession::State::on(Instant now, const MqttClosed& event) {
     const bool was_open = version.has_value();
     const bool was_left = phase == Phase::closing && !pending_failure;
@@ -412,6 +417,7 @@ MqttStatus MqttSession::status() const {
         .failure = state.failure(),
         .last_failure = state.last_failure,
         .last_failure_at = state.last_failure_at,
+        .last_oversized = state.last_oversized,
         .counters = state.counters};
     if (state.phase == State::Phase::waiting) status.next_attempt = state.deadline;
     status.live_waiting = state.live.size();

@@ -45,6 +45,7 @@ struct MqttSession::State {
     void on(Instant now, const MqttAcknowledged& event);
     void on(Instant now, MqttSubscribed&& event);
     void on(Instant now, MqttReceived&& event);
+    void on(Instant now, MqttOversized&& event);
     void on_deadline(Instant now);
     [[nodiscard]] std::optional<MqttAction> next_action(Instant now);
 
@@ -105,6 +106,7 @@ struct MqttSession::State {
     std::optional<MqttFailure> last_failure;
     std::array<std::optional<MqttFailure>, kConcerns> failures;  // by Concern
     Instant last_failure_at{};
+    MqttOversized last_oversized;
     MqttCounters counters;
 };
 

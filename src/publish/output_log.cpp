@@ -18,6 +18,7 @@ void OutputLog::note(const OutputStatus& status) {
     note_journal(status);
     note_unrecorded(status);
     note_too_large(status);
+    note_oversized(status);
     note_damaged(status);
     note_set_aside(status);
 }
@@ -57,6 +58,23 @@ void OutputLog::note_too_large(const OutputStatus& status) {
                                LogArgument{.name = "destination", .text = status.destination},
                                LogArgument{.name = "bytes", .text = bytes}};
     log_.message(LogLevel::error, "log.output.too_large", arguments);
+}
+
+// The first one, and the latest each time their number has doubled: a broker must not fill the log.
+void OutputLog::note_oversized(const OutputStatus& status) {
+    const std::uint64_t count = status.mqtt ? status.mqtt->counters.oversized : 0;
+    if (count == 0 || count < 2 * oversized_) return;
+    oversized_ = count;
+    const auto total = std::to_string(count);
+    const auto bytes = std::to_string(status.mqtt->last_oversized.bytes);
+    const auto allowed = std::to_string(kMostReceivedBytes);
+    const std::array arguments{LogArgument{.name = "name", .text = status.name},
+                               LogArgument{.name = "destination", .text = status.destination},
+                               LogArgument{.name = "topic", .text = status.mqtt->last_oversized.topic},
+                               LogArgument{.name = "bytes", .text = bytes},
+                               LogArgument{.name = "allowed", .text = allowed},
+                               LogArgument{.name = "count", .text = total}};
+    log_.message(LogLevel::warning, "log.output.oversized", arguments);
 }
 
 void OutputLog::note_damaged(const OutputStatus& status) {

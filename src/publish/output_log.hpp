@@ -21,6 +21,7 @@ private:
     void note_journal(const OutputStatus& status);
     void note_unrecorded(const OutputStatus& status);
     void note_too_large(const OutputStatus& status);
+    void note_oversized(const OutputStatus& status);
     void note_damaged(const OutputStatus& status);
     void note_set_aside(const OutputStatus& status);
 
@@ -30,6 +31,7 @@ private:
     bool journal_failed_ = false;
     std::uint64_t unrecorded_ = 0;
     bool too_large_noted_ = false;
+    std::uint64_t oversized_ = 0;  // messages, at the last line
     std::uint64_t damaged_ = 0;
     std::string set_aside_;
 };

@@ -30,6 +30,12 @@ file::Json mqtt_json(const publish::MqttStatus& status) {
     object.set("refused", status.counters.refused);
     object.set("connects", status.counters.connects);
     object.set("lost_connections", status.counters.lost_connections);
+    object.set("oversized", status.counters.oversized);
+    if (status.counters.oversized == 0) return object;
+    auto last = file::Json::object();
+    last.set("topic", status.last_oversized.topic);
+    last.set("bytes", status.last_oversized.bytes);
+    object.set("last_oversized", std::move(last));
     return object;
 }
 
@@ -85,6 +91,12 @@ std::string output_line(const Texts& texts, const file::Json& output) {
         text += texts("app.output.damaged", {{"count", count}});
     if (const auto aside = scalar_text(output, "set_aside"); !aside.empty())
         text += texts("app.output.set_aside", {{"file", aside}});
+    const auto* const mqtt = output.find("mqtt");
+    const auto* const oversized = mqtt != nullptr ? mqtt->find("last_oversized") : nullptr;
+    if (oversized != nullptr)
+        text += texts("app.output.oversized", {{"count", scalar_text(*mqtt, "oversized")},
+                                               {"topic", scalar_text(*oversized, "topic")},
+                                               {"bytes", scalar_text(*oversized, "bytes")}});
     const auto* const journal = output.find("journal");
     const auto torn = journal != nullptr ? scalar_text(*journal, "torn_bytes") : std::string();
     if (!torn.empty() && torn != "0") text += texts("app.output.torn", {{"count", torn}});

@@ -54,6 +54,9 @@ struct EventText {
         return "<- PUBLISH " + received.message.topic + (received.message.retain ? ", retained " : " ") +
                received.message.payload;
     }
+    std::string operator()(const publish::MqttOversized& oversized) const {
+        return "<- PUBLISH " + oversized.topic + ", too large";
+    }
 };
 
 }  // namespace

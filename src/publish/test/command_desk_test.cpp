@@ -314,6 +314,27 @@ TEST(CommandDesk, ABurstOfCommandsIsAnswered) {
     EXPECT_EQ(answers, CommandDesk::kMostAnswers);
 }
 
+TEST(CommandDesk, TheBytesOfAnswersAreLimited) {
+    Desk desk;
+    MqttProperties reply{.response_topic = std::string(500, 'r'), .correlation_data = std::string(524, 'c')};
+    for (int i = 0; i < 1000; ++i)
+        desk.give(request(fmt::format("{}", i), kSet + R"(,"extra":0)"), "takt/cloud/command", reply);
+    std::size_t bytes = 0;
+    std::uint64_t answers = 0;
+    for (; const auto answer = desk.answer(); ++answers) bytes += answer->payload.size() + 1024;
+    EXPECT_GT(answers, 100U);
+    EXPECT_LE(bytes, CommandDesk::kMostAnswerBytes);
+    EXPECT_EQ(desk.desk.counters().answers_dropped, 1000 - answers);
+    reply.correlation_data += '+';
+    desk.give(request("long", kSet), "takt/cloud/command", reply);
+    const auto refused = desk.answer();
+    ASSERT_TRUE(refused);
+    EXPECT_EQ(refused->topic, "takt/cloud/answer");
+    EXPECT_NE(refused->payload.find("response topic and correlation data: 1025 bytes; allowed: 1024"),
+              std::string::npos)
+        << refused->payload;
+}
+
 TEST(CommandDesk, OtherCommandsBecomeCommandsOfTheHost) {
     Desk desk;
     const struct {

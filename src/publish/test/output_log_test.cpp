@@ -58,6 +58,20 @@ TEST(OutputLog, HasSamplesThatAreTooLargeOnce) {
     EXPECT_EQ(lines.lines, (std::vector<std::string>{"4 log.output.too_large cloud mqtt://b:1883 512"}));
 }
 
+TEST(OutputLog, HasReceivedMessagesThatAreTooLargeWhenTheirNumberDoubles) {
+    Lines lines;
+    OutputLog log(lines.log());
+    OutputStatus status{.name = "cloud", .destination = "mqtt://b:1883"};
+    status.mqtt = MqttStatus{.last_oversized = {.topic = "cmd", .bytes = 70'000}};
+    for (int i = 0; i < 5; ++i) {
+        log.note(status);
+        log.note(status);
+        ++status.mqtt->counters.oversized;
+    }
+    const std::string line = "3 log.output.oversized cloud mqtt://b:1883 cmd 70000 12288 ";
+    EXPECT_EQ(lines.lines, (std::vector<std::string>{line + "1", line + "2", line + "4"}));
+}
+
 TEST(OutputLog, HasAnErrorOfTheJournalOnce) {
     Lines lines;
     OutputLog log(lines.log());

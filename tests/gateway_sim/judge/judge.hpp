@@ -70,6 +70,7 @@ private:
     void on(const publish::MqttAcknowledged& acknowledged);
     void on(const publish::MqttSubscribed& subscribed);
     void on(const publish::MqttReceived& received);
+    void on(const publish::MqttOversized& /*oversized*/) {}
     void check_packet(const publish::MqttPublish& publish);
     [[nodiscard]] static bool is_of_stream(const std::string& topic);
     void fail(std::string_view rule, std::string expected, std::string seen) {

@@ -45,14 +45,17 @@ struct CommandCounters {
 ///   - Retained commands, commands of an earlier connection, and expired ones are not executed.
 ///   - Each command has a line in the audit log. Lines that could not be written are counted; the next one
 ///     that can be written is preceded by their number.
-///   - Answers wait for the connection: at most kMostAnswers, the oldest are dropped and counted.
+///   - Answers wait for the connection: at most kMostAnswers and kMostAnswerBytes, the oldest are dropped and
+///     counted.
 ///
 /// No clock, thread or socket. After each call the owner submits next_command() to the host until there is
 /// none, and takes answers when it can publish. One owner, one thread.
 class CommandDesk {
 public:
-    static constexpr std::size_t kMostOpen = 256;                  ///< commands without an outcome
-    static constexpr std::size_t kMostAnswers = 4096;              ///< that wait for the broker
+    static constexpr std::size_t kMostOpen = 256;      ///< commands without an outcome
+    static constexpr std::size_t kMostAnswers = 1024;  ///< that wait for the broker
+    static constexpr std::size_t kMostAnswerBytes = std::size_t{384} << 10U;
+    static constexpr std::size_t kLongestReply = 1024;             ///< response topic and correlation data
     static constexpr Duration kFuture = std::chrono::seconds(60);  ///< clocks may differ by that much
 
     explicit CommandDesk(CommandDeskOptions options);

@@ -37,9 +37,10 @@ struct CommandRefused {
 };
 
 struct CommandRequest {
-    static constexpr std::size_t kMostBytes = std::size_t{64} << 10U;  ///< of a payload
+    static constexpr std::size_t kMostBytes = std::size_t{8} << 10U;  ///< of a payload
     static constexpr std::size_t kLongestId = 64;
     static constexpr std::size_t kLongestName = 256;
+    static constexpr std::size_t kLongestValue = 1024;  ///< a string variable has 250 bytes at most
     static constexpr Duration kLongestExpiry = std::chrono::hours(24);
 
     std::string id;  ///< printable ASCII

@@ -27,11 +27,12 @@ public:
 
     /// The session bounds what waits: a window of messages.
     void send(MqttAction&& action) override;
-    /// While kMostEvents wait, nothing is read from the network.
+    /// While kMostEvents or kMostEventBytes wait, nothing is read from the network.
     [[nodiscard]] std::optional<MqttEvent> next_event() override;
     [[nodiscard]] int descriptor() const override;
 
     static constexpr std::size_t kMostEvents = 1024;
+    static constexpr std::size_t kMostEventBytes = std::size_t{64} << 10U;
 
 private:
     struct Shared;

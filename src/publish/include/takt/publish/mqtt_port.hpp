@@ -191,7 +191,18 @@ struct MqttReceived {
     MqttMessage message;
 };
 
-using MqttEvent = std::variant<MqttConnected, MqttClosed, MqttAcknowledged, MqttSubscribed, MqttReceived>;
+/// The largest packet that a pipe takes from a broker. In MQTT 5 the Maximum Packet Size of CONNECT.
+inline constexpr std::size_t kMostReceivedBytes = std::size_t{12} << 10U;
+
+/// A PUBLISH from the broker above kMostReceivedBytes. It was dropped as it arrived, and is acknowledged.
+struct MqttOversized {
+    MqttConnectionId connection = 0;
+    std::string topic;      ///< cut to 200 bytes
+    std::size_t bytes = 0;  ///< of the packet
+};
+
+using MqttEvent =
+    std::variant<MqttConnected, MqttClosed, MqttAcknowledged, MqttSubscribed, MqttReceived, MqttOversized>;
 
 /// The stable name of a kind, as in "tls_expired".
 std::string_view name(MqttFailureKind kind);

@@ -35,6 +35,7 @@ struct MqttCounters {
     std::uint64_t live_published = 0;  ///< acknowledged or handed over
     std::uint64_t live_dropped = 0;  ///< queue full, expired, refused by the broker, or of a lost connection
     std::uint64_t received = 0;      ///< messages from the broker
+    std::uint64_t oversized = 0;     ///< messages from the broker that were dropped for their size
     // Connections.
     std::uint64_t attempts = 0;
     std::uint64_t connects = 0;          ///< attempts that the broker accepted
@@ -60,6 +61,7 @@ struct MqttStatus {
     std::optional<MqttFailure> failure;
     std::optional<MqttFailure> last_failure;  ///< of a connection, subscription or message
     Instant last_failure_at{};
+    MqttOversized last_oversized;  ///< if `oversized` is counted
     MqttCounters counters;
 };
 

@@ -13,16 +13,18 @@ namespace takt::publish {
 
 /// A context for one connection to one host. TLS 1.2 or later; the certificate is checked against the trusted
 /// authorities, its dates, and the host name or address.
-class MosquittoTls {
+class BrokerTls {
 public:
-    /// Reads the files. @returns null: see failure()
-    MosquittoTls(const MqttTls& files, const std::string& host);
-    ~MosquittoTls();
-    MosquittoTls(const MosquittoTls&) = delete;
-    MosquittoTls& operator=(const MosquittoTls&) = delete;
+    /// Reads the files. See is_usable()
+    BrokerTls(const MqttTls& files, const std::string& host);
+    ~BrokerTls();
+    BrokerTls(const BrokerTls&) = delete;
+    BrokerTls& operator=(const BrokerTls&) = delete;
 
-    /// Null: a file cannot be used, see failure().
-    [[nodiscard]] SSL_CTX* context() const { return context_.get(); }
+    /// false: a file cannot be used, see failure().
+    [[nodiscard]] bool is_usable() const { return context_ != nullptr; }
+    /// A client of TLS on a connected socket, before its handshake. The caller frees it. Null: out of memory.
+    [[nodiscard]] SSL* make_client(int socket) const;
     /// Why the files cannot be used, the certificate was rejected, or the broker ended TLS.
     [[nodiscard]] const std::optional<MqttFailure>& failure() const { return failure_; }
 

@@ -1,4 +1,4 @@
-#include "mosquitto_tls.hpp"
+#include "broker_tls.hpp"
 
 #include <arpa/inet.h>
 #include <openssl/err.h>
@@ -43,11 +43,11 @@ std::string alert_text(int alert) {
 
 }  // namespace
 
-void MosquittoTls::Free::operator()(SSL_CTX* context) const {
+void BrokerTls::Free::operator()(SSL_CTX* context) const {
     SSL_CTX_free(context);
 }
 
-MosquittoTls::MosquittoTls(const MqttTls& files, const std::string& host)
+BrokerTls::BrokerTls(const MqttTls& files, const std::string& host)
     : host_(host), host_is_address_(is_address(host)), context_(SSL_CTX_new(TLS_client_method())) {
     if (!context_) {
         failure_ = MqttFailure{MqttFailureKind::local, {}, "SSL_CTX_new"};
@@ -63,11 +63,23 @@ MosquittoTls::MosquittoTls(const MqttTls& files, const std::string& host)
     ERR_clear_error();
 }
 
-MosquittoTls::~MosquittoTls() {
+BrokerTls::~BrokerTls() {
     if (context_) SSL_CTX_set_app_data(context_.get(), nullptr);
 }
 
-void MosquittoTls::check_host() {
+SSL* BrokerTls::make_client(int socket) const {
+    SSL* client = SSL_new(context_.get());
+    if (!client) return nullptr;
+    SSL_set_mode(client, SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER);
+    SSL_set_connect_state(client);
+    // RFC 6066, 3: an address is no name of a server.
+    const bool named = host_is_address_ || SSL_set_tlsext_host_name(client, host_.c_str()) == 1;
+    if (named && SSL_set_fd(client, socket) == 1) return client;
+    SSL_free(client);
+    return nullptr;
+}
+
+void BrokerTls::check_host() {
     X509_VERIFY_PARAM* parameters = SSL_CTX_get0_param(context_.get());
     if (host_is_address_) {
         X509_VERIFY_PARAM_set1_ip_asc(parameters, host_.c_str());
@@ -77,7 +89,7 @@ void MosquittoTls::check_host() {
     }
 }
 
-bool MosquittoTls::load(const MqttTls& files) {
+bool BrokerTls::load(const MqttTls& files) {
     SSL_CTX* context = context_.get();
     const bool trusted = files.ca_file.empty()
                              ? SSL_CTX_set_default_verify_paths(context) == 1
@@ -99,7 +111,7 @@ bool MosquittoTls::load(const MqttTls& files) {
     return true;
 }
 
-void MosquittoTls::fail_with_files(const std::string& subject) {
+void BrokerTls::fail_with_files(const std::string& subject) {
     // Of an error of the system, the last entry of the queue names a library only.
     const auto first = ERR_peek_error();
     const char* reason = ERR_SYSTEM_ERROR(first) ? std::strerror(ERR_GET_REASON(first))
@@ -108,23 +120,20 @@ void MosquittoTls::fail_with_files(const std::string& subject) {
         MqttFailure{MqttFailureKind::tls_files, {}, subject + ": " + (reason ? reason : "cannot be used")};
 }
 
-int MosquittoTls::on_certificate(int accepted, X509_STORE_CTX* store) {
+int BrokerTls::on_certificate(int accepted, X509_STORE_CTX* store) {
     if (accepted) return accepted;
     const auto* ssl =
         static_cast<const SSL*>(X509_STORE_CTX_get_ex_data(store, SSL_get_ex_data_X509_STORE_CTX_idx()));
-    auto* self = static_cast<MosquittoTls*>(SSL_CTX_get_app_data(SSL_get_SSL_CTX(ssl)));
+    auto* self = static_cast<BrokerTls*>(SSL_CTX_get_app_data(SSL_get_SSL_CTX(ssl)));
     const int error = X509_STORE_CTX_get_error(store);
     if (self && !self->failure_)
         self->failure_ = MqttFailure{kind_of(error), {}, X509_verify_cert_error_string(error)};
     return 0;
 }
 
-void MosquittoTls::on_state(const SSL* ssl, int where, int value) {
-    auto* self = static_cast<MosquittoTls*>(SSL_CTX_get_app_data(SSL_get_SSL_CTX(ssl)));
+void BrokerTls::on_state(const SSL* ssl, int where, int value) {
+    auto* self = static_cast<BrokerTls*>(SSL_CTX_get_app_data(SSL_get_SSL_CTX(ssl)));
     if (!self) return;
-    // libmosquitto names the numeric address that it connects to (RFC 6066, 3 wants the host name, or none).
-    const char* name = self->host_is_address_ ? nullptr : self->host_.c_str();
-    if (where & SSL_CB_HANDSHAKE_START) SSL_set_tlsext_host_name(const_cast<SSL*>(ssl), name);
     constexpr int kFatal = SSL3_AL_FATAL;
     if (where == SSL_CB_READ_ALERT && value >> 8 == kFatal && !self->failure_)
         self->failure_ = MqttFailure{MqttFailureKind::tls, {}, alert_text(value)};
