@@ -65,7 +65,7 @@ Instant LinePoller::next_wakeup() const {
     return run_->next_wakeup();
 }
 bool LinePoller::must_reconnect() const {
-    return run_->engine_.must_reconnect() || run_->link_.given_up() || run_->link_.done();
+    return run_->must_reconnect();
 }
 
 Result<bool> LinePoller::set(Instant t, value::SlotId slot, const value::Value& value) {

@@ -56,10 +56,10 @@ public:
         single_ = 0;
         given_up_ = done_ = false;
     }
-    /// Of an open connection. @param asked  a request waited that the peer had received
-    void closed(Instant t, bool asked) {
+    /// Of an open connection. @param named  it is a failure of the request that waited
+    void closed(Instant t, bool named) {
         state_ = LinkState::closed;
-        if (!done_) single_ = !asked && answers_ == 1 && t - answered_at_ <= kDirectly ? single_ + 1 : 0;
+        if (!done_) single_ = !named && answers_ == 1 && t - answered_at_ <= kDirectly ? single_ + 1 : 0;
         reopen_at_ = useful_ || done_ ? t : after(t, useless_.next());
         given_up_ = done_ = needed_ = false;
     }
@@ -108,6 +108,8 @@ public:
     [[nodiscard]] bool one_request() const {
         return use_ == model::ConnectionUse::per_request || single_ >= 2;
     }
+    /// When a request ended last on this connection, or when it was opened.
+    [[nodiscard]] Instant last_end() const { return last_end_at_; }
     /// Responses on this connection.
     [[nodiscard]] unsigned answers() const { return answers_; }
     /// From when on it is to be closed if nothing is due.

@@ -102,8 +102,7 @@ void LinePoller::Run::link_lost(Instant t) {
 // A peer that closes after each response does so before it receives the next request: no response ever came
 // as soon after a request. Such a close is not held against a read, once in a row.
 bool LinePoller::Run::spare(Instant t, const bus::TransactionCore::Awaited& waiting) {
-    if (kind_of(waiting.id) != JobKind::read || engine_.responses_awaited() > 1 || link_.answers() == 0)
-        return false;
+    if (kind_of(waiting.id) != JobKind::read || link_.answers() == 0) return false;
     const auto read = index_of(waiting.id);
     const auto& times = devices_[requests_[read].device].statistics.counters.time;
     if (reads_.spared(read) || (times.count() > 0 && t - waiting.sent_at >= times.min())) return false;
@@ -111,24 +110,30 @@ bool LinePoller::Run::spare(Instant t, const bus::TransactionCore::Awaited& wait
     return true;
 }
 
+// A close names a request only if no other one was in flight since it was sent: the peer may have closed for
+// one that ended meanwhile.
 void LinePoller::Run::on_close(Instant t) {
     if (line_.is_serial() || link_.state() != LinkState::up) return on_link(t, false);
     if (engine_.bad_header() && link_.answers() == 0) return on_link(t, false);  // it does not speak Modbus
     const auto waiting = engine_.awaited();
-    const bool asked = waiting && !spare(t, *waiting);
-    if (asked) {
-        closes_.closed(engine_.responses_awaited());
+    const std::size_t count = engine_.responses_awaited();
+    const bool several = count > 1 || (waiting && link_.last_end() > waiting->sent_at);
+    const bool named = waiting && !several && !spare(t, *waiting);
+    if (several)
+        closes_.closed(std::max<std::size_t>(count, 2));
+    else if (named)
+        closes_.closed(1);
+    if (named)
         engine_.on_close(t);
-    } else {
+    else
         engine_.on_link(t, false);  // no request fails
-    }
     take_outcomes();
     const auto spoken_for = [this](const DeviceRun& device) {
         const bool is_asked = device.health.enabled() && device.health.answering();
         return !is_asked || closes_.met_by(device.model->address);
     };
     if (closes_.met_by_several() && std::ranges::all_of(devices_, spoken_for)) return link_lost(t);
-    link_.closed(t, asked);
+    link_.closed(t, named);
 }
 
 void LinePoller::Run::check_connection(Instant t) {

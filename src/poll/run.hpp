@@ -44,6 +44,7 @@ public:
 
     void on_link(Instant t, bool up);
     void on_close(Instant t);
+    [[nodiscard]] bool must_reconnect() const;
     void on_bytes(Instant t, Bytes bytes);
     void on_tick(Instant t);
     Bytes transmit(Instant t);

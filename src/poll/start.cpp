@@ -28,9 +28,14 @@ Instant LinePoller::Run::next_wakeup() const {
     return std::min(wakeup, commands_.next_expiry());
 }
 
+// A request on a connection that is about to be closed would be lost, and its device charged.
+bool LinePoller::Run::must_reconnect() const {
+    return engine_.must_reconnect() || link_.given_up() || link_.done();
+}
+
 bool LinePoller::Run::may_submit() const {
     const bool alone = closes_.one_at_a_time() || link_.one_request();
-    return engine_.can_submit() && !link_.done() && (!alone || engine_.idle());
+    return engine_.can_submit() && !must_reconnect() && (!alone || engine_.idle());
 }
 
 // While the link is closed: whether something is due, for which it is opened.

@@ -70,5 +70,28 @@ TEST(ConnectionSilence, IsNothingUnusualOnASerialLine) {
     EXPECT_EQ(Silence(model::Transport::serial).lasts(1h), 1h);
 }
 
+// The rest of the first response never comes. Until the driver has closed the connection nothing is sent: it
+// would be lost, and the second device charged.
+TEST(ConnectionSilence, NothingIsSentOnAConnectionThatIsToBeMadeAnew) {
+    auto project = test::project({device(1, {int16("a", 0).read(3)}), device(2, {int16("b", 0).read(3)})});
+    project.lines[0].transport = model::Transport::tcp;
+    project.lines[0].framing = wire::Framing::tcp;
+    const auto plan = plan::make_plan(project);
+    Master master(project, plan);
+    auto& line = master.line(0);
+    Instant now = at(1s);
+    line.on_link(now, true);
+    ASSERT_FALSE(line.transmit(now).empty());
+    ASSERT_TRUE(line.transmit(now).empty());
+    const std::uint8_t begun[] = {0, 0, 0, 0, 0, 5};
+    line.on_bytes(now += 1ms, begun);
+    while (!line.must_reconnect() && now < at(60s)) {
+        now = line.next_wakeup();
+        line.on_tick(now);
+    }
+    EXPECT_TRUE(line.must_reconnect());
+    EXPECT_TRUE(line.transmit(now).empty());
+}
+
 }  // namespace connection_test
 }  // namespace takt::poll

@@ -76,13 +76,15 @@ void LineJudge::take_claim(Transaction& transaction, const Claim& claim) {
     transaction.purpose = claim.sending.purpose;
     transaction.early = claim.sending.early;
     transaction.request = claim.sending.request;
-    if (transaction.purpose != Purpose::read_back) forget_possible_read_backs(transaction.device);
+    if (transaction.purpose == Purpose::write || transaction.purpose == Purpose::before_write)
+        forget_possible_read_backs(transaction.device);
     if (const auto wrong = doubt(transaction, claim))
         complain("request_was_due", transaction.start, *wrong,
                  describe(transaction) + ", sent as " + std::string(name(transaction.purpose)));
 }
 
-// They would have been the next request to their device.
+// Until a write is read back its device gets no other one. Polling that is overdue may go before the
+// read-back.
 void LineJudge::forget_possible_read_backs(std::size_t device) {
     for (auto& request : requests_)
         if (request.plan->device == device && request.read_back_since == kMayBeReadBack)

@@ -54,6 +54,16 @@ void write_verified(Story& story, Duration when, value::CommandId id, std::uint8
         story.outcome(when + 80ms, id, CommandResult::refused, value::Reason::differs);
 }
 
+/// The write of `z` is confirmed. Its device was switched off meanwhile, and is on again.
+void write_switched(Story& story) {
+    story.command(0ms, 1, "z", 7);
+    story.ask(1ms, 2, {6, 0, 50, 0, 7}, Purpose::write, 1);
+    story.execute(50, {7});
+    story.enable(8ms, false);
+    story.enable(9ms, true);
+    story.answer({6, 0, 50, 0, 7});
+}
+
 /// Register 40 of device 3 is read, `written` is confirmed but not executed, and another value is read back.
 void modify_ignored(Story& story, Duration when, std::uint8_t written) {
     story.ask(when, 3, {3, 0, 40, 0, 1}, Purpose::before_write);
@@ -159,6 +169,19 @@ const Case kCases[] = {
          story.ignore();
          story.answer({6, 0, 20, 0, 9});
          story.outcome(230ms, 2, CommandResult::done);
+     }},
+    {"read back behind overdue polling, its device was off meanwhile", "",
+     [](Story& story) {
+         write_switched(story);
+         story.read(50ms, 2, 4, 0, "y", 400);
+         story.ask(100ms, 2, {3, 0, 50, 0, 1}, Purpose::read_back, 1);
+     }},
+    {"read back after another write of its device, which was off meanwhile", "request_was_due",
+     [](Story& story) {
+         write_switched(story);
+         story.command(40ms, 2, "z", 8);
+         story.ask(50ms, 2, {6, 0, 50, 0, 8}, Purpose::write, 2);
+         story.ask(200ms, 2, {3, 0, 50, 0, 1}, Purpose::read_back, 1);
      }},
     {"refused and done", "write_done_exact",
      [](Story& story) {

@@ -36,6 +36,7 @@ lines:
         poll_enable: on
         variables:
           - {name: y, type: uint16, register: 0, read: 0x04}
+          - {name: z, type: uint16, register: 50, read: none, write: 0x06, verify: true}
       - name: three
         address: 3
         turnaround: 10ms

@@ -17,8 +17,9 @@ using namespace std::chrono_literals;
 /// Device 1: `v` and `w` (holding registers 0 and 1, polled each second, written on change as one group), `x`
 /// (input register 10, each two seconds), `s` (holding register 20, written by command), `p` and `q` (holding
 /// registers 30 and 31, written by command and verified); device 2: `y` (input register 0, each four
-/// seconds); device 3: `a` and `b` (bits 0 and 1 of holding register 40, written on change by one
-/// read-modify-write and verified; only `a` is safe to repeat). Locals: `on` enables device 2.
+/// seconds) and `z` (holding register 50, written by command and verified); device 3: `a` and `b` (bits 0 and
+/// 1 of holding register 40, written on change by one read-modify-write and verified; only `a` is safe to
+/// repeat). Locals: `on` enables device 2.
 class Story {
 public:
     Story();
