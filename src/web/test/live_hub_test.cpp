@@ -133,8 +133,8 @@ TEST(LiveValues, HasTheRangeOfWrittenValues) {
     const auto snapshot = (*session)->snapshot({.values = true, .statistics = true});
     ASSERT_TRUE(snapshot);
     const auto text = LiveValues(*snapshot).list_text(snapshot->t);
-    EXPECT_NE(text.find(R"("write_range":{"least":-5,"greatest":40})"), std::string::npos) << text;
-    EXPECT_NE(text.find(R"("write_range":{"least":0})"), std::string::npos);
+    EXPECT_NE(text.find(R"("write_range":{"least":-5.0,"greatest":40.0})"), std::string::npos) << text;
+    EXPECT_NE(text.find(R"("write_range":{"least":0.0})"), std::string::npos);
 }
 
 TEST(LiveValues, MarksTriggersAndLocals) {
