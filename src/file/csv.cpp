@@ -139,8 +139,9 @@ public:
         if (lists_devices()) return TableKind::devices;
         if (!has("name") || !has("type") || any("read", "write", kDeviceColumn, kUnitAddressColumn))
             return TableKind::variables;
-        const bool polled = any("write_on_change", "read_trigger", "write_trigger", "status", "period",
-                                "deadline", "hold_last", "dead_band", "verify", "safe_to_repeat");
+        const bool polled =
+            any("write_on_change", "read_trigger", "write_trigger", "status", "period", "deadline",
+                "hold_last", "dead_band", "write_range", "verify", "safe_to_repeat");
         if (has("used") && any("register", "coil", "reference") && !polled) return TableKind::served;
         if (any("area", "coil", "reference")) return TableKind::variables;
         if (has("register")) return TableKind::list;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "interpretation.hpp"
+#include "takt/base/ascii.hpp"
 
 namespace takt::model {
 namespace {
@@ -115,6 +116,42 @@ std::optional<Constant> read_constant(Reader& reader, std::string_view key, cons
     const bool scaled = shape.scale != 1 || shape.offset != 0;
     if (is_integer(shape.type) && !scaled) return read_integer(reader, key, *node, shape.type);
     return read_float(reader, key, *node, shape);
+}
+
+std::optional<WriteRange> read_write_range(Reader& reader, const ConstantShape& shape) {
+    constexpr std::string_view kKey = "write_range";
+    constexpr std::string_view kPoints = "..";
+    const auto text = reader.text(kKey);
+    if (!text) return std::nullopt;
+    const std::string_view all = *text;
+    const auto at = all.find(kPoints);
+    WriteRange range;
+    bool any = false;
+    const auto take = [&](std::string_view bound, double& number) {
+        bound = trimmed(bound);
+        if (bound.empty()) return true;
+        any = true;
+        const auto parsed = parse_number(bound);
+        if (parsed) number = *parsed;
+        return parsed.has_value();
+    };
+    if (at == std::string_view::npos || !take(all.substr(0, at), range.least) ||
+        !take(all.substr(at + kPoints.size()), range.greatest) || !any) {
+        reader.report(Rule::variable_write_range_malformed, kKey, "0..120, -5.5..40, 0.., ..120");
+        return std::nullopt;
+    }
+    const auto [least, greatest] = span_of(shape);
+    const auto allowed = to_text(least) + ".." + to_text(greatest);
+    if (range.least > range.greatest) {
+        reader.report(Rule::range_reversed, kKey, allowed);
+        return std::nullopt;
+    }
+    const auto holds = [&](double bound) {
+        return std::isinf(bound) || (least <= bound && bound <= greatest);
+    };
+    if (holds(range.least) && holds(range.greatest)) return range;
+    report_range(reader, kKey, shape.type, allowed);
+    return std::nullopt;
 }
 
 }  // namespace takt::model

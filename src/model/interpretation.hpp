@@ -112,6 +112,9 @@ struct ConstantShape {
 };
 std::optional<Constant> read_constant(Reader& reader, std::string_view key, const ConstantShape& shape);
 
+/// `write_range` of a number: `0..120`, `0..` or `..120`, with bounds that the type can hold.
+std::optional<WriteRange> read_write_range(Reader& reader, const ConstantShape& shape);
+
 /// A back-off: a duration, the first pause, or a mapping. Missing keys are those of `base`; the limit is at
 /// least the first pause.
 std::optional<Backoff> read_backoff(Interpretation& state, Reader& reader, const Backoff& base);

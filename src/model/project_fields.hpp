@@ -110,6 +110,7 @@ inline constexpr Field kVariable[] = {
     {.key = "scale", .kind = Kind::number},
     {.key = "offset", .kind = Kind::number},
     {.key = "dead_band", .kind = Kind::number},
+    {.key = "write_range", .range = between<1, 64>},
     {.key = "verify", .kind = Kind::boolean},
     {.key = "safe_to_repeat", .kind = Kind::boolean},
     {.key = "unit", .range = between<0, 32>},

@@ -147,6 +147,7 @@ constexpr std::array kRules{
     RuleInfo{Rule::variable_length_missing, "variable.length_missing"},
     RuleInfo{Rule::variable_scale_zero, "variable.scale_zero"},
     RuleInfo{Rule::variable_scale_type, "variable.scale_type"},
+    RuleInfo{Rule::variable_write_range_malformed, "variable.write_range_malformed"},
     RuleInfo{Rule::variable_larger_than_request, "variable.larger_than_request", Severity::warning},
     RuleInfo{Rule::variable_read_in_parts, "variable.read_in_parts", Severity::warning},
     RuleInfo{Rule::variable_deadline_without_period, "variable.deadline_without_period"},

@@ -146,7 +146,8 @@ enum class Rule : std::uint8_t {
     variable_length_type,   // {type}
     variable_length_missing,
     variable_scale_zero,
-    variable_scale_type,           // {key}, {type}
+    variable_scale_type,  // {key}, {type}
+    variable_write_range_malformed,
     variable_larger_than_request,  // {registers}, {limit}
     variable_read_in_parts,        // {registers}, {limit}
     variable_deadline_without_period,

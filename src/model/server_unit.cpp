@@ -170,9 +170,10 @@ void read_fifos(Interpretation& state, Reader& reader, ServerUnit& unit) {
 
 /// Keys of polling and writing have no effect on a value of the server itself.
 void report_unit_keys_without_effect(Interpretation& state, const Node& node, const std::string& path) {
-    constexpr std::string_view kKeys[] = {
-        "read",   "write",  "write_on_change", "min_interval", "burst",     "read_trigger", "write_trigger",
-        "status", "period", "deadline",        "hold_last",    "dead_band", "verify",       "safe_to_repeat"};
+    constexpr std::string_view kKeys[] = {"read",        "write",        "write_on_change", "min_interval",
+                                          "burst",       "read_trigger", "write_trigger",   "status",
+                                          "period",      "deadline",     "hold_last",       "dead_band",
+                                          "write_range", "verify",       "safe_to_repeat"};
     for (const auto key : kKeys)
         if (const Node* const value = node.find(key); value != nullptr && value->kind != Node::Kind::null)
             state.findings.add(Rule::field_without_effect, value->location, path + "." + std::string(key),

@@ -89,6 +89,7 @@ void check_traffic(Reader& reader, const Variable& variable) {
     check_wishes(reader, "write", Rule::variable_needs_write,
                  {{"write_trigger", reader.given("write_trigger")},
                   {"min_interval", reader.given("min_interval")},
+                  {"write_range", reader.given("write_range")},
                   {"verify", variable.verify},
                   {"safe_to_repeat", variable.safe_to_repeat}});
     if (!variable.read)
@@ -120,7 +121,7 @@ void read_scale(Reader& reader, Variable& variable, std::optional<DataType> type
     }
     if (variable.dead_band < 0) reader.report(Rule::field_out_of_range, "dead_band", ">= 0");
     if (type != DataType::boolean && type != DataType::string) return;
-    for (const std::string_view key : {"scale", "offset", "dead_band"})
+    for (const std::string_view key : {"scale", "offset", "dead_band", "write_range"})
         if (reader.given(key))
             reader.report(Rule::variable_scale_type, key, {},
                           {{"key", std::string(key)}, {"type", std::string(name(*type))}});
@@ -133,12 +134,17 @@ void read_presentation(Reader& reader, const Device& device, Variable& variable,
         for (const std::string_view key : {"high_byte_first", "high_register_first", "byte_order"})
             if (reader.given(key)) reader.report_without_effect(key, "area: " + area_name(variable.area));
     read_scale(reader, variable, type);
-    if (type)
-        variable.default_value = read_constant(reader, "default",
-                                               {.type = *type,
-                                                .most_bytes = variable.registers * kBytesInARegister,
-                                                .scale = variable.scale,
-                                                .offset = variable.offset});
+    if (type) {
+        const ConstantShape shape{.type = *type,
+                                  .most_bytes = variable.registers * kBytesInARegister,
+                                  .scale = variable.scale,
+                                  .offset = variable.offset};
+        variable.default_value = read_constant(reader, "default", shape);
+        if (*type != DataType::boolean && *type != DataType::string)
+            variable.write_range = read_write_range(reader, shape);
+    }
+    if (variable.write_range && reader.given("enumeration"))
+        reader.report_without_effect("write_range", "enumeration");
     variable.hold_last = reader.boolean("hold_last").value_or(false);
     variable.retain = reader.boolean("retain").value_or(false);
     variable.unit = reader.text("unit").value_or("");

@@ -11,6 +11,7 @@
 #include "takt/report/command_report.hpp"
 #include "takt/report/event_report.hpp"
 #include "takt/report/value_json.hpp"
+#include "takt/value/codec.hpp"
 #include "takt/value/text.hpp"
 #include "takt/wire/words.hpp"
 
@@ -75,14 +76,38 @@ std::string_view outcome_word(const host::Outcome& outcome) {
     return "refused";
 }
 
+namespace {
+
+/// What an executed command proves: the suffix of its text.
+std::string_view proof_word(const host::Configuration& configuration, const host::Outcome& outcome) {
+    const auto* const variable = configuration.variable_of(outcome.slot);
+    if (variable == nullptr || outcome.kind != Command::Kind::write) return "done";
+    if (is_broadcast(*configuration.line_of(outcome.slot), *configuration.device_of(outcome.slot)))
+        return "broadcast";
+    return variable->verify ? "verified" : "acknowledged";
+}
+
+/// The value that the device holds: the nearest one to that asked for.
+value::Value held_value(const host::Configuration& configuration, const host::Outcome& outcome) {
+    const auto* const variable = configuration.variable_of(outcome.slot);
+    if (variable == nullptr || !outcome.rounded) return outcome.value;
+    const auto layout = value::layout_of(*variable);
+    const auto encoded = value::encode(layout, outcome.value);
+    if (!encoded) return outcome.value;
+    return value::decode(layout, encoded->registers).value_or(outcome.value);
+}
+
+}  // namespace
+
 std::string outcome_text(const report::Texts& texts, const host::Configuration& configuration,
                          const host::Outcome& outcome) {
     if (outcome.error) return texts.describe(*outcome.error);
     if (outcome.result != CommandResult::done)
         return report::event_text(texts, configuration, {.body = host::WriteFinished{outcome}});
-    return texts("web.command." + std::string(outcome_word(outcome)),
+    const auto word = outcome_word(outcome);
+    return texts("web.command." + std::string(word == "done" ? proof_word(configuration, outcome) : word),
                  {{"name", configuration.info(outcome.slot).name},
-                  {"value", configuration.value_text(outcome.slot, outcome.value)}});
+                  {"value", configuration.value_text(outcome.slot, held_value(configuration, outcome))}});
 }
 
 namespace {

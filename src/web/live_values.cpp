@@ -1,6 +1,7 @@
 #include "live_values.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <variant>
 
@@ -19,6 +20,14 @@ const value::VariableIndex* variable_index(const value::ProjectSlots::Owner& own
     return std::get_if<value::VariableIndex>(&owner);
 }
 
+/// A side without a bound has no key.
+file::Json range_json(const model::WriteRange& range) {
+    auto object = file::Json::object();
+    if (std::isfinite(range.least)) object.set("least", range.least);
+    if (std::isfinite(range.greatest)) object.set("greatest", range.greatest);
+    return object;
+}
+
 void set_variable(file::Json& object, const host::Configuration& configuration,
                   const value::VariableIndex& index) {
     const auto& line = configuration.project().lines[index.line];
@@ -32,8 +41,9 @@ void set_variable(file::Json& object, const host::Configuration& configuration,
     object.set("count", variable.items());
     if (variable.verify) object.set("verify", true);
     if (!variable.read) object.set("write_only", true);
-    if (device.address == kBroadcast && line.framing != wire::Framing::tcp) object.set("broadcast", true);
+    if (is_broadcast(line, device)) object.set("broadcast", true);
     if (!variable.enumeration.empty()) object.set("enumeration", true);
+    if (variable.write_range) object.set("write_range", range_json(*variable.write_range));
     object.set("deadline_ms", milliseconds_or_null(variable.deadline));
     object.set("proved_age_ms", milliseconds_or_null(proved_age(configuration, index)));
 }
@@ -45,6 +55,10 @@ std::string_view unit_of(const value::SlotInfo& info, const model::Variable* var
 }
 
 }  // namespace
+
+bool is_broadcast(const model::Line& line, const model::Device& device) {
+    return device.address == kBroadcast && line.framing != wire::Framing::tcp;
+}
 
 file::Json milliseconds_or_null(const std::optional<Duration>& time) {
     return time ? file::Json(report::milliseconds(*time)) : file::Json();

@@ -107,6 +107,7 @@ std::vector<std::string> bad_projects() {
             "{name: K, type: int, register: 1, read: 5, write_on_change: true, period: 0, deadline: 1s},\n"
             "{name: L, type: string, register: 1, read: 3, default: abc},\n"
             "{name: M, type: int, reference: 40001},\n"
+            "{name: N, type: int, register: 1, write: 6, write_range: 5},\n"
             "{name: O, type: int, reference: \"400001\", area: coil},\n"
             "{name: P, type: int, reference: \"4\"}]}]}\n",
         "takt: 1\n" + line +

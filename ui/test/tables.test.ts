@@ -1,8 +1,10 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { functionOf, isPlaceholder, milliseconds, nodeText, rawOf } from '../src/views/project/cells';
+import type { Mapping } from '../src/api/types';
 import * as rows from '../src/views/project/rows';
 import { formatTable, parseTable } from '../src/views/project/tsv';
+import { coilsOf, openRows, withChoice } from '../src/views/project/coil_choice';
 
 test('a pasted table has cells with tabs, quotes and line ends', () => {
   assert.deepEqual(parseTable('a\tb\r\n"c\td"\t"e ""f""\ng"\n'), [
@@ -128,4 +130,42 @@ test('rows are filtered and sorted by number', () => {
   const columns = [NAME, REGISTER];
   assert.deepEqual(rows.ordered(list, '', { key: 'register', down: false }, columns), [1, 0, 2]);
   assert.deepEqual(rows.ordered(list, '10', null, columns), [0, 2]);
+});
+
+test('pasted bools of coils without a bit leave open which coil they mean', () => {
+  const bool = (parts: Mapping): Mapping => ({ type: 'bool', register: '17', read: '0x01', ...parts });
+  const open = [
+    bool({}),
+    bool({ read: '1' }),
+    bool({ read: '0x02' }),
+    bool({ read: 'none', write: '0x05' }),
+    bool({ area: 'coil', read: 'none' }),
+    bool({ register: '0x11' }),
+  ];
+  const settled = [
+    bool({ bit: '0' }),
+    bool({ register: '0' }),
+    bool({ register: 'x' }),
+    bool({ read: '0x03' }),
+    bool({ area: 'holding_register', read: '0x01' }),
+    bool({ type: 'int16' }),
+    { type: 'bool', coil: '17', read: '0x01' },
+    { type: 'bool', reference: '00018', read: '0x01' },
+  ];
+  assert.deepEqual(openRows([...settled, ...open], []), open);
+  const before = { ...bool({ name: 'A' }), comment: 'old' };
+  assert.deepEqual(openRows([{ ...before, comment: 'new' }], [before]), [], 'it was open before');
+  const moved = { ...before, register: '18' };
+  assert.deepEqual(openRows([moved], [before]), [moved]);
+});
+
+test('the choice writes the meaning into the pasted rows alone', () => {
+  const row = { name: 'A', type: 'bool', register: '17', read: '0x01' };
+  const other = { name: 'B', type: 'bool', register: '18', read: '0x01' };
+  assert.deepEqual(coilsOf(row), { coil: 17, bit: 272 });
+  assert.deepEqual(withChoice([other, row], [row], 'bit'), [other, { ...row, bit: '0' }]);
+  assert.deepEqual(withChoice([other, row], [row], 'coil'), [
+    other,
+    { name: 'A', type: 'bool', read: '0x01', coil: '17' },
+  ]);
 });

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import type { History, HistoryVariable } from '../src/api/types';
-import { changesOf, curveOf, statisticsOf, valueAt } from '../src/views/trends/data';
+import { changesOf, curveOf, spansOf, statisticsOf, valueAt } from '../src/views/trends/data';
 
 const at = (second: number) => new Date(1_790_000_000_000 + second * 1000).toISOString();
 const seconds = (second: number) => 1_790_000_000 + second;
@@ -54,4 +54,37 @@ test('a gap ends the curve until the next sample', () => {
   const curve = curveOf({ ...history(its), gaps }, its);
   assert.equal(valueAt(curve, seconds(19)), 4);
   assert.equal(valueAt(curve, seconds(30)), null);
+});
+
+test('damage of the file is a gap of its variable, or of all', () => {
+  const its = variable({ held: { time: at(-50), value: 4 }, points: [point(60, 7)] });
+  const damaged = (from: number, to: number, name: string | null) => ({
+    part: 'chunk' as const,
+    row: 1,
+    variable: name,
+    from: at(from),
+    to: at(to),
+    samples: null,
+  });
+  const damage = [
+    damaged(20, 30, 'Level'),
+    damaged(25, 35, 'Pressure'),
+    damaged(70, 80, null),
+    { ...damaged(0, 0, 'Level'), part: 'series' as const, from: null, to: null },
+  ];
+  const gaps = [{ from: at(40), to: at(41), cause: 'damaged', samples: 3 }];
+  const all = { ...history(its), damage, gaps };
+  assert.deepEqual(
+    spansOf(all, its).map(({ from, to, kind, text }) => [from, to, kind, text]),
+    [
+      [seconds(20), seconds(30), 'damaged', 'chunk'],
+      [seconds(40), seconds(41), 'damaged', 'damaged: 3'],
+      [seconds(70), seconds(80), 'damaged', 'chunk'],
+    ],
+  );
+  const curve = curveOf(all, its);
+  assert.equal(valueAt(curve, seconds(19)), 4);
+  assert.equal(valueAt(curve, seconds(25)), null);
+  assert.equal(valueAt(curve, seconds(65)), 7);
+  assert.equal(valueAt(curve, seconds(75)), null);
 });

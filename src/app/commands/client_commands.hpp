@@ -15,6 +15,7 @@
 namespace takt::app {
 
 struct ReadOptions : ClientOptions {
+    bool as_bool = false;  ///< --type bool: `spec.start` may be the register of a table
     client::ReadSpec spec;
     bool count_given = false;
     bool all_types = false;                  ///< every type side by side; `spec.count` counts registers
@@ -26,6 +27,7 @@ struct ReadOptions : ClientOptions {
 };
 
 struct WriteOptions : ClientOptions {
+    bool as_bool = false;  ///< as for ReadOptions
     client::WriteSpec spec;
     bool registers_only = false;  ///< as for ReadOptions
 };

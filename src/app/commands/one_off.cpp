@@ -1,6 +1,9 @@
 #include "commands/one_off.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <iostream>
 
 #include "output.hpp"
 #include "takt/line/target.hpp"
@@ -11,6 +14,8 @@ namespace {
 
 constexpr Duration kLeastLateWait = std::chrono::seconds(1);
 constexpr Duration kLongestLateWait = std::chrono::seconds(5);
+constexpr std::uint32_t kBitsPerRegister = 16;
+constexpr int kMostQuestions = 3;
 
 }  // namespace
 
@@ -38,6 +43,31 @@ ExitCode exit_code(const report::ClientRun& run, const Error& error) {
 ExitCode bad_arguments(const Texts& texts, const Error& error) {
     print_error(texts.describe(error));
     return ExitCode::usage;
+}
+
+std::optional<std::uint16_t> coil_meant(const Texts& texts, wire::Area area, std::uint16_t start) {
+    const auto word = std::string(report::area_word(area));
+    if (!is_bit_area(area)) {
+        print_error(texts("app.bool.registers", {{"area", word}, {"start", std::to_string(start)}}));
+        return std::nullopt;
+    }
+    const std::uint32_t coil = start * kBitsPerRegister;
+    if (coil == start || coil > UINT16_MAX) return start;
+    const Texts::Arguments both{
+        {"area", word}, {"start", std::to_string(start)}, {"coil", std::to_string(coil)}};
+    if (::isatty(STDIN_FILENO) == 0 || ::isatty(STDERR_FILENO) == 0) {
+        print_error(texts("app.bool.open", both));
+        return std::nullopt;
+    }
+    for (int left = kMostQuestions; left > 0; --left) {
+        print_status(texts("app.bool.question", both));
+        std::string answer;
+        if (!std::getline(std::cin, answer)) break;
+        if (answer == "1") return start;
+        if (answer == "2") return static_cast<std::uint16_t>(coil);
+    }
+    print_error(texts("app.bool.open", both));
+    return std::nullopt;
 }
 
 bool is_for_registers(const Texts& texts, wire::Area area, bool given) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "commands/client_options.hpp"
 #include "exit_code.hpp"
@@ -37,6 +38,12 @@ private:
 
 /// Reports arguments that cannot be sent. @returns the exit code
 ExitCode bad_arguments(const Texts& texts, const Error& error);
+
+/// `--type bool`: tables number bools by registers, so START may be a coil, or bit 0 of a register.
+/// Asks on a terminal which one is meant; elsewhere reports both.
+/// @returns the first coil; nothing, after a report: it is not known, or the area has registers
+[[nodiscard]] std::optional<std::uint16_t> coil_meant(const Texts& texts, wire::Area area,
+                                                      std::uint16_t start);
 
 /// @returns true, and reports it, when options of registers were given for bits
 bool is_for_registers(const Texts& texts, wire::Area area, bool given);

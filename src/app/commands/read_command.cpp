@@ -71,10 +71,17 @@ ExitCode read_all_types(const Texts& texts, const ReadOptions& options) {
 
 }  // namespace
 
-ExitCode read(const CommonOptions& common, const ReadOptions& options) {
+ExitCode read(const CommonOptions& common, const ReadOptions& given) {
     const Texts texts(common.language);
-    const auto& spec = options.spec;
-    if (is_for_registers(texts, spec.area, options.registers_only)) return ExitCode::usage;
+    auto options = given;
+    auto& spec = options.spec;
+    if (options.as_bool) {
+        const auto coil = coil_meant(texts, spec.area, spec.start);
+        if (!coil) return ExitCode::usage;
+        spec.start = *coil;
+    } else if (is_for_registers(texts, spec.area, options.registers_only)) {
+        return ExitCode::usage;
+    }
     if (options.all_types) return read_all_types(texts, options);
     if (is_beyond(texts, spec.start, spec.items())) return ExitCode::usage;
     if (options.watch) return watch(common, options);

@@ -24,12 +24,18 @@ ExitCode report_end(const Texts& texts, const WriteOptions& options, const repor
 
 ExitCode write(const CommonOptions& common, const WriteOptions& options) {
     const Texts texts(common.language);
-    const auto& spec = options.spec;
+    auto spec = options.spec;
     if (spec.area != wire::Area::coil && spec.area != wire::Area::holding_register) {
         print_error(texts("app.read_only_area"));
         return ExitCode::usage;
     }
-    if (is_for_registers(texts, spec.area, options.registers_only)) return ExitCode::usage;
+    if (options.as_bool) {
+        const auto coil = coil_meant(texts, spec.area, spec.start);
+        if (!coil) return ExitCode::usage;
+        spec.start = *coil;
+    } else if (is_for_registers(texts, spec.area, options.registers_only)) {
+        return ExitCode::usage;
+    }
     const auto parts = client::write_parts(spec);
     if (!parts) return bad_arguments(texts, parts.error());
     const std::size_t items = parts->back().end;

@@ -89,7 +89,8 @@ void add_read(CommandLine& line, const CommonOptions& common) {
     add_word(read, "AREA", spec.area, kAreas, "help.areas").required();
     read.value("START", spec.start, "help.start").required();
     read.value("COUNT", spec.count, "help.count").range(1, 65536).marks(options.count_given);
-    add_type_or_all(read, spec.layout.type, options.registers_only, options.all_types);
+    add_type(read, spec.layout.type, {{"all", &options.all_types}, {"bool", &options.as_bool}},
+             options.registers_only, "help.read.type");
     read.value("--length", spec.layout.registers, "help.length").range(1, 125);
     add_order(read, spec.layout.order);
     add_watch(read, options);
@@ -103,7 +104,7 @@ void add_write(CommandLine& line, const CommonOptions& common) {
     add_word(write, "AREA", spec.area, kAreas, "help.areas.written").required();
     write.value("START", spec.start, "help.start").required();
     write.value("VALUE", spec.values, "help.values").required();
-    add_type(write, spec.layout.type, options.registers_only);
+    add_type(write, spec.layout.type, {{"bool", &options.as_bool}}, options.registers_only, "help.type");
     add_order(write, spec.layout.order);
     write.flag("--multiple", spec.multiple, "help.multiple");
 }

@@ -128,24 +128,26 @@ const std::map<std::string, DataType>& type_words() {
     return kTypes;
 }
 
-void add_type(Command& command, DataType& type, bool& given) {
-    add_word(command, "--type", type, type_words(), "help.type").value_name("TYPE").marks(given);
-}
-
-void add_type_or_all(Command& command, DataType& type, bool& given, bool& all) {
+void add_type(Command& command, DataType& type, std::vector<TypeFlag> flags, bool& given,
+              const std::string& help) {
     command
         .text(
             "--type",
-            [&type, &all](const std::string& text) {
+            [&type, flags = std::move(flags)](const std::string& text) {
                 const auto found = type_words().find(text);
-                all = text == "all";
                 if (found != type_words().end()) type = found->second;
-                if (all || found != type_words().end()) return;
-                std::string known = "all";
-                for (const auto& word : type_words()) known += ", " + word.first;
-                reject_word("--type", text, known);
+                bool known = found != type_words().end();
+                std::string words;
+                for (const auto& [word, flag] : flags) {
+                    *flag = text == word;
+                    known = known || *flag;
+                    words.append(word).append(", ");
+                }
+                if (known) return;
+                for (const auto& word : type_words()) words += word.first + ", ";
+                reject_word("--type", text, words.substr(0, words.size() - 2));
             },
-            "help.read.type")
+            help)
         .value_name("TYPE")
         .marks(given);
 }

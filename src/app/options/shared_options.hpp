@@ -93,10 +93,15 @@ Option add_parsed(Command& command, const std::string& name, std::vector<T>& tar
 /// The words for the types of values in registers.
 const std::map<std::string, DataType>& type_words();
 
-/// --type; `given` becomes true where the option stands.
-void add_type(Command& command, DataType& type, bool& given);
-/// The same, or the word "all", which sets `all`.
-void add_type_or_all(Command& command, DataType& type, bool& given, bool& all);
+/// A word of --type that is no type of registers, and what it sets.
+struct TypeFlag {
+    std::string_view word;
+    bool* flag = nullptr;
+};
+
+/// --type, with these words besides the types of registers; `given` becomes true where the option stands.
+void add_type(Command& command, DataType& type, std::vector<TypeFlag> flags, bool& given,
+              const std::string& help);
 
 /// The order of bytes that `text` names; otherwise the option is rejected.
 ByteOrder order_of(const std::string& option, const std::string& text);

@@ -106,6 +106,7 @@ private:
         if (type_ != "bool" && !text_type) {
             maybe("scale", {"0.1", "1e-3", "-2"});
             maybe("dead_band", {"0.5", "3"});
+            if (written_) maybe("write_range", {"0..0", "0..", "..0"});
         }
         if (!chance()) return;
         if (text_type)

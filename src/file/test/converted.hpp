@@ -61,7 +61,9 @@ inline std::string described(const model::Project& project, const model::Variabl
     for (const bool flag : {v.hold_last, v.retain, v.used, v.verify, v.safe_to_repeat,
                             v.order.high_byte_first, v.order.high_register_first})
         add(flag);
-    for (const double number : {v.scale, v.offset, v.dead_band}) text += fmt::format("{}|", number);
+    const auto range = v.write_range.value_or(model::WriteRange{});
+    for (const double number : {v.scale, v.offset, v.dead_band, range.least, range.greatest})
+        text += fmt::format("{}|", number);
     return text;
 }
 

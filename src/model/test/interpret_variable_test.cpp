@@ -1,6 +1,8 @@
 // The keys of variables.
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <optional>
 #include <string>
 
 #include "findings_text.hpp"
@@ -89,6 +91,54 @@ TEST(Interpret, Variable) {
         {"{name: [a, b]}", "field.not_a_value name="},
     };
     for (const auto& [keys, expected] : cases) EXPECT_EQ(findings_text({.variable = keys}), expected) << keys;
+}
+
+TEST(Interpret, WriteRange) {
+    const Case cases[] = {
+        {"{write: 0x06, write_range: 0..120}", ""},
+        {"{write: 0x06, write_range: 0.., scale: 0.1}", ""},
+        {"{write: 0x06, write_range: ..-5.5, scale: 0.1}", ""},
+        {"{write: 0x06, write_range: -5 .. 40}", ""},
+        {"{write: 0x06, write_range: 5..5}", ""},
+        {"{write: 0x06, write_range: 0..32767}", ""},
+        {"{write: 0x06, write_range: -3276.8..3276.7, scale: 0.1}", ""},
+        {"{write: 0x06, write_range: 0..32768}", "default.out_of_range write_range=0..32768 [-32768..32767]"},
+        {"{write: 0x06, write_range: ..1e9}", "default.out_of_range write_range=..1e9 [-32768..32767]"},
+        {"{write: 0x06, write_range: 0..17000, scale: -0.5, offset: 20}",
+         "default.out_of_range write_range=0..17000 [-16363.5..16404]"},
+        {"{type: uint16, write: 0x06, write_range: -1..5}",
+         "default.out_of_range write_range=-1..5 [0..65535]"},
+        {"{type: double, write: 0x10, write_range: -1e300..1e300}", ""},
+        {"{write: 0x06, write_range: 120..0}", "range.reversed write_range=120..0 [-32768..32767]"},
+        {"{write: 0x06, write_range: ..}",
+         "variable.write_range_malformed write_range=.. [0..120, -5.5..40, 0.., ..120]"},
+        {"{write: 0x06, write_range: 5}",
+         "variable.write_range_malformed write_range=5 [0..120, -5.5..40, 0.., ..120]"},
+        {"{write: 0x06, write_range: 0-120}",
+         "variable.write_range_malformed write_range=0-120 [0..120, -5.5..40, 0.., ..120]"},
+        {"{write: 0x06, write_range: \"0,5..10\"}",
+         "variable.write_range_malformed write_range=0,5..10 [0..120, -5.5..40, 0.., ..120]"},
+        {"{write: 0x06, write_range: 0..nan}",
+         "variable.write_range_malformed write_range=0..nan [0..120, -5.5..40, 0.., ..120]"},
+        {"{write: 0x06, write_range: 1..2..3}",
+         "variable.write_range_malformed write_range=1..2..3 [0..120, -5.5..40, 0.., ..120]"},
+        {"{write: 0x06, write_range: [0, 120]}", "field.not_a_value write_range="},
+        {"{write_range: 0..120}", "variable.needs_write write_range=0..120"},
+        {"{write: 0x06, write_range: 0..5, enumeration: {0: off}}", "?field.without_effect write_range=0..5"},
+        {"{type: string, length: 2, write: 0x10, write_range: 0..5}", "variable.scale_type write_range=0..5"},
+        {"{type: bool, bit: 0, read: 0x01, write: 0x05, write_range: 0..1}",
+         "variable.scale_type write_range=0..1"},
+    };
+    for (const auto& [keys, expected] : cases) EXPECT_EQ(findings_text({.variable = keys}), expected) << keys;
+    const auto range_of = [](std::string_view keys) {
+        return interpret(document({.variable = keys})).project.lines[0].devices[0].variables[0].write_range;
+    };
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(range_of("{write: 0x06, write_range: -2.5..40}"), (WriteRange{-2.5, 40}));
+    EXPECT_EQ(range_of("{write: 0x06, write_range: 0..}"), (WriteRange{0, kNone}));
+    EXPECT_EQ(range_of("{write: 0x06, write_range: ..40}"), (WriteRange{-kNone, 40}));
+    EXPECT_EQ(range_of("{write: 0x06}"), std::nullopt);
+    EXPECT_EQ(range_of("{write: 0x06, write_range: 0..99999}"), std::nullopt);
 }
 
 TEST(Interpret, Bits) {

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "bench.hpp"
+#include "tcp_frames.hpp"
 
 namespace takt::poll {
 namespace change_interval_test {
@@ -36,8 +36,7 @@ public:
         now_ += turnaround;
         const auto low = static_cast<std::uint8_t>(value & 0xFF);
         const auto high = static_cast<std::uint8_t>(value >> 8 & 0xFF);
-        const std::uint8_t response[] = {frame[0], frame[1], 0, 0, 0, 5, frame[6], 3, 2, high, low};
-        master_.line(0).on_bytes(now_, response);
+        master_.line(0).on_bytes(now_, tcp_response(frame, {3, 2, high, low}));
     }
 
     Instant now_ = at(1s);
@@ -48,10 +47,7 @@ private:
     static model::Project described() {
         auto made = device(1, {int16("v", 0).read(3).every(50ms)});
         made.response_timeout = 2s;
-        auto project = test::project({made});
-        project.lines[0].framing = wire::Framing::tcp;
-        project.lines[0].transport = model::Transport::tcp;
-        return project;
+        return tcp_project({made});
     }
 
     model::Project project_;

@@ -6,8 +6,8 @@
 #include <random>
 #include <set>
 
-#include "bench.hpp"
 #include "takt/plan/plan.hpp"
+#include "tcp_frames.hpp"
 
 namespace takt::poll {
 namespace closing_peer_test {
@@ -70,8 +70,6 @@ public:
     }
 
 private:
-    using Frame = std::vector<std::uint8_t>;
-
     [[nodiscard]] Instant idle_at() const {
         if (peer_.closes != Closes::when_idle || !connected_ || closes_at_ != kNever || !to_peer_.empty() ||
             !to_master_.empty())
@@ -147,8 +145,9 @@ private:
         if (refuses || by_chance) return close(peer_.thinks);
         tries[asked].back().answered = true;
         const auto count = static_cast<std::uint8_t>(2 * frame[11]);
-        Frame answer{frame[0], frame[1], 0, 0, 0, static_cast<std::uint8_t>(3 + count), frame[6], 3, count};
-        answer.resize(answer.size() + count);
+        Frame pdu{3, count};
+        pdu.resize(pdu.size() + count);
+        const auto answer = tcp_response(frame, pdu);
         to_master_.emplace_back(std::max(now_ + peer_.thinks + kWay, last_answer_), answer);
         last_answer_ = to_master_.back().first;
         if (peer_.closes == Closes::after_each) close(peer_.thinks);
@@ -201,10 +200,7 @@ model::Project described(int units, int reads, Duration period, int in_flight) {
         made.strategy = model::Strategy::single;
         made.in_flight = static_cast<std::uint16_t>(in_flight);
     }
-    auto project = test::project(std::move(devices));
-    project.lines[0].framing = wire::Framing::tcp;
-    project.lines[0].transport = model::Transport::tcp;
-    return project;
+    return tcp_project(std::move(devices));
 }
 
 // Counted from the tries alone: a read is sent once a period, once more if its try met a close, and not that

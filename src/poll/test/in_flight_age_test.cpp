@@ -7,8 +7,8 @@
 #include <random>
 #include <tuple>
 
-#include "bench.hpp"
 #include "takt/plan/proof.hpp"
+#include "tcp_frames.hpp"
 
 namespace takt::poll {
 namespace in_flight_age_test {
@@ -49,10 +49,7 @@ model::Project project_for(std::size_t in_flight) {
     made.response_timeout = 500ms;
     made.measured_round_trip = model::MeasuredRoundTrip{
         .longest = kLongest, .usual = 2ms, .exchanges = 100'000, .in_flight = made.in_flight};
-    auto described = project({made});
-    described.lines[0].framing = wire::Framing::tcp;
-    described.lines[0].transport = model::Transport::tcp;
-    return described;
+    return tcp_project({made});
 }
 
 /// Runs a master against a server. A value has the age of the instant at which its request reached the

@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "bench.hpp"
+#include "tcp_frames.hpp"
 
 namespace takt::poll {
 namespace in_flight_test {
@@ -32,14 +32,11 @@ public:
 
     /// Answers with registers or with the echo of a write.
     void answer(const std::vector<std::uint8_t>& frame, std::uint8_t content = 0) {
-        std::vector<std::uint8_t> pdu(frame.begin() + 7, frame.end());
+        auto pdu = pdu_of(frame);
         if (pdu[0] == 3) pdu = {3, 2, 0, content};
         if (pdu[0] == 0x10) pdu.resize(5);
-        std::vector<std::uint8_t> response(frame.begin(), frame.begin() + 7);
-        response[5] = static_cast<std::uint8_t>(pdu.size() + 1);
-        response.insert(response.end(), pdu.begin(), pdu.end());
         now_ += 1ms;
-        master_.line(0).on_bytes(now_, response);
+        master_.line(0).on_bytes(now_, tcp_response(frame, pdu));
     }
 
     Master& master() { return master_; }
@@ -51,10 +48,7 @@ private:
         made.strategy = model::Strategy::single;
         made.in_flight = static_cast<std::uint16_t>(in_flight);
         made.read_modify_write = true;
-        auto project = test::project({made});
-        project.lines[0].framing = wire::Framing::tcp;
-        project.lines[0].transport = model::Transport::tcp;
-        return project;
+        return tcp_project({made});
     }
 
     model::Project project_;

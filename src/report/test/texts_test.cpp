@@ -5,6 +5,7 @@
 #include <cerrno>
 
 #include "sample.hpp"
+#include "takt/bus/transaction.hpp"
 #include "takt/text/catalogue.hpp"
 
 namespace takt::report {
@@ -24,6 +25,15 @@ TEST(Texts, FillsPlaceholders) {
 
 TEST(Texts, AnUnknownCodeIsItsOwnText) {
     EXPECT_EQ(english()("no.such.code"), "no.such.code");
+}
+
+TEST(Texts, TheLogNamesEachFailureOfAnExchange) {
+    for (auto i = static_cast<int>(bus::Status::exception); i <= static_cast<int>(bus::Status::cancelled);
+         ++i)
+        for (const auto language : kLanguages) {
+            const auto code = "log.why." + std::string(bus::name(static_cast<bus::Status>(i)));
+            EXPECT_NE(Texts(language)(code), code);
+        }
 }
 
 TEST(Texts, EachLanguageHasItsOwn) {

@@ -4,32 +4,18 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <map>
 #include <vector>
-#include "directory.hpp"
 
-#include "takt/store/history.hpp"
-#include "takt/store/history_reader.hpp"
+#include "history_rig.hpp"
 
 namespace takt::store {
 namespace history_damage_test {
 
-using Samples = std::vector<HistorySample>;
+using namespace history_rig;
 
-constexpr std::int64_t kSecond = 1'000'000'000;
-constexpr std::int64_t kHour = 3600 * kSecond;
-constexpr std::int64_t kStart = 500'000 * kHour;
-const HistoryRange kAll{kStart - 1000 * kHour, kStart + 1000 * kHour};
-const HistorySeries kLevel{"tank.level", "tank", DataType::int16, true, "m"};
 const HistorySeries kPump{"pump.running", "pump", DataType::boolean, false, ""};
 
-struct Read {
-    Samples samples;
-    std::vector<HistoryDamage> damage;
-};
-
-class HistoryDamageTest : public InDirectory {
+class HistoryDamageTest : public HistoryInDirectory {
 protected:
-    const std::string path_ = directory_ / "plant.history.db";
-
     /// 100 samples in ten commits; two series.
     void make(const HistoryOptions& options) {
         const auto history = std::move(History::open(path_, options)->history);
@@ -43,16 +29,6 @@ protected:
     }
     void change(const std::string& statements) {
         SQLite::Database(path_, SQLite::OPEN_READWRITE).exec(statements);
-    }
-    [[nodiscard]] Read read() const {
-        Read read;
-        auto reader = HistoryReader::open(path_).value();
-        EXPECT_TRUE(reader.read(SeriesId{1}, kAll, [&](const HistorySample& sample) {
-            read.samples.push_back(sample);
-            return true;
-        }));
-        read.damage = reader.damage();
-        return read;
     }
 };
 

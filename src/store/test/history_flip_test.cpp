@@ -11,18 +11,15 @@
 #include <optional>
 #include <string>
 #include <vector>
-#include "directory.hpp"
 
-#include "takt/store/history.hpp"
-#include "takt/store/history_reader.hpp"
+#include "history_rig.hpp"
 
 namespace takt::store {
 namespace history_flip_test {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
-constexpr std::int64_t kHour = 3600 * kSecond;
-constexpr std::int64_t kStart = 500'000 * kHour;
-const HistoryRange kAll{kStart - kHour, kStart + 10 * kHour};
+using namespace history_rig;
+
+const HistoryRange kOfFile{kStart - kHour, kStart + 10 * kHour};
 
 /// What a reader returns of a file.
 struct Contents {
@@ -52,15 +49,15 @@ Contents contents_of(const std::string& path) {
     bool failed = false;
     for (const auto& info : *all) {
         auto& samples = contents.samples[info.series.name + ' ' + info.series.unit];
-        const auto read = reader->read(info.id, kAll, [&](const HistorySample& sample) {
+        const auto read = reader->read(info.id, kOfFile, [&](const HistorySample& sample) {
             samples.push_back(sample);
             return true;
         });
-        const auto picture = reader->picture(info.id, kAll, 5);
+        const auto picture = reader->picture(info.id, kOfFile, 5);
         failed = failed || !read || !picture;
         if (picture) contents.pictures[info.series.name] = text_of(*picture);
     }
-    const auto gaps = reader->gaps(kAll);
+    const auto gaps = reader->gaps(kOfFile);
     if (gaps) contents.gaps = *gaps;
     contents.reported = failed || !gaps || !reader->damage().empty();
     return contents;

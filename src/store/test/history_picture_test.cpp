@@ -5,16 +5,12 @@
 #include <map>
 
 #include "../history_summary.hpp"
-#include "folder.hpp"
-#include "takt/store/history.hpp"
-#include "takt/store/history_reader.hpp"
+#include "history_rig.hpp"
 
 namespace takt::store {
 namespace history_picture_test {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
-constexpr std::int64_t kHour = 3600 * kSecond;
-constexpr std::int64_t kStart = 500'000 * kHour;
+using namespace history_rig;
 
 struct Stored {
     takt::test::Folder folder;

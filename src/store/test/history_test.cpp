@@ -6,20 +6,14 @@
 #include <csignal>
 
 #include <SQLiteCpp/SQLiteCpp.h>
-#include "directory.hpp"
 
-#include "takt/store/history_reader.hpp"
+#include "history_rig.hpp"
 
 namespace takt::store {
 namespace history_test {
 
+using namespace history_rig;
 using Samples = std::vector<HistorySample>;
-
-constexpr std::int64_t kSecond = 1'000'000'000;
-constexpr std::int64_t kHour = 3600 * kSecond;
-constexpr std::int64_t kStart = 500'000 * kHour;
-const HistoryRange kAll{kStart - 1000 * kHour, kStart + 1000 * kHour};
-const HistorySeries kSeries{"tank.level", "tank", DataType::int16, true, "m"};
 
 HistorySample at(std::int64_t seconds, value::Value value) {
     return {.time_ns = kStart + seconds * kSecond,
@@ -27,31 +21,15 @@ HistorySample at(std::int64_t seconds, value::Value value) {
             .value = std::move(value)};
 }
 
-class HistoryTest : public InDirectory {
+class HistoryTest : public HistoryInDirectory {
 protected:
-    const std::string path_ = directory_ / "plant.history.db";
-
     std::unique_ptr<History> open(const HistoryOptions& options = {}) {
         auto opened = History::open(path_, options);
         EXPECT_TRUE(opened) << name(opened.error().code);
         return opened ? std::move(opened->history) : nullptr;
     }
-    Samples read(const HistorySeries& wanted = kSeries) {
-        Samples samples;
-        auto reader = HistoryReader::open(path_);
-        if (!reader) return samples;
-        const auto all = reader->series().value();
-        for (const auto& info : all) {
-            if (info.series.name != wanted.name) continue;
-            EXPECT_TRUE(reader->read(info.id, kAll, [&](const HistorySample& sample) {
-                samples.push_back(sample);
-                return true;
-            }));
-        }
-        return samples;
-    }
     void expect_stored(const Samples& expected) {
-        const auto stored = read();
+        const auto stored = read().samples;
         ASSERT_EQ(stored.size(), expected.size());
         for (std::size_t i = 0; i < stored.size(); ++i) EXPECT_TRUE(same(stored[i], expected[i])) << i;
     }
@@ -59,7 +37,7 @@ protected:
 
 TEST_F(HistoryTest, IsReadWhileItIsWritten) {
     const auto history = open();
-    const auto id = history->series(kSeries).value();
+    const auto id = history->series(kLevel).value();
     Samples expected;
     for (int i = 0; i < 2500; ++i) {
         expected.push_back(at(i, i / 10.0));
@@ -76,7 +54,7 @@ TEST_F(HistoryTest, KeepsWhatWasCommittedAndNothingElse) {
     Samples expected;
     for (int run = 0; run < 5; ++run) {
         const auto history = open({.chunk_samples = 7, .log_commits = 3});
-        const auto id = history->series(kSeries).value();
+        const auto id = history->series(kLevel).value();
         for (int i = 0; i < 20; ++i) {
             expected.push_back(at(run * 4000 + i, std::int64_t{i}));
             history->append(id, expected.back());
@@ -89,7 +67,7 @@ TEST_F(HistoryTest, KeepsWhatWasCommittedAndNothingElse) {
 
 TEST_F(HistoryTest, SkipsRecordsThatAreRepeatedAfterARestart) {
     const auto append_records = [](History& history, std::uint64_t first, std::uint64_t last) {
-        const auto id = history.series(kSeries).value();
+        const auto id = history.series(kLevel).value();
         for (std::uint64_t i = first; i <= last; ++i) {
             history.begin_record({17, i});
             history.append(id, at(static_cast<std::int64_t>(i), i));
@@ -106,24 +84,25 @@ TEST_F(HistoryTest, SkipsRecordsThatAreRepeatedAfterARestart) {
     EXPECT_EQ(history->position(), (HistoryPosition{17, 10}));
     append_records(*history, 6, 14);
     ASSERT_TRUE(history->commit(kStart));
-    EXPECT_EQ(read().size(), 14U);
+    EXPECT_EQ(read().samples.size(), 14U);
     EXPECT_EQ(history->status().repeated, 5U);
     EXPECT_EQ(HistoryReader::open(path_)->gaps(kAll)->size(), 14U);
     history->begin_record({18, 1});  // another journal
-    history->append(history->series(kSeries).value(), at(100, 1.0));
+    history->append(history->series(kLevel).value(), at(100, 1.0));
     ASSERT_TRUE(history->commit(kStart));
-    EXPECT_EQ(read().size(), 15U);
+    EXPECT_EQ(read().samples.size(), 15U);
 }
 
 TEST_F(HistoryTest, OrdersSamplesByTimeWhenTheClockWasSetBack) {
     const auto history = open({.log_commits = 1});
-    const auto id = history->series(kSeries).value();
+    const auto id = history->series(kLevel).value();
     for (const int second : {7000, 7001, 7002, 5000, 5001, 7001, 1, 20'000}) {
         history->append(id, at(second, std::int64_t{second}));
         ASSERT_TRUE(history->commit(kStart));
     }
     std::vector<std::int64_t> values;
-    for (const auto& sample : read()) values.push_back(std::get<std::int64_t>(sample.value));
+    const auto stored = read().samples;
+    for (const auto& sample : stored) values.push_back(std::get<std::int64_t>(sample.value));
     EXPECT_EQ(values, (std::vector<std::int64_t>{1, 5000, 5001, 7000, 7001, 7001, 7002, 20'000}));
 }
 
@@ -131,7 +110,7 @@ TEST_F(HistoryTest, KeepsSamplesOfOneInstantInOrderOfArrival) {
     // The clock is set back: the second chunk ends at the instant at which the first one begins.
     const Samples arrived{at(10, 1.0), at(20, 2.0), at(0, 3.0), at(10, 4.0)};
     const auto history = open({.chunk_samples = 2, .log_commits = 1});
-    const auto id = history->series(kSeries).value();
+    const auto id = history->series(kLevel).value();
     for (const auto& sample : arrived) {
         history->append(id, sample);
         ASSERT_TRUE(history->commit(kStart));
@@ -146,13 +125,13 @@ TEST_F(HistoryTest, KeepsSamplesOfOneInstantInOrderOfArrival) {
 
 TEST_F(HistoryTest, DropsChunksThatAreTooOld) {
     const auto history = open({.retention = std::chrono::hours(10), .log_commits = 1});
-    const auto id = history->series(kSeries).value();
+    const auto id = history->series(kLevel).value();
     for (int hour = 0; hour < 100; ++hour) {
         history->append(id, at(hour * 3600, std::int64_t{hour}));
         history->append(HistoryGap{kStart + hour * kHour, kStart + hour * kHour, GapCause::quota, 1});
         ASSERT_TRUE(history->commit(kStart + hour * kHour));
     }
-    const auto stored = read();
+    const auto stored = read().samples;
     ASSERT_FALSE(stored.empty());
     EXPECT_LE(stored.size(), 12U);
     EXPECT_EQ(std::get<std::int64_t>(stored.back().value), 99);
@@ -177,7 +156,7 @@ TEST_F(HistoryTest, KeepsToItsQuotaAndUsesFreePagesAgain) {
 }
 
 TEST_F(HistoryTest, MovesADamagedFileAside) {
-    { ASSERT_TRUE(open()->series(kSeries)); }
+    { ASSERT_TRUE(open()->series(kLevel)); }
     for (const std::string& bytes : {std::string(), std::string("SQLite fo"), std::string(5000, '\0')}) {
         overwrite(path_, bytes);
         auto opened = History::open(path_);
@@ -190,7 +169,7 @@ TEST_F(HistoryTest, MovesADamagedFileAside) {
 TEST_F(HistoryTest, MovesAFileWhoseFirstPageIsDamagedAside) {
     {
         const auto history = open({.chunk_samples = 100, .log_commits = 1});
-        const auto id = history->series(kSeries).value();
+        const auto id = history->series(kLevel).value();
         for (int i = 0; i < 1000; ++i) history->append(id, at(i, std::int64_t{i}));
         ASSERT_TRUE(history->commit(kStart));
     }
@@ -206,7 +185,7 @@ TEST_F(HistoryTest, MovesAFileWhoseFirstPageIsDamagedAside) {
 TEST_F(HistoryTest, MovesAFileWithDamagedTablesAside) {
     {
         const auto history = open();
-        ASSERT_TRUE(history->series(kSeries));
+        ASSERT_TRUE(history->series(kLevel));
         ASSERT_TRUE(history->commit(kStart));
     }
     std::string bytes = bytes_of(path_);
@@ -220,7 +199,7 @@ TEST_F(HistoryTest, MovesAFileWithDamagedTablesAside) {
 TEST_F(HistoryTest, ReadsTheRestWhenAChunkIsDamaged) {
     {
         const auto history = open({.chunk_samples = 100, .log_commits = 1});
-        const auto id = history->series(kSeries).value();
+        const auto id = history->series(kLevel).value();
         for (int i = 0; i < 1000; ++i) history->append(id, at(i, std::int64_t{i * i}));
         ASSERT_TRUE(history->commit(kStart));
     }
@@ -228,7 +207,7 @@ TEST_F(HistoryTest, ReadsTheRestWhenAChunkIsDamaged) {
         SQLite::Database database(path_, SQLite::OPEN_READWRITE);
         database.exec("UPDATE chunk SET data = zeroblob(200) WHERE id = 3");
     }
-    EXPECT_EQ(read().size(), 900U);
+    EXPECT_EQ(read().samples.size(), 900U);
     auto reader = HistoryReader::open(path_);
     const auto picture = reader->picture(SeriesId{1}, {kStart, kStart + 1000 * kSecond}, 1000);
     ASSERT_TRUE(picture);
@@ -268,7 +247,7 @@ TEST_F(HistoryTest, ReportsThatThereIsNoFile) {
 
 TEST_F(HistoryTest, ReportsAFileThatWasReplaced) {
     const auto history = open();
-    history->append(history->series(kSeries).value(), at(1, 1.0));
+    history->append(history->series(kLevel).value(), at(1, 1.0));
     std::filesystem::remove(path_);
     EXPECT_EQ(history->commit(kStart).error().code, Code::replaced);
 }
@@ -276,7 +255,7 @@ TEST_F(HistoryTest, ReportsAFileThatWasReplaced) {
 // A limit of the size of files fails writes as a full disk does.
 TEST_F(HistoryTest, LosesNothingOnAFullDisk) {
     const auto history = open({.log_commits = 4});
-    const auto id = history->series(kSeries).value();
+    const auto id = history->series(kLevel).value();
     Samples expected;
     const auto append_some = [&] {
         for (int i = 0; i < 500; ++i) {
@@ -308,7 +287,7 @@ TEST_F(HistoryTest, LosesNothingOnAFullDisk) {
 // What survives a kill is what is on the disk at that moment: a copy of the files.
 TEST_F(HistoryTest, SurvivesAKillAfterEachCommit) {
     const auto history = open({.chunk_samples = 10, .log_commits = 4});
-    const auto id = history->series(kSeries).value();
+    const auto id = history->series(kLevel).value();
     Samples expected;
     for (int i = 0; i < 60; ++i) {
         expected.push_back(at(i, std::int64_t{i * 3}));

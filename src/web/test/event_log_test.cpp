@@ -67,7 +67,7 @@ TEST_F(EventLogTest, KeepsCommandsOfBrowsersOnce) {
     EXPECT_EQ(call(R"({"kind":"set","variable":"Start","value":"false"})").status, 200);
     const auto found = commands(3);
     ASSERT_EQ(found.size(), 3u);
-    EXPECT_EQ(text(found[0], "text"), "Setpoint = 7");
+    EXPECT_EQ(text(found[0], "text"), "Setpoint = 7: acknowledged, not read back");
     EXPECT_EQ(text(found[0], "outcome"), "done");
     EXPECT_EQ(text(found[0], "severity"), "info");
     EXPECT_EQ(text(found[0], "origin"), "192.0.2.7");
@@ -82,8 +82,42 @@ TEST_F(EventLogTest, KeepsWritesOfOtherFaces) {
         session->submit({.kind = host::Command::Kind::write, .slot = slot, .value = std::int64_t{3}}));
     const auto found = commands(1);
     ASSERT_EQ(found.size(), 1u);
-    EXPECT_EQ(text(found[0], "text"), "Setpoint = 3");
+    EXPECT_EQ(text(found[0], "text"), "Setpoint = 3: acknowledged, not read back");
     EXPECT_EQ(text(found[0], "origin"), "");
+}
+
+TEST(OutcomeText, NamesWhatAWriteProves) {
+    using host::Command;
+    const test::RunningHost running(
+        "{takt: 1, lines: [{name: plant, transport: simulated, devices: ["
+        "{name: Tank, address: 1, variables: ["
+        "{name: Plain, type: int16, register: 0, read: 0x03, write: 0x06, unit: °C},"
+        "{name: Scaled, type: int16, register: 1, read: 0x03, write: 0x06, scale: 0.5},"
+        "{name: Verified, type: int16, register: 2, read: 0x03, write: 0x06, verify: true}]},"
+        "{name: All, address: 0, variables: [{name: Sent, type: int16, register: 0, write: 0x06}]}]}],"
+        "locals: [{name: Local, type: int16}]}");
+    const auto configuration = running.host->configuration();
+    const struct {
+        std::string_view name;
+        Command::Kind kind;
+        value::Value value;
+        bool rounded;
+        std::string_view expected;
+    } cases[] = {
+        {"Plain", Command::Kind::write, std::int64_t{5}, false, "Plain = 5 °C: acknowledged, not read back"},
+        {"Plain", Command::Kind::set, std::int64_t{5}, false, "Plain = 5 °C"},
+        {"Scaled", Command::Kind::write, 2.4, true, "Scaled = 2.5: acknowledged, not read back"},
+        {"Verified", Command::Kind::write, std::int64_t{5}, false, "Verified = 5: written and read back"},
+        {"Sent", Command::Kind::write, std::int64_t{5}, false,
+         "Sent = 5: sent; a broadcast is not acknowledged"},
+        {"Local", Command::Kind::set, std::int64_t{5}, false, "Local = 5"},
+    };
+    for (const auto& [name, kind, value, rounded, expected] : cases) {
+        host::Outcome outcome{.kind = kind, .slot = *configuration->find(name), .rounded = rounded};
+        outcome.value = value;
+        EXPECT_EQ(outcome_text(report::Texts(text::Language::english), *configuration, outcome), expected);
+        EXPECT_EQ(outcome_word(outcome), "done");
+    }
 }
 
 TEST_F(EventLogTest, KeepsMessagesFromTheStartOn) {

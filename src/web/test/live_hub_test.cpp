@@ -123,6 +123,20 @@ TEST(LiveHub, OutlivesItsHost) {
     hub.end();
 }
 
+TEST(LiveValues, HasTheRangeOfWrittenValues) {
+    const auto variable = [](const std::string& name, const std::string& range) {
+        return host::test::variable_of(name, 0, ", write: 0x06, write_range: " + range);
+    };
+    RunningHost running(host::test::project_with(host::test::line_of(
+        "plant", host::test::device_of("Boiler", 1, variable("A", "-5..40") + variable("B", "0..")))));
+    const auto session = running.host->open_session({.events = false});
+    const auto snapshot = (*session)->snapshot({.values = true, .statistics = true});
+    ASSERT_TRUE(snapshot);
+    const auto text = LiveValues(*snapshot).list_text(snapshot->t);
+    EXPECT_NE(text.find(R"("write_range":{"least":-5.0,"greatest":40.0})"), std::string::npos) << text;
+    EXPECT_NE(text.find(R"("write_range":{"least":0.0})"), std::string::npos);
+}
+
 TEST(LiveValues, MarksTriggersAndLocals) {
     RunningHost running(host::test::project_with(
         host::test::line_of(

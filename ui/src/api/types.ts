@@ -45,7 +45,7 @@ export interface LiveValue {
   broadcast?: boolean;
   /** Its numbers stand for words. */
   enumeration?: boolean;
-  /** The values that it takes, where the project has such limits. */
+  /** The values that are usual for a write, where the project has such a range. */
   write_range?: { least?: number; greatest?: number };
   deadline_ms?: number | null;
   proved_age_ms?: number | null;

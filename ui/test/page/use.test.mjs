@@ -104,6 +104,54 @@ test('typing replaces the old value, and a value ten times as large is confirmed
   await toast(page, 'Setpoint = 125: acknowledged, not read back');
 });
 
+test('a value outside the written range is confirmed; pasted bools are asked about', async (t) => {
+  const own = await Plant.start((file) =>
+    writeFileSync(
+      file,
+      readFileSync(file, 'utf8').replace(
+        'write_on_change: true',
+        'write_on_change: true, write_range: 5..40',
+      ),
+    ),
+  );
+  t.after(() => own.stop());
+  const page = await open('#/live', own);
+  const write = async (typed) => {
+    await page.getByRole('button', { name: 'Write: Setpoint' }).click();
+    await page.getByLabel('New value').waitFor();
+    await page.keyboard.type(typed);
+    await page.getByRole('dialog').locator('code').first().waitFor();
+    await page.keyboard.press('Enter');
+  };
+  await write('40,5');
+  const question = page.getByRole('dialog', { name: 'Write Setpoint?' });
+  await question.getByText('40.5 is outside the range 5..40.').waitFor();
+  await page.keyboard.press('Escape');
+  const dialog = page.getByRole('dialog', { name: 'Write Setpoint', exact: true });
+  await dialog.waitFor();
+  await page.keyboard.press('Escape');
+  await dialog.waitFor({ state: 'detached' });
+  await write('5');
+  await toast(page, 'Setpoint = 5: acknowledged, not read back');
+
+  await page.goto(`${own.url}?lang=en&theme=light#/project`);
+  await page.getByRole('treeitem', { name: /Pump, 18/ }).click();
+  await page.getByRole('tab', { name: /Variables/ }).click();
+  const grid = page.getByRole('grid');
+  await grid.getByText('Fault').click();
+  await grid.evaluate((element) => {
+    const data = new DataTransfer();
+    data.setData('text/plain', 'Alarm\tbool\t0x01\tnone\t17');
+    element.dispatchEvent(new ClipboardEvent('paste', { clipboardData: data, bubbles: true }));
+  });
+  const coils = page.getByRole('dialog', { name: 'Which coils are meant?' });
+  await coils.getByText('Alarm has the register 17 and no bit').waitFor();
+  assert.ok(await coils.getByRole('button', { name: 'OK' }).isDisabled());
+  await coils.getByLabel('Bit 0 of register 17: coil 272').check();
+  await coils.getByRole('button', { name: 'OK' }).click();
+  await grid.getByText('Alarm').waitFor();
+});
+
 test('the age of a value is explained hop by hop', async () => {
   const page = await open('#/live');
   await page.getByRole('button', { name: /Why is this value old\? Pressure/ }).click();

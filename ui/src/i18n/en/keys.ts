@@ -75,6 +75,7 @@ export const keys = {
   scale: 'Scale',
   offset: 'Offset',
   dead_band: 'Dead band',
+  write_range: 'Write range',
   verify: 'Verify writes',
   safe_to_repeat: 'Safe to repeat',
   unit: 'Unit',

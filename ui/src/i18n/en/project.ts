@@ -160,6 +160,15 @@ export const project = {
     done: (n: number) => `Rows taken over: ${n}`,
     more: (n: number) => `… and ${n} more`,
   },
+  coils: {
+    title: 'Which coils are meant?',
+    question: (name: string, register: string, n: number) =>
+      n === 1
+        ? `${name} has the register ${register} and no bit. What is meant?`
+        : `${n} rows have a register and no bit, such as ${name} with ${register}. What is meant?`,
+    coil: (coil: number, _register: string) => `Coil ${coil}: the numbers are those of coils`,
+    bit: (coil: number, register: string) => `Bit 0 of register ${register}: coil ${coil}`,
+  },
   saving: {
     title: 'Save the project',
     changes: 'What changes in the file',

@@ -37,6 +37,7 @@ export const trends = {
   legend: {
     restart: 'Takt was not running',
     lost: 'samples lost',
+    damaged: 'damaged: samples may be missing',
     bad: 'bad value',
     uncertain: 'uncertain value',
     age: 'the change is within this time',
@@ -45,6 +46,11 @@ export const trends = {
   },
   chart: (names: string) => `Chart of ${names}`,
   samples: 'Samples',
+  damage: {
+    title: (n: number) => `Damaged parts of the history: ${n}. Samples of these times may be missing`,
+    several: 'unknown or several variables',
+    lost: (n: number) => `samples lost: ${n}`,
+  },
   marks: {
     title: (n: number) => `Messages and commands: ${n}`,
     go: 'Puts cursor A here',

@@ -77,6 +77,7 @@ export const keys: Translated<typeof keySource> = {
   scale: 'Множитель',
   offset: 'Смещение',
   dead_band: 'Зона нечувствительности',
+  write_range: 'Диапазон записи',
   verify: 'Проверка записи',
   safe_to_repeat: 'Повтор безопасен',
   unit: 'Единица измерения',

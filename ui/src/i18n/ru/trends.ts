@@ -40,6 +40,7 @@ export const trends: Translated<typeof source> = {
   legend: {
     restart: 'Takt не работал',
     lost: 'потеряны отсчёты',
+    damaged: 'повреждено: отсчёты могут отсутствовать',
     bad: 'плохое значение',
     uncertain: 'сомнительное значение',
     age: 'изменение произошло в этот промежуток',
@@ -48,6 +49,11 @@ export const trends: Translated<typeof source> = {
   },
   chart: (names: string) => `График: ${names}`,
   samples: 'Отсчёты',
+  damage: {
+    title: (n: number) => `Повреждённых частей истории: ${n}. Отсчёты этих интервалов могут отсутствовать`,
+    several: 'неизвестная переменная или несколько',
+    lost: (n: number) => `потеряно отсчётов: ${n}`,
+  },
   marks: {
     title: (n: number) => `Сообщения и команды: ${n}`,
     go: 'Поставить сюда курсор A',

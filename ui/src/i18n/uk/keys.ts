@@ -77,6 +77,7 @@ export const keys: Translated<typeof keySource> = {
   scale: 'Множник',
   offset: 'Зміщення',
   dead_band: 'Зона нечутливості',
+  write_range: 'Діапазон запису',
   verify: 'Перевірка запису',
   safe_to_repeat: 'Повтор безпечний',
   unit: 'Одиниця вимірювання',

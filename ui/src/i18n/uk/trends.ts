@@ -40,6 +40,7 @@ export const trends: Translated<typeof source> = {
   legend: {
     restart: 'Takt не працював',
     lost: 'втрачено відліки',
+    damaged: 'пошкоджено: відліки можуть бути відсутні',
     bad: 'погане значення',
     uncertain: 'сумнівне значення',
     age: 'зміна відбулася в цей проміжок',
@@ -48,6 +49,11 @@ export const trends: Translated<typeof source> = {
   },
   chart: (names: string) => `Графік: ${names}`,
   samples: 'Відліки',
+  damage: {
+    title: (n: number) => `Пошкоджених частин історії: ${n}. Відліки цих проміжків можуть бути відсутні`,
+    several: 'невідома змінна або кілька',
+    lost: (n: number) => `втрачено відліків: ${n}`,
+  },
   marks: {
     title: (n: number) => `Повідомлення та команди: ${n}`,
     go: 'Поставити сюди курсор A',

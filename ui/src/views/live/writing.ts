@@ -2,12 +2,6 @@
 // read after a write. Pure.
 import type { LiveValue, Scalar } from '../../api/types';
 
-/** The limits of the values that a variable takes. */
-export interface WriteRange {
-  least?: number;
-  greatest?: number;
-}
-
 /** From here on a mistyped digit more is likelier than a value that is meant. */
 const MANY_TIMES = 10;
 

@@ -68,6 +68,7 @@ export const COLUMNS: Record<TableObject, TableColumn[]> = {
     used,
     ...scaling,
     column('dead_band', 'number', '90px', { right: true }),
+    column('write_range', 'text', '110px', { right: true }),
     column('byte_order', 'text', '100px'),
     column('verify', 'boolean', '110px'),
     column('safe_to_repeat', 'boolean', '110px'),

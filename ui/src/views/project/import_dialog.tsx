@@ -7,6 +7,8 @@ import { Dialog } from '../../shell/dialog';
 import { errorText, toast } from '../../shell/toasts';
 import { formatPath, listAt, type Path } from '../../store/document';
 import { draft, setNodes } from '../../store/project';
+import { type CoilChoice, openRows, withChoice } from './coil_choice';
+import { CoilQuestion } from './coil_question';
 import { importing, itemOf, merged, targetsFor } from './importing';
 import { keyText } from './rules';
 import { select, tab } from './selection';
@@ -62,6 +64,7 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
   const [problem, setProblem] = useState('');
   const [into, setInto] = useState<string | null>(null);
   const [replace, setReplace] = useState(false);
+  const [choice, setChoice] = useState<CoilChoice | null>(null);
   useEffect(() => {
     if (text.trim() === '') {
       setFound(null);
@@ -98,11 +101,14 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
   const close = () => {
     importing.value = null;
   };
+  const before = target ? listAt(draft.value, target.path) : [];
+  const items = found && target ? found.rows.map((row) => itemOf(row, target.object)) : [];
+  const list = merged(before, items, replace);
+  const open = openRows(list, before);
   const accept = () => {
-    if (!found || !target) return;
-    const items = found.rows.map((row) => itemOf(row, target.object));
-    const list = merged(listAt(draft.peek(), target.path), items, replace);
-    setNodes([{ path: target.path, value: list }], `import ${formatPath(target.path)}`);
+    if (!target) return;
+    const value = choice ? withChoice(list, open, choice) : list;
+    setNodes([{ path: target.path, value }], `import ${formatPath(target.path)}`);
     select(target.path[0] === 'locals' ? target.path : target.path.slice(0, -1));
     if (target.path.at(-1) === 'variables') tab.value = 'variables';
     toast('good', texts.done(items.length));
@@ -112,7 +118,7 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
     <Dialog
       title={texts.title}
       accept={texts.accept}
-      acceptDisabled={!target || !found || found.rows.length === 0}
+      acceptDisabled={!target || items.length === 0 || (open.length > 0 && choice === null)}
       onAccept={accept}
       onClose={close}
     >
@@ -129,6 +135,7 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
         <div aria-live="polite">
           {problem && <p class="bad">{problem}</p>}
           {found && <Preview found={found} />}
+          {open.length > 0 && <CoilQuestion rows={open} value={choice} onPick={setChoice} />}
           {found && targets.length === 0 && <p class="bad">{texts.nowhere}</p>}
         </div>
         {target && (

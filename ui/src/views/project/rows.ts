@@ -29,7 +29,8 @@ export function sizeOf(row: Mapping): number {
   return /32$|^float$/.test(type) ? 2 : 1;
 }
 
-const numberOf = (text: unknown) => {
+/** A decimal or hexadecimal number of the file; null for other texts. */
+export const numberOf = (text: unknown) => {
   const its = typeof text === 'string' ? text.trim() : '';
   return /^(\d+|0x[0-9a-f]+)$/i.test(its) ? Number(its) : null;
 };

@@ -8,6 +8,7 @@ import { toast } from '../../shell/toasts';
 import { type Column, Grid, type GridCell } from '../../widgets/grid';
 import { cellText } from './cells';
 import { CellEditor, cellChoices } from './cell_editor';
+import { CoilDialog } from './coil_question';
 import type { TableColumn, TableObject } from './columns';
 import { importing } from './importing';
 import { Picker } from './picker';
@@ -202,6 +203,15 @@ export function VariableTable({ path, object, label }: { path: Path; object: Tab
         ))}
         {findings.length === 0 && !state.locked && <p class="muted small hint">{texts.hint}</p>}
       </div>
+      {state.openPaste && (
+        <CoilDialog
+          rows={state.openPaste}
+          onPick={(choice) => {
+            state.settlePaste(choice);
+            setTimeout(focus);
+          }}
+        />
+      )}
       {picking && (
         <Picker
           wants={picking.column.wants ?? 'any'}

@@ -6,6 +6,7 @@ import { formatPath, listAt, type Path } from '../../store/document';
 import { draft, setNode } from '../../store/project';
 import type { GridCell } from '../../widgets/grid';
 import { isYes, rawOf } from './cells';
+import { type CoilChoice, openRows, withChoice } from './coil_choice';
 import { COLUMNS, firstRow, type TableColumn, type TableObject } from './columns';
 import { readOnly, setKeys, setList, takenNames } from './edit';
 import * as rows from './rows';
@@ -49,6 +50,10 @@ export interface TableState {
   fillDown: () => void;
   copyText: () => string;
   paste: (text: string) => void;
+  /** Pasted rows that leave open which coil they mean; null: there are none. */
+  openPaste: Mapping[] | null;
+  /** Stores the pasted rows with that meaning; null: leaves the list as it was. */
+  settlePaste: (choice: CoilChoice | null) => void;
 }
 
 export function useTable(path: Path, object: TableObject): TableState {
@@ -62,6 +67,7 @@ export function useTable(path: Path, object: TableObject): TableState {
   const [anchor, setAnchor] = useState<GridCell | null>(null);
   const [extra, setExtra] = useState<ReadonlySet<number>>(new Set());
   const [editing, edit] = useState<Editing | null>(null);
+  const [pending, setPending] = useState<{ list: Mapping[]; open: Mapping[] } | null>(null);
   // Rows keep their places while cells are edited; sorting again is a click.
   const order = useMemo(() => rows.ordered(list, filter, sort, all), [list.length, filter, sort, object]);
   const shown = useRef(order);
@@ -84,6 +90,11 @@ export function useTable(path: Path, object: TableObject): TableState {
       : [];
   const label = (what: string) => `${what} ${formatPath(path)}`;
   const store = (next: Mapping[], what: string) => setList(path, next, label(what));
+  const storePasted = (next: Mapping[]) => {
+    const open = object === 'bank' ? [] : openRows(next, list);
+    if (open.length > 0) setPending({ list: next, open });
+    else store(next, 'paste');
+  };
   const fresh = (last: Mapping | undefined, taken: Set<string>) => {
     const first = firstRow(object, t.peek().project.table.newName);
     return object === 'bank' ? first : rows.rowAfter(last, first, taken);
@@ -190,7 +201,7 @@ export function useTable(path: Path, object: TableObject): TableState {
       const only = cells.length === 1 && cells[0]!.length === 1 ? cells[0]![0]! : null;
       const chosen = selectedRows();
       if (only !== null && chosen.length > 0) {
-        store(rows.withCells(list, chosen, selectedColumns(), only), 'paste');
+        storePasted(rows.withCells(list, chosen, selectedColumns(), only));
         return;
       }
       const start = {
@@ -198,7 +209,12 @@ export function useTable(path: Path, object: TableObject): TableState {
         column: current && from ? Math.min(current.column, from.column) : 0,
       };
       const make = (now: Mapping[]) => fresh(now.at(-1), rows.namesIn(now));
-      store(rows.pasted(list, order, cells, start, columns, make), 'paste');
+      storePasted(rows.pasted(list, order, cells, start, columns, make));
+    },
+    openPaste: pending?.open ?? null,
+    settlePaste: (choice) => {
+      if (pending && choice) store(withChoice(pending.list, pending.open, choice), 'paste');
+      setPending(null);
     },
   };
 }

@@ -34,7 +34,9 @@ export function VariableForm({ path }: { path: Path }) {
     'retain',
     'used',
     'unit',
-    ...(bool || text ? [] : ['scale', 'offset', 'dead_band', 'byte_order', 'enumeration', 'bits']),
+    ...(bool || text
+      ? []
+      : ['scale', 'offset', 'dead_band', 'write_range', 'byte_order', 'enumeration', 'bits']),
     'area',
     ...(bool ? ['coil'] : []),
     'reference',

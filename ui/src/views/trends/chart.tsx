@@ -18,6 +18,7 @@ const penCanvasColor = (index: number) => color(`--pen-${(index % 6) + 1}`);
 const HATCHES: Record<SpanKind, { color: string; step: number; rising: boolean }> = {
   restart: { color: '--idle', step: 9, rising: true },
   lost: { color: '--warn', step: 6, rising: true },
+  damaged: { color: '--bad', step: 4, rising: true },
   bad: { color: '--bad', step: 7, rising: false },
   uncertain: { color: '--warn', step: 12, rising: false },
 };

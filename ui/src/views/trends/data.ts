@@ -14,7 +14,7 @@ export interface Change {
   before: number;
   after: number;
 }
-export type SpanKind = 'restart' | 'lost' | 'bad' | 'uncertain';
+export type SpanKind = 'restart' | 'lost' | 'damaged' | 'bad' | 'uncertain';
 export interface Span {
   from: number;
   to: number;
@@ -37,15 +37,22 @@ function pointsOf(variable: HistoryVariable): HistoryPoint[] {
   return all;
 }
 
-/** Times in which nothing is known of a variable: gaps of the stream, and values that are not good. */
+const gapKind = (cause: string): SpanKind => (cause === 'restart' || cause === 'damaged' ? cause : 'lost');
+
+/** Times in which nothing is known of a variable: gaps, damage of the file, and values that are not good. */
 export function spansOf(history: History, variable: HistoryVariable): Span[] {
   const gaps = history.gaps.map(
     (gap): Span => ({
       from: seconds(gap.from),
       to: seconds(gap.to),
-      kind: gap.cause === 'restart' ? 'restart' : 'lost',
+      kind: gapKind(gap.cause),
       text: gap.samples ? `${gap.cause}: ${gap.samples}` : gap.cause,
     }),
+  );
+  const damaged = (history.damage ?? []).flatMap((its): Span[] =>
+    its.from !== null && its.to !== null && (its.variable === null || its.variable === variable.name)
+      ? [{ from: seconds(its.from), to: seconds(its.to), kind: 'damaged', text: its.part }]
+      : [],
   );
   const bad = variable.bad.map(
     (its): Span => ({
@@ -55,7 +62,7 @@ export function spansOf(history: History, variable: HistoryVariable): Span[] {
       text: its.reason ?? its.quality,
     }),
   );
-  return [...gaps, ...bad].sort((a, b) => a.from - b.from);
+  return [...gaps, ...damaged, ...bad].sort((a, b) => a.from - b.from);
 }
 
 export function curveOf(history: History, variable: HistoryVariable): Curve {

@@ -1,7 +1,7 @@
 // What is drawn: pens, range, cursors. The address keeps pens and range, so a link opens the same view.
 import { computed, effect, signal } from '@preact/signals';
 import { get } from '../../api/client';
-import type { History, HistoryMark, HistorySeries } from '../../api/types';
+import type { History, HistoryDamage, HistoryMark, HistorySeries } from '../../api/types';
 import { query, setQuery, view } from '../../shell/route';
 import { clockKnown, programNow } from '../../store/clock';
 
@@ -23,6 +23,9 @@ export const frozen = signal<Range | null>(null);
 export const cursors = signal<{ a: number | null; b: number | null }>({ a: null, b: null });
 export const series = signal<HistorySeries[]>([]);
 export const picture = signal<History | null>(null);
+const listDamage = signal<HistoryDamage[]>([]);
+/** What is damaged, as far as the picture, or else the list of the variables, has met it. */
+export const damage = computed(() => picture.value?.damage ?? listDamage.value);
 /** Messages and commands within the range, in order of time. */
 export const marks = signal<HistoryMark[]>([]);
 export const problem = signal('');
@@ -115,7 +118,9 @@ async function refreshMarks(from: number, to: number, signal: AbortSignal): Prom
 
 export async function loadSeries(): Promise<void> {
   try {
-    series.value = (await get<{ variables: HistorySeries[] }>('history/series')).variables;
+    const its = await get<{ variables: HistorySeries[]; damage: HistoryDamage[] }>('history/series');
+    series.value = its.variables;
+    listDamage.value = its.damage;
     problem.value = '';
   } catch (failure) {
     problem.value = failure instanceof Error ? failure.message : String(failure);

@@ -5,6 +5,7 @@ import { toast } from '../../shell/toasts';
 import { info } from '../../store/info';
 import { Icon } from '../../widgets/icon';
 import { Chart } from './chart';
+import { DamageList } from './damage_list';
 import { Marks } from './marks';
 import { Pens } from './pens';
 import * as state from './state';
@@ -137,7 +138,7 @@ function Legend() {
   const texts = t.value.trends.legend;
   return (
     <p class="legend small muted">
-      {(['restart', 'lost', 'bad', 'uncertain'] as const).map((kind) => (
+      {(['restart', 'lost', 'damaged', 'bad', 'uncertain'] as const).map((kind) => (
         <span key={kind}>
           <i class={`hatch ${kind}`} /> {texts[kind]}
         </span>
@@ -178,6 +179,7 @@ export function TrendsView() {
       )}
       <Pens />
       {state.pens.value.length > 0 && <Marks />}
+      <DamageList />
       {state.picture.value && state.pens.value.length > 0 && (
         <footer>
           <Legend />

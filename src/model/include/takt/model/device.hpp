@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -130,6 +131,13 @@ struct ValueWord {
     friend bool operator==(const ValueWord&, const ValueWord&) = default;
 };
 
+/// Values that are usual for a write, inclusive; infinite: no bound on that side.
+struct WriteRange {
+    double least = -std::numeric_limits<double>::infinity();
+    double greatest = std::numeric_limits<double>::infinity();
+    friend bool operator==(const WriteRange&, const WriteRange&) = default;
+};
+
 /// One value of a device. Addresses are zero-based, as on the wire.
 struct Variable {
     std::string name;
@@ -160,6 +168,7 @@ struct Variable {
     double scale = 1;  ///< value = raw * scale + offset
     double offset = 0;
     double dead_band = 0;
+    std::optional<WriteRange> write_range;  ///< of a number, scaled: faces ask back before a write outside
     bool verify = false;
     bool safe_to_repeat = false;
     bool written_by_clients = false;     ///< a variable of a server `writes_to` it, or an output may write it
