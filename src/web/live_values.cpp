@@ -93,7 +93,7 @@ void LiveValues::apply(const host::ValueChanged& changed) {
     state.value = changed.value;
     state.quality = changed.quality;
     state.reason = changed.reason;
-    state.good_at = changed.good_at;
+    state.sampled_at = changed.sampled_at;
     mark(changed.slot.value);
 }
 
@@ -108,15 +108,15 @@ void LiveValues::refresh(const host::Snapshot& snapshot) {
         }
         if (state.quality == now.quality && state.reason == now.reason &&
             value::same(state.value, now.value)) {
-            if (state.good_at == now.good_at) continue;
-            state.good_at = now.good_at;
+            if (state.sampled_at == now.sampled_at) continue;
+            state.sampled_at = now.sampled_at;
             read_.push_back(slot);
             continue;
         }
         state.value = now.value;
         state.quality = now.quality;
         state.reason = now.reason;
-        state.good_at = now.good_at;
+        state.sampled_at = now.sampled_at;
         mark(slot);
     }
 }
@@ -154,7 +154,7 @@ file::Json LiveValues::entry(std::uint32_t slot, const WallTime& clock, bool tri
     object.set("reason", report::reason_word(state.reason));
     if (state.cause != value::Reason::ok && state.reason == value::Reason::not_answering)
         object.set("cause", report::reason_word(state.cause));
-    object.set("good_at", state.good_at ? file::Json(clock.ms(*state.good_at)) : file::Json());
+    object.set("sampled_at", state.sampled_at ? file::Json(clock.ms(*state.sampled_at)) : file::Json());
     object.set("writable", variable ? variable->write.has_value() : !info.service);
     object.set("trigger", trigger);
     object.set("local", info.local);
@@ -190,7 +190,7 @@ std::string LiveValues::take_rows_text(Instant t) {
         row.emplace_back(value::format(info.type, info.scaled, state.value));
         row.emplace_back(value::name(state.quality));
         row.emplace_back(report::reason_word(state.reason));
-        row.push_back(state.good_at ? file::Json(clock.ms(*state.good_at)) : file::Json());
+        row.push_back(state.sampled_at ? file::Json(clock.ms(*state.sampled_at)) : file::Json());
         if (auto words = configuration_->value_words({slot}, state.value); !words.empty())
             row.emplace_back(std::move(words));
         rows.emplace_back(std::move(row));
@@ -205,15 +205,15 @@ std::string LiveValues::take_rows_text(Instant t) {
 std::string LiveValues::take_reads_text(Instant t) {
     const WallTime clock;
     file::Json::Array runs;
-    const auto instant_of = [&](std::uint32_t slot) { return states_[slot].good_at; };
+    const auto instant_of = [&](std::uint32_t slot) { return states_[slot].sampled_at; };
     for (std::size_t first = 0, next = 0; first < read_.size(); first = next) {
-        const auto good_at = instant_of(read_[first]);
+        const auto sampled_at = instant_of(read_[first]);
         next = first + 1;
         while (next < read_.size() && read_[next] == read_[next - 1] + 1 &&
-               instant_of(read_[next]) == good_at)
+               instant_of(read_[next]) == sampled_at)
             ++next;
         file::Json::Array run;
-        run.push_back(good_at ? file::Json(clock.ms(*good_at)) : file::Json());
+        run.push_back(sampled_at ? file::Json(clock.ms(*sampled_at)) : file::Json());
         run.emplace_back(read_[first]);
         run.emplace_back(read_[next - 1]);
         runs.emplace_back(std::move(run));

@@ -44,7 +44,7 @@ private:
         value::Quality quality = value::Quality::never_read;
         value::Reason reason = value::Reason::ok;
         value::Reason cause = value::Reason::ok;
-        std::optional<Instant> good_at;
+        std::optional<Instant> sampled_at;
     };
 
     void mark(std::uint32_t slot);

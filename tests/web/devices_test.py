@@ -143,7 +143,7 @@ def test_ages_of_values_that_stay_the_same_are_right(site, meter):
     """The instant of the last good read that a browser knows is never older than 0.2 s and a period. The
     reads that the device has answered since are counted: they stand still where the machine does. A period
     has up to three."""
-    good_at, seen, missed = {}, 0, []
+    sampled_at, seen, missed = {}, 0, []
     with site.connect() as s:
         s.sendall(f"GET /api/v1/stream HTTP/1.1\r\nHost: 127.0.0.1:{site.port}\r\n\r\n".encode())
         buffer = b""
@@ -160,14 +160,14 @@ def test_ages_of_values_that_stay_the_same_are_right(site, meter):
                 body = json.loads(data)
                 if name == b"snapshot":
                     names = [v["name"] for v in body["values"]]
-                    good_at = {i: v["good_at"] for i, v in enumerate(body["values"])}
+                    sampled_at = {i: v["sampled_at"] for i, v in enumerate(body["values"])}
                 elif name == b"values":
-                    good_at.update({row[0]: row[5] for row in body["values"]})
+                    sampled_at.update({row[0]: row[5] for row in body["values"]})
                 else:
                     seen += 1
                     for at, first, last in body["reads"]:
-                        good_at.update(dict.fromkeys(range(first, last + 1), at))
-                    oldest = min(good_at[names.index(n)] for n in "ABCD")
+                        sampled_at.update(dict.fromkeys(range(first, last + 1), at))
+                    oldest = min(sampled_at[names.index(n)] for n in "ABCD")
                     missed.append(sum(answered > oldest for answered in meter.answered_at[-100:]))
     missed.sort()
     assert missed[len(missed) * 9 // 10] <= 3 * 250 / 50, missed

@@ -76,7 +76,7 @@ test('the outcome names what was proved', () => {
 
 test('a write is compared with the first read that began after it', () => {
   const write = { written: 95.5, after: 1000 };
-  assert.equal(readAfter(write, { value: 80, good_at: null }), null);
-  assert.equal(readAfter(write, { value: 80, good_at: 999 }), null);
-  assert.equal(readAfter(write, { value: 90, good_at: 1000 }), 90);
+  assert.equal(readAfter(write, { value: 80, sampled_at: null }), null);
+  assert.equal(readAfter(write, { value: 80, sampled_at: 999 }), null);
+  assert.equal(readAfter(write, { value: 90, sampled_at: 1000 }), 90);
 });

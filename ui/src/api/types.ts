@@ -28,7 +28,7 @@ export interface LiveValue {
   quality: Quality;
   reason: string;
   cause?: string;
-  good_at: number | null;
+  sampled_at: number | null;
   area?: string;
   register?: number;
   bit?: number;
@@ -50,7 +50,7 @@ export interface LiveValue {
   deadline_ms?: number | null;
   proved_age_ms?: number | null;
 }
-/** index, value, text, quality, reason, good_at, words */
+/** index, value, text, quality, reason, sampled_at, words */
 export type ValueChange = [number, Scalar, string, Quality, string, number | null, string?];
 
 export interface Snapshot {

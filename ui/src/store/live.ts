@@ -63,11 +63,11 @@ function apply(): void {
   const batches = waiting;
   waiting = [];
   for (const batch of batches) {
-    for (const [index, value, text, quality, reason, good_at, words] of batch.values) {
+    for (const [index, value, text, quality, reason, sampled_at, words] of batch.values) {
       const its = values.peek()[index];
       if (!its) continue;
       const { words: _, ...before } = its.peek();
-      const next: LiveValue = { ...before, value, text, quality, reason, good_at };
+      const next: LiveValue = { ...before, value, text, quality, reason, sampled_at };
       if (words !== undefined) next.words = words;
       its.value = next;
       remember(next, batch.time);
@@ -89,10 +89,10 @@ function onValues(batch: ValueBatch): void {
 function onReads(batch: ReadBatch): void {
   checkClock(batch.time);
   if (waiting.length > 0) apply();
-  for (const [good_at, first, last] of batch.reads)
+  for (const [sampled_at, first, last] of batch.reads)
     for (let index = first; index <= last; ++index) {
       const its = values.peek()[index];
-      if (its) its.peek().good_at = good_at;
+      if (its) its.peek().sampled_at = sampled_at;
     }
   valueTime.value = batch.time;
   notifyObservers();

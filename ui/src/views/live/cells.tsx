@@ -70,11 +70,11 @@ export function QualityCell({ row }: { row: Row }) {
 }
 
 export function AgeCell({ row }: { row: Row }) {
-  const { good_at, proved_age_ms, local, quality } = row.value;
+  const { sampled_at, proved_age_ms, local, quality } = row.value;
   const now = tick.value;
   // A good read in the future means that the program's clock was set: the next exchange corrects it.
-  if (good_at === null || local || now === null || good_at > now) return <span class="muted">–</span>;
-  const age = now - good_at;
+  if (sampled_at === null || local || now === null || sampled_at > now) return <span class="muted">–</span>;
+  const age = now - sampled_at;
   // The program judges the age: a value that is older than proved is not good any more.
   const late = quality !== 'good' && typeof proved_age_ms === 'number' && age > proved_age_ms;
   return <span class={late ? 'late' : ''}>{formatDuration(age < 1000 ? Math.round(age) : age)}</span>;

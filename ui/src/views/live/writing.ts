@@ -64,6 +64,6 @@ export interface OpenWrite {
 }
 
 /** What the first good read after a write had; null: there was none yet. */
-export function readAfter(write: OpenWrite, its: Pick<LiveValue, 'value' | 'good_at'>): Scalar {
-  return its.good_at !== null && its.good_at >= write.after ? its.value : null;
+export function readAfter(write: OpenWrite, its: Pick<LiveValue, 'value' | 'sampled_at'>): Scalar {
+  return its.sampled_at !== null && its.sampled_at >= write.after ? its.value : null;
 }
