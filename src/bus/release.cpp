@@ -56,7 +56,7 @@ Instant PeriodMeter::overrun_due() const {
 
 bool PeriodMeter::waiting(Instant t) {
     if (t < overrun_due()) return false;
-    overrun_ = true;
+    overrun_ = awaited_ = true;
     kept_since_ = t;
     pace_ = std::max(pace_, t - last_);
     return true;
@@ -65,6 +65,7 @@ bool PeriodMeter::waiting(Instant t) {
 bool PeriodMeter::started(Instant t) {
     const Duration interval = t - last_;
     last_ = t;
+    awaited_ = false;
     if (!running_) {
         running_ = true;
         kept_since_ = t;
@@ -84,6 +85,10 @@ bool PeriodMeter::started(Instant t) {
         pace_ = interval;
     }
     return overrun_ != before;
+}
+
+bool PeriodMeter::is_late() const {
+    return overrun_ && (awaited_ || std::popcount(long_ones_) > 1 || (long_ones_ & 1) != 0);
 }
 
 void PeriodMeter::answered(Instant start) {

@@ -173,7 +173,7 @@ RequestStatistics LinePoller::request(std::size_t request) const {
         const auto& meter = run_->periods_.request(request);
         statistics.real_period = meter.real();
         statistics.recent_period = meter.recent();
-        statistics.overrun = meter.overrun();
+        statistics.overrun = meter.is_late();
     }
     return statistics;
 }
@@ -182,7 +182,7 @@ VariableStatistics LinePoller::variable(std::size_t device, std::size_t variable
     const auto slot = run_->slots_.variable({run_->plan_->line, device, variable});
     const auto index = slot.value - run_->first_slot_;
     const auto& meter = run_->periods_.variable(index);
-    return {run_->variables_[index].model->period, meter.real(), meter.recent(), meter.overrun()};
+    return {run_->variables_[index].model->period, meter.real(), meter.recent(), meter.is_late()};
 }
 
 void LinePoller::replace_plan(plan::LearningPlan plan) {

@@ -201,10 +201,13 @@ TEST(PeriodMeter, AnIntervalOfMoreThanFourPeriodsIsAnOverrunWhileItLasts) {
     EXPECT_TRUE(meter.overrun());
     EXPECT_GE(meter.pace(), 420ms);
     EXPECT_FALSE(meter.waiting(at(900ms))) << "it is reported once";
+    EXPECT_TRUE(meter.is_late());
     EXPECT_FALSE(meter.started(at(1000ms)));
     EXPECT_TRUE(meter.overrun());
+    EXPECT_TRUE(meter.is_late());
     EXPECT_FALSE(meter.started(at(1100ms)));
     EXPECT_TRUE(meter.overrun()) << "it ends when the period was kept for 10 s";
+    EXPECT_FALSE(meter.is_late()) << "the status shows the present";
     for (Duration t = 1200ms; t < 10'500ms; t += 100ms) EXPECT_FALSE(meter.started(at(t)));
     EXPECT_TRUE(meter.started(at(10'500ms)));
     EXPECT_FALSE(meter.overrun());

@@ -90,11 +90,15 @@ public:
     /// periods and for 10 s: all that time at most one of the last eight periods was too long, and the latest
     /// is not. So a line near its limit does not change the state with every round.
     [[nodiscard]] bool overrun() const { return overrun_; }
+    /// Whether the period is exceeded now: within an overrun, two of the last eight periods, the latest, or
+    /// the one that is awaited are too long.
+    [[nodiscard]] bool is_late() const;
 
 private:
     Duration period_;
     bool running_ = false;
     bool overrun_ = false;
+    bool awaited_ = false;  // the overrun began while a read was awaited, which has not started yet
     std::uint8_t long_ones_ = 0;  // the last eight periods, one bit each: too long
     bool has_answer_ = false;
     Instant kept_since_;  // of an overrun

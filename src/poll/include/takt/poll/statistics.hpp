@@ -38,7 +38,7 @@ struct RequestStatistics {
     /// answered.
     bus::TimeStatistics real_period;
     Duration recent_period{};   ///< mean of about the last eight
-    bool overrun = false;       ///< reads start later than the period says, beyond a tolerance of 5 %
+    bool overrun = false;       ///< bus::PeriodMeter::is_late()
     std::uint64_t skipped = 0;  ///< releases that passed while an earlier one was still waiting
     /// Answered transactions that took longer than their C of the proof, which is that with as many requests
     /// in flight as the line has.
