@@ -105,6 +105,14 @@ TEST_F(RequestQueueTest, ANewerRequestSupersedesWaitingAndExecutedOnes) {
     EXPECT_EQ(queue.superseded(), Ids{});
 }
 
+TEST_F(RequestQueueTest, WhatIsNeverSupersededKeepsItsTurn) {
+    EXPECT_EQ(push("a", Work::device), accepted);
+    EXPECT_EQ(push("a", Work::device), accepted);
+    EXPECT_EQ(start_all(), (Ids{1}));
+    queue.cut_short(2);
+    EXPECT_EQ(start_all(), Ids{}) << "it would hold a thread of the quick ones";
+}
+
 TEST_F(RequestQueueTest, ForgetsWhoseClientHasGone) {
     EXPECT_EQ(push("a", Work::planning), accepted);
     static_cast<void>(start_all());
