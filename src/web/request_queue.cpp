@@ -55,7 +55,7 @@ std::vector<RequestQueue::Id> RequestQueue::superseded() const {
 
 void RequestQueue::cut_short(Id id) {
     const auto found = std::ranges::find(waiting_, id, &Entry::id);
-    if (found != waiting_.end()) found->work = Work::quick;
+    if (found != waiting_.end() && !found->superseded_by.empty()) found->work = Work::quick;
 }
 
 std::optional<RequestQueue::Id> RequestQueue::next() {

@@ -48,7 +48,8 @@ public:
     [[nodiscard]] Pushed push(Entry entry);
     /// The requests that the last one pushed supersedes.
     [[nodiscard]] std::vector<Id> superseded() const;
-    /// It has nothing left to do: while it waits, it counts as quick from now on. An unknown id is ignored.
+    /// It is to stop. If another one may supersede it, its handler has nothing left to do then, so it counts
+    /// as quick from now on while it waits. Other ids are ignored.
     void cut_short(Id id);
     /// The request that starts now; nothing: none may.
     [[nodiscard]] std::optional<Id> next();

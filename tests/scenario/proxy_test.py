@@ -42,8 +42,9 @@ class Nginx:
         self.port = free_port()
         certificate, key = folder / "plant.pem", folder / "plant.key"
         subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256",
-                        "-nodes", "-days", "2", "-subj", f"/CN={NAME}", "-addext", f"subjectAltName=DNS:{NAME}",
-                        "-keyout", key, "-out", certificate], check=True, capture_output=True)
+                        "-nodes", "-days", "2", "-subj", f"/CN={NAME}",
+                        "-addext", f"subjectAltName=DNS:{NAME}", "-keyout", key, "-out", certificate],
+                       check=True, capture_output=True)
         server = documented_server()
         for old, new in (("listen 443 ssl", f"listen 127.0.0.1:{self.port} ssl"),
                          ("/etc/ssl/plant.pem", str(certificate)), ("/etc/ssl/plant.key", str(key)),
@@ -68,16 +69,17 @@ class Nginx:
         return self.trust.wrap_socket(plain, server_hostname=NAME)
 
 
-@pytest.fixture
-def files(tmp_path):
-    (tmp_path / "plant.yaml").write_text(PROJECT)
-    (tmp_path / "token").write_text(TOKEN + "\n")
-    return tmp_path
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("plant")
+    (folder / "plant.yaml").write_text(PROJECT)
+    (folder / "token").write_text(TOKEN + "\n")
+    return folder
 
 
 def serve(files, *options):
-    return start("run", files / "plant.yaml", "--json", "--web", "127.0.0.1:0", "--web-token", files / "token",
-                 "--allow-write", *options)
+    return start("run", files / "plant.yaml", "--json", "--web", "127.0.0.1:0", "--web-token",
+                 files / "token", "--allow-write", *options)
 
 
 def port_of(run):
@@ -101,7 +103,7 @@ def ask(connection, method, path, body=None, fields=()):
         return response.status, response.read().decode()
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def plant(files):
     with serve(files, "--web-name", NAME, "--web-proxy", "127.0.0.1") as run:
         run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "good", "a value")
@@ -162,22 +164,16 @@ def direct(run, source="127.0.0.1"):
     return socket.create_connection(("127.0.0.1", port_of(run)), DEADLINE, (source, 0))
 
 
+TLS = {"Origin": f"https://{NAME}", "X-Forwarded-Proto": "https"}
+
+
 @pytest.mark.parametrize("options,host,source,fields,expected", [
     ([], NAME, "127.0.0.1", {}, 421),
-    (["--web-name", "Plant.Example.com"], NAME, "127.0.0.1", {}, 200),
-    (["--web-name", "vm.local", "--web-name", NAME], "vm.local:8502", "127.0.0.1", {}, 200),
-    (["--web-name", "vm.local"], NAME, "127.0.0.1", {}, 421),
+    (["--web-name", "VM.local", "--web-name", NAME], "vm.local:8502", "127.0.0.1", {}, 200),
     # Fields count from a named proxy only.
-    (["--web-name", NAME], NAME, "127.0.0.1", {"Origin": f"https://{NAME}", "X-Forwarded-Proto": "https"}, 403),
-    (["--web-name", NAME, "--web-proxy", "127.0.0.1"], NAME, "127.0.0.1",
-     {"Origin": f"https://{NAME}", "X-Forwarded-Proto": "https"}, 200),
-    (["--web-name", NAME, "--web-proxy", "127.0.0.1"], NAME, "127.0.0.2",
-     {"Origin": f"https://{NAME}", "X-Forwarded-Proto": "https"}, 403),
+    (["--web-name", NAME, "--web-proxy", "127.0.0.1"], NAME, "127.0.0.2", TLS, 403),
     (["--web-name", NAME, "--web-proxy", "127.0.0.0/8"], "127.0.0.1", "127.0.0.2",
-     {"Origin": f"https://{NAME}", "X-Forwarded-Proto": "https", "X-Forwarded-Host": NAME}, 200),
-    (["--web-proxy", "127.0.0.1"], "127.0.0.1", "127.0.0.1", {"X-Forwarded-Host": NAME}, 421),
-    (["--web-name", NAME, "--web-proxy", "127.0.0.1"], "evil.example", "127.0.0.1",
-     {"X-Forwarded-Host": NAME}, 421),
+     TLS | {"X-Forwarded-Host": NAME}, 200),
 ])
 def test_names_and_fields(files, options, host, source, fields, expected):
     with serve(files, *options) as run:
@@ -189,9 +185,9 @@ def test_names_and_fields(files, options, host, source, fields, expected):
 
 @pytest.mark.parametrize("option,value", [
     ("--web-name", "https://plant.example.com"), ("--web-name", "plant.example.com:443"), ("--web-name", "*"),
-    ("--web-name", ".example.com"), ("--web-name", "a..b"), ("--web-name", ""), ("--web-name", "a b"),
+    ("--web-name", "a..b"), ("--web-name", ""),
     ("--web-proxy", "proxy.example.com"), ("--web-proxy", "127.0.0.1:80"), ("--web-proxy", "10.0.0.0/33"),
-    ("--web-proxy", "10.0.0"), ("--web-proxy", ""),
+    ("--web-proxy", ""),
 ])
 def test_wrong_names_and_addresses_are_errors(files, option, value):
     result = takt("run", files / "plant.yaml", "--web", "127.0.0.1:0", option, value, code=2)

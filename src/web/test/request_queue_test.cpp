@@ -49,7 +49,7 @@ TEST_F(RequestQueueTest, EachKindOfWorkHasItsThreads) {
     EXPECT_EQ(push("a"), accepted);
     EXPECT_EQ(push("a", Work::device), accepted);
     EXPECT_EQ(push("b", Work::planning), accepted);
-    EXPECT_EQ(start_all(), (Ids{4, 5, 6}));
+    EXPECT_EQ(start_all(), (Ids{6, 4, 5})) << "b has none in execution";
     EXPECT_EQ(push("c", Work::planning), accepted);
     EXPECT_EQ(start_all(), Ids{}) << "two are executed";
 }
@@ -103,6 +103,14 @@ TEST_F(RequestQueueTest, ANewerRequestSupersedesWaitingAndExecutedOnes) {
     EXPECT_EQ(start_all(), (Ids{3}));
     EXPECT_EQ(push("a"), accepted);
     EXPECT_EQ(queue.superseded(), Ids{});
+}
+
+TEST_F(RequestQueueTest, WhatIsNeverSupersededKeepsItsTurn) {
+    EXPECT_EQ(push("a", Work::device), accepted);
+    EXPECT_EQ(push("a", Work::device), accepted);
+    EXPECT_EQ(start_all(), (Ids{1}));
+    queue.cut_short(2);
+    EXPECT_EQ(start_all(), Ids{}) << "it would hold a thread of the quick ones";
 }
 
 TEST_F(RequestQueueTest, ForgetsWhoseClientHasGone) {
