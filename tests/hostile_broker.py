@@ -28,7 +28,8 @@ class HostileBroker:
         self.port = self._listener.getsockname()[1]
         self.version = None
         self.connections, self.connects = 0, []
-        self.published, self.acknowledged = 0, set()  # PUBLISH from the client; (type, identifier) of its answers
+        self.published = 0         # messages of the client
+        self.acknowledged = set()  # its answers: type and identifier
         self._socket, self._lock = None, threading.Lock()
         threading.Thread(target=self._accept, daemon=True).start()
 

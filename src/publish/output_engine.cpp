@@ -34,6 +34,7 @@ OutputStatus OutputEngine::status() const {
     status.samples.dropped += lost;
     status.lost += lost;
     status.gaps += lost > 0 ? 1 : 0;
+    status.journal.buffer_samples += pushed.samples - status_taken_;
     return status;
 }
 

@@ -21,6 +21,7 @@ void OutputLog::note(const OutputStatus& status) {
     note_oversized(status);
     note_damaged(status);
     note_set_aside(status);
+    note_journal_set_aside(status);
 }
 
 void OutputLog::note_destination(const OutputStatus& status) {
@@ -93,6 +94,14 @@ void OutputLog::note_set_aside(const OutputStatus& status) {
     const std::array arguments{LogArgument{.name = "name", .text = status.name},
                                LogArgument{.name = "file", .text = set_aside_}};
     log_.message(LogLevel::error, "log.output.set_aside", arguments);
+}
+
+void OutputLog::note_journal_set_aside(const OutputStatus& status) {
+    if (status.journal.set_aside == journal_set_aside_) return;
+    journal_set_aside_ = status.journal.set_aside;
+    const std::array arguments{LogArgument{.name = "name", .text = status.name},
+                               LogArgument{.name = "file", .text = journal_set_aside_}};
+    log_.message(LogLevel::error, "log.output.journal_set_aside", arguments);
 }
 
 // The error of each further attempt names another file: only the first one is logged.

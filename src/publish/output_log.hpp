@@ -24,6 +24,7 @@ private:
     void note_oversized(const OutputStatus& status);
     void note_damaged(const OutputStatus& status);
     void note_set_aside(const OutputStatus& status);
+    void note_journal_set_aside(const OutputStatus& status);
 
     Log log_;
     OutputState state_ = OutputState::starting;  // that was logged
@@ -34,6 +35,7 @@ private:
     std::uint64_t oversized_ = 0;  // messages, at the last line
     std::uint64_t damaged_ = 0;
     std::string set_aside_;
+    std::string journal_set_aside_;
 };
 
 }  // namespace takt::publish

@@ -44,9 +44,12 @@ file::Json journal_json(const Texts& texts, const publish::OutputStatus& status)
     object.set("epoch", status.journal.epoch);
     object.set("disk_bytes", status.journal.disk_bytes);
     object.set("buffer_bytes", status.journal.buffer_bytes);
+    object.set("buffer_samples", status.journal.buffer_samples);
     object.set("samples_lost", status.journal.samples_lost);
     object.set("dropped_segments", status.journal.dropped_segments);
     object.set("torn_bytes", status.journal.torn_bytes);
+    object.set("set_aside",
+               status.journal.set_aside.empty() ? file::Json() : file::Json(status.journal.set_aside));
     object.set("disk_waits_ms", milliseconds(status.disk_waits));
     object.set("failure", status.journal_failure ? error_json(texts, *status.journal_failure) : file::Json());
     return object;
@@ -102,10 +105,15 @@ std::string output_line(const Texts& texts, const file::Json& output) {
     if (!torn.empty() && torn != "0") text += texts("app.output.torn", {{"count", torn}});
     const auto waits = journal != nullptr ? duration_of(journal->find("disk_waits_ms")) : Duration{};
     if (waits > Duration{}) text += texts("app.output.disk_waits", {{"age", age_text(waits)}});
+    if (const auto aside = journal != nullptr ? scalar_text(*journal, "set_aside") : std::string();
+        !aside.empty())
+        text += texts("app.output.journal_set_aside", {{"file", aside}});
     const auto* const failure = journal != nullptr ? journal->find("failure") : nullptr;
-    if (failure != nullptr && !failure->is_null())
-        text += texts("app.output.journal", {{"failure", without_stop(scalar_text(*failure, "text"))}});
-    return text;
+    if (failure == nullptr || failure->is_null()) return text;
+    // While the disk works, what is in memory is there for the time of a sync.
+    if (const auto count = scalar_text(*journal, "buffer_samples"); !count.empty() && count != "0")
+        text += texts("app.output.in_memory", {{"count", count}});
+    return text + texts("app.output.journal", {{"failure", without_stop(scalar_text(*failure, "text"))}});
 }
 
 }  // namespace

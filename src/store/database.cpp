@@ -22,14 +22,14 @@ bool file_exists(const std::string& path) {
     return std::filesystem::exists(path, error);
 }
 
-Result<std::string> set_database_aside(const std::string& path, const std::string& companion) {
+Result<std::string> set_aside(const std::string& path, const std::string& companion) {
     for (int i = 1; i <= kMostSetAside; ++i) {
         std::string aside = path + ".damaged-" + std::to_string(i);
         if (file_exists(aside)) continue;
         std::error_code error;
         std::filesystem::rename(path, aside, error);
         if (error) return fail(Code::io_failed, path, error.value());
-        std::filesystem::rename(path + companion, aside + companion, error);
+        if (!companion.empty()) std::filesystem::rename(path + companion, aside + companion, error);
         return aside;
     }
     return fail(Code::queue_full, path, kMostSetAside);

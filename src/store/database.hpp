@@ -23,7 +23,7 @@ inline constexpr int kLockWaitMs = 500;
 
 /// Renames a damaged file to PATH.damaged-N, together with the file PATH + `companion`, which may hold a part
 /// of it. @returns the new path; io_failed, queue_full
-[[nodiscard]] Result<std::string> set_database_aside(const std::string& path, const std::string& companion);
+[[nodiscard]] Result<std::string> set_aside(const std::string& path, const std::string& companion = {});
 
 /// Opens a database; it is created unless `read_only`.
 /// @throws SQLite::Exception

@@ -101,7 +101,7 @@ Result<HistoryFile> open_history_file(const std::string& path) {
 }
 
 Result<std::string> set_history_aside(const std::string& path) {
-    TAKT_TRY(auto aside, set_database_aside(path, "-wal"));
+    TAKT_TRY(auto aside, set_aside(path, "-wal"));
     std::error_code error;
     std::filesystem::remove(path + "-shm", error);
     return aside;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "journal_destination.hpp"
+#include "journal_end.hpp"
 #include "journal_writer.hpp"
 #include "takt/base/assert.hpp"
 
@@ -53,13 +54,15 @@ struct Journal::State {
         : storage(port),
           options(given),
           writer(port, given, losses, std::move(recovered)),
-          survey(writer.segments(), port, losses) {
+          survey(writer.segments(), port, losses),
+          end_file(port) {
         writer.on_quota_end([this] { save_quota_end(); });
     }
     State(const State&) = delete;
     State& operator=(const State&) = delete;
 
     void save_cursors(Instant now);
+    void note_end(Instant now);
     void save_quota_end();
     [[nodiscard]] bool has_unsaved_cursor() const {
         return std::ranges::any_of(destinations, &JournalDestination::has_unsaved);
@@ -79,9 +82,11 @@ struct Journal::State {
     KnownLosses losses;
     JournalWriter writer;
     LossSurvey survey;
+    JournalEndFile end_file;
     std::deque<JournalDestination> destinations;
     Instant survey_due = kNever;
     Instant cursors_due = kNever;
+    Instant end_due = kNever;
     Instant clean_due = kNever;
     std::uint64_t cursor_failures = 0;
 };
@@ -93,6 +98,12 @@ void Journal::State::save_cursors(Instant now) {
         ++cursor_failures;
         cursors_due = after(now, options.cursor_interval);
     }
+}
+
+// After an error the next note has it. While the disk fails, what is lost grows between two attempts.
+void Journal::State::note_end(Instant now) {
+    end_due = writer.failure() ? after(now, options.cursor_interval) : kNever;
+    static_cast<void>(end_file.write(writer.end()));
 }
 
 // After an error it is saved with the next state of the cursor.
@@ -161,11 +172,14 @@ Result<Journal> Journal::open(JournalStorage& storage, const JournalOptions& opt
         if (added.state().position.sequence > last.sequence) last = added.state().position;
         if (added.state().quota_end.sequence > quota_end.sequence) quota_end = added.state().quota_end;
     }
+    const auto end = state.end_file.load().value_or(std::nullopt);  // unreadable: as if it were missing
+    if (end && end->durable.sequence > last.sequence) last = end->durable;
     state.writer.set_quota_end(quota_end);
-    state.writer.begin_epoch(now, wall_ns, last);
+    state.writer.begin_epoch(now, wall_ns, last, end);
     for (JournalDestination& destination : state.destinations) TAKT_CHECK(destination.start(last));
     state.begin_survey(now);
     state.clean_due = after(now, kCleanInterval);
+    if (!end) state.note_end(now);
     return journal;
 }
 
@@ -182,8 +196,8 @@ void Journal::append_loss(Instant now, const JournalLoss& loss) {
 }
 
 Instant Journal::next_wakeup() const {
-    return std::min(
-        {state_->writer.next_wakeup(), state_->cursors_due, state_->clean_due, state_->survey_due});
+    return std::min({state_->writer.next_wakeup(), state_->cursors_due, state_->end_due, state_->clean_due,
+                     state_->survey_due});
 }
 
 void Journal::on_tick(Instant now, std::int64_t wall_ns) {
@@ -194,6 +208,9 @@ void Journal::on_tick(Instant now, std::int64_t wall_ns) {
     if (now >= state.writer.next_wakeup()) {
         state.writer.set_acknowledged(state.acknowledged());
         static_cast<void>(state.writer.flush(now));  // the writer keeps the error for the status
+        state.note_end(now);
+    } else if (now >= state.end_due) {
+        state.note_end(now);
     }
     if (state.cursors_due == kNever && state.has_unsaved_cursor())
         state.cursors_due = after(now, state.options.cursor_interval);
@@ -204,7 +221,10 @@ void Journal::on_tick(Instant now, std::int64_t wall_ns) {
 Result<void> Journal::close(Instant now) {
     for (JournalDestination& destination : state_->destinations) destination.withdraw_announcement();
     state_->save_cursors(now);
-    return state_->writer.flush(now);
+    const auto flushed = state_->writer.flush(now);
+    state_->note_end(now);
+    if (!flushed) static_cast<void>(state_->end_file.sync());
+    return flushed;
 }
 
 Result<std::optional<JournalEntry>> Journal::read(DestinationId destination) {
@@ -277,6 +297,7 @@ std::uint64_t Journal::sequence_before(std::int64_t wall_ns) const {
 JournalStatus Journal::status() const {
     JournalStatus status = state_->writer.status();
     status.cursor_failures = state_->cursor_failures;
+    status.set_aside = state_->storage.set_aside();
     return status;
 }
 

@@ -26,22 +26,6 @@ struct Slot {
     CursorState state;
 };
 
-void put_position(std::vector<std::uint8_t>& out, const StreamPosition& position) {
-    put_little(out, position.sequence);
-    put_little(out, position.samples);
-    put_little(out, static_cast<std::uint64_t>(position.wall_ns));
-    put_little(out, position.epoch);
-}
-
-StreamPosition take_position(LittleEndianReader& in) {
-    StreamPosition position;
-    position.sequence = in.take<std::uint64_t>();
-    position.samples = in.take<std::uint64_t>();
-    position.wall_ns = static_cast<std::int64_t>(in.take<std::uint64_t>());
-    position.epoch = in.take<std::uint64_t>();
-    return position;
-}
-
 std::vector<std::uint8_t> encode(const Slot& slot) {
     std::vector<std::uint8_t> out;
     const std::uint64_t sequence = slot.state.position.sequence;

@@ -38,6 +38,22 @@ Result<void> find_end(SegmentScanner& scanner, const Segment& segment, Recovered
 
 }  // namespace
 
+void put_position(std::vector<std::uint8_t>& out, const StreamPosition& position) {
+    put_little(out, position.sequence);
+    put_little(out, position.samples);
+    put_little(out, static_cast<std::uint64_t>(position.wall_ns));
+    put_little(out, position.epoch);
+}
+
+StreamPosition take_position(LittleEndianReader& in) {
+    StreamPosition position;
+    position.sequence = in.take<std::uint64_t>();
+    position.samples = in.take<std::uint64_t>();
+    position.wall_ns = static_cast<std::int64_t>(in.take<std::uint64_t>());
+    position.epoch = in.take<std::uint64_t>();
+    return position;
+}
+
 StreamPosition end_of(const RecordHeader& header) {
     return {header.sequence, header.samples_before + header.samples, header.wall_ns, header.epoch};
 }

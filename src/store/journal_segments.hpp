@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "little_endian.hpp"
 #include "takt/store/journal_record.hpp"
 #include "takt/store/journal_storage.hpp"
 
@@ -20,6 +21,10 @@ struct StreamPosition {
     friend bool operator==(const StreamPosition&, const StreamPosition&) = default;
 };
 
+/// 32 bytes, little endian.
+void put_position(std::vector<std::uint8_t>& out, const StreamPosition& position);
+[[nodiscard]] StreamPosition take_position(LittleEndianReader& in);
+
 [[nodiscard]] StreamPosition end_of(const RecordHeader& header);
 /// The position before a record. Time and epoch are those of the record itself.
 [[nodiscard]] StreamPosition start_of(const RecordHeader& header);
@@ -28,6 +33,7 @@ struct Segment {
     std::uint64_t number = 0;
     std::uint64_t bytes = 0;              ///< size of the file
     std::uint64_t readable = 0;           ///< durable bytes
+    std::uint64_t limit = 0;              ///< of its size, while it takes records
     std::optional<StreamPosition> start;  ///< before its first good durable record; none: it has no record
 };
 

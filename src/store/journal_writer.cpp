@@ -30,10 +30,16 @@ JournalWriter::JournalWriter(JournalStorage& storage, const JournalOptions& opti
       torn_bytes_(recovered.torn_bytes),
       end_(list_.durable) {}
 
-void JournalWriter::begin_epoch(Instant now, std::int64_t wall_ns, const StreamPosition& last) {
+void JournalWriter::begin_epoch(Instant now, std::int64_t wall_ns, const StreamPosition& last,
+                                const std::optional<JournalEnd>& end) {
     // A cursor ahead of the segments shows that durable records were lost: their numbers are not used again.
     if (last.sequence > end_.sequence) end_ = list_.durable = last;
     epoch_ = end_.sequence == 0 ? first_epoch(wall_ns) : end_.epoch + 1;
+    if (end && end->samples > end_.samples)
+        push_gap({.cause = end->cause,
+                  .samples = end->samples - end_.samples,
+                  .first_wall_ns = end->first_wall_ns,
+                  .last_wall_ns = end->last_wall_ns});
     const std::int64_t first = end_.sequence == 0 ? wall_ns : end_.wall_ns;
     push_gap({.cause = GapCause::restart, .first_wall_ns = first, .last_wall_ns = wall_ns});
     schedule(now);
@@ -69,6 +75,18 @@ void JournalWriter::append_loss(Instant now, const Gap& gap) {
         open_gap_->last_wall_ns = std::max(open_gap_->last_wall_ns, gap.last_wall_ns);
     }
     schedule(now);
+}
+
+// Without a failure a kill loses what was accepted since the last sync; the gap `restart` stands for it.
+JournalEnd JournalWriter::end() const {
+    JournalEnd end{.durable = list_.durable, .samples = list_.durable.samples};
+    if (!failure_ || samples() == end.samples) return end;
+    end.samples = samples();
+    end.cause = cause_of_loss();
+    end.first_wall_ns = pending_.empty() ? open_gap_->first_wall_ns : encoded_header(pending_).wall_ns;
+    end.last_wall_ns = open_gap_ ? open_gap_->last_wall_ns : end_.wall_ns;
+    end.first_wall_ns = std::min(end.first_wall_ns, end.last_wall_ns);
+    return end;
 }
 
 void JournalWriter::push(const RecordHeader& header, Bytes payload) {
@@ -128,8 +146,7 @@ Result<void> JournalWriter::write_pending() {
 /// Writes as many whole records as fit the active segment, or closes it.
 Result<void> JournalWriter::write_slice() {
     const Bytes rest = Bytes(pending_).subspan(written_);
-    const std::uint64_t room =
-        options_.segment_bytes - std::min<std::uint64_t>(options_.segment_bytes, active().bytes);
+    const std::uint64_t room = active().limit - std::min(active().limit, active().bytes);
     const std::size_t limit = std::min<std::uint64_t>(room, kLongestWrite);
     std::size_t slice = 0;
     std::size_t last = 0;
@@ -156,7 +173,9 @@ Result<void> JournalWriter::open_segment() {
     const std::uint64_t number = next_number_++;
     list_.segments.push_back({.number = number});
     has_active_ = true;
-    return storage_->create(number);
+    TAKT_TRY(const auto limit, storage_->create(number));
+    active().limit = std::min<std::uint64_t>(limit, options_.segment_bytes);
+    return {};
 }
 
 Result<void> JournalWriter::sync() {
@@ -249,6 +268,7 @@ JournalStatus JournalWriter::status() const {
     status.disk_bytes = list_.total_bytes();
     status.segments = list_.segments.size();
     status.buffer_bytes = pending_.size();
+    status.buffer_samples = samples() - list_.durable.samples;
     status.torn_bytes = torn_bytes_;
     return status;
 }

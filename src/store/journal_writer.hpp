@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "journal_end.hpp"
 #include "journal_losses.hpp"
 #include "journal_segments.hpp"
 #include "takt/store/journal.hpp"
@@ -27,9 +28,14 @@ public:
     /// `save` is called when SegmentList::quota_end has moved, before the records up to it are removed.
     void on_quota_end(std::function<void()> save) { save_quota_end_ = std::move(save); }
 
-    /// Accepts the first record of this run: the gap between the last durable record and now.
-    /// @param last  the last record that was durable: of the segments, or the highest of all cursors
-    void begin_epoch(Instant now, std::int64_t wall_ns, const StreamPosition& last);
+    /// Accepts the first records of this run: a gap of what the run before had in memory only, and the gap
+    /// between the last durable record and now.
+    /// @param last  the last record that was durable: of the segments, or the highest of all notes of it
+    /// @param end   what the run before noted
+    void begin_epoch(Instant now, std::int64_t wall_ns, const StreamPosition& last,
+                     const std::optional<JournalEnd>& end);
+    /// For the next run.
+    [[nodiscard]] JournalEnd end() const;
 
     Result<void> append(Instant now, const JournalInput& input);
     void append_loss(Instant now, const Gap& gap);

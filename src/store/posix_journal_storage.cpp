@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "database.hpp"
 #include "takt/os/open.hpp"
 
 namespace takt::store {
@@ -20,8 +21,11 @@ namespace {
 
 constexpr std::string_view kSegmentPrefix = "segment-";
 constexpr std::string_view kCursorPrefix = "cursor-";
+constexpr std::string_view kEndName = "stream-end";
 constexpr std::size_t kDigits = 20;
 constexpr std::uint64_t kSlotOffset = 4096;  // of slot 1: a sector of its own, also on disks with large ones
+constexpr std::uint64_t kEndOffset = 512;    // of slot 1: in the same block, which a full disk still has
+constexpr std::uint64_t kLeastReserved = std::uint64_t{64} << 10U;
 
 std::unexpected<Error> io_failure(const std::string& path) {
     return fail(Code::io_failed, path, errno);
@@ -73,6 +77,24 @@ Result<os::Descriptor> lock(const std::string& directory) {
     if (!folder) return fail(Code::cannot_open, directory, errno);
     if (::flock(folder.get(), LOCK_EX | LOCK_NB) != 0) return fail(Code::busy, directory, errno);
     return folder;
+}
+
+/// Whether the path leads to something that can never be opened as a file. A missing one is none.
+bool is_no_file(const std::string& path) {
+    struct stat status{};
+    if (::stat(path.c_str(), &status) == 0) return !S_ISREG(status.st_mode);
+    return (errno == ENOENT || errno == ELOOP) && ::lstat(path.c_str(), &status) == 0;
+}
+
+/// Reserves space behind the end, less than `bytes` on a disk that is nearly full.
+/// @returns what a segment should have at most; 0: see errno
+std::uint64_t reserve(int file, std::uint64_t bytes) {
+    for (auto size = bytes; size >= std::min(bytes, kLeastReserved); size /= 2) {
+        if (::fallocate(file, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(size)) == 0) return size;
+        if (errno == EOPNOTSUPP) return bytes;
+        if (errno != ENOSPC && errno != EDQUOT) return 0;
+    }
+    return 0;
 }
 
 /// Frees the reserved space behind the end. A failure costs space only.
@@ -135,6 +157,10 @@ Result<std::vector<SegmentFile>> PosixJournalStorage::list_segments() {
         const auto number = number_of(entry->d_name);
         if (!number) continue;
         struct stat status{};
+        if (is_no_file(path_of(*number))) {
+            TAKT_CHECK(move_aside(path_of(*number)));
+            continue;
+        }
         if (::stat(path_of(*number).c_str(), &status) != 0) return io_failure(path_of(*number));
         files.push_back({*number, static_cast<std::uint64_t>(status.st_size)});
     }
@@ -144,6 +170,7 @@ Result<std::size_t> PosixJournalStorage::read(std::uint64_t segment, std::uint64
                                               std::span<std::uint8_t> into) {
     if (!read_ || read_->number != segment) {
         read_.reset();
+        if (is_no_file(path_of(segment))) TAKT_CHECK(move_aside(path_of(segment)));
         auto file = os::open_for_reading(path_of(segment));
         const bool missing = !file && file.error().numbers[0] == ENOENT;
         if (missing && ::access(directory_.c_str(), F_OK) == 0) return std::size_t{0};
@@ -153,7 +180,14 @@ Result<std::size_t> PosixJournalStorage::read(std::uint64_t segment, std::uint64
     return read_at(read_->file.get(), path_of(segment), offset, into);
 }
 
-Result<void> PosixJournalStorage::create(std::uint64_t segment) {
+// The name is free then; its records are a gap.
+Result<void> PosixJournalStorage::move_aside(const std::string& path) {
+    TAKT_TRY(set_aside_, store::set_aside(path));
+    folder_changed_ = true;
+    return {};
+}
+
+Result<std::uint64_t> PosixJournalStorage::create(std::uint64_t segment) {
     if (written_) cut_at_size(written_->file.get());
     written_.reset();
     TAKT_CHECK(replace_removed_folder());
@@ -161,12 +195,11 @@ Result<void> PosixJournalStorage::create(std::uint64_t segment) {
     TAKT_TRY(auto created, os::create_file(path_of(segment)));
     created.reset();
     TAKT_TRY(auto file, os::open_for_append(path_of(segment)));
-    const auto size = static_cast<off_t>(segment_bytes_);
-    if (::fallocate(file.get(), FALLOC_FL_KEEP_SIZE, 0, size) != 0 && errno != EOPNOTSUPP)
-        return io_failure(path_of(segment));
+    const auto reserved = reserve(file.get(), segment_bytes_);
+    if (reserved == 0) return io_failure(path_of(segment));
     TAKT_CHECK(sync_folder());  // the removal of earlier segments too
     written_ = OpenSegment{segment, std::move(file)};
-    return {};
+    return reserved;
 }
 
 Result<int> PosixJournalStorage::writable(std::uint64_t segment) {
@@ -201,12 +234,14 @@ Result<void> PosixJournalStorage::sync(std::uint64_t segment) {
 Result<void> PosixJournalStorage::remove(std::uint64_t segment) {
     if (written_ && written_->number == segment) written_.reset();
     if (read_ && read_->number == segment) read_.reset();
+    if (is_no_file(path_of(segment))) return move_aside(path_of(segment));
     if (::unlink(path_of(segment).c_str()) != 0 && errno != ENOENT) return io_failure(path_of(segment));
     return {};
 }
 
 Result<int> PosixJournalStorage::cursor(std::string_view destination, bool create) {
     if (const auto found = cursors_.find(destination); found != cursors_.end()) return found->second.get();
+    if (is_no_file(path_of(destination))) TAKT_CHECK(move_aside(path_of(destination)));
     auto file = os::open_for_update(path_of(destination));
     const bool missing = !file && file.error().numbers[0] == ENOENT;
     if (missing && !create) return fail(Code::not_found, path_of(destination));
@@ -237,6 +272,36 @@ Result<void> PosixJournalStorage::sync_cursor(std::string_view destination) {
         return fail(Code::io_failed, path_of(destination), ENOENT);
     }
     return sync_folder();
+}
+
+// It is opened for each note, so that a file that was removed is created again.
+Result<os::Descriptor> PosixJournalStorage::end_file(bool create) {
+    const std::string path = directory_ + "/" + std::string(kEndName);
+    if (is_no_file(path)) TAKT_CHECK(move_aside(path));
+    auto file = os::open_for_update(path);
+    const bool missing = !file && file.error().numbers[0] == ENOENT;
+    if (missing && create) {
+        folder_changed_ = true;
+        return os::create_file(path);
+    }
+    if (missing) return os::Descriptor();
+    return file;
+}
+
+Result<std::size_t> PosixJournalStorage::read_end(unsigned slot, std::span<std::uint8_t> into) {
+    TAKT_TRY(const auto file, end_file(false));
+    return file ? read_at(file.get(), directory_, slot * kEndOffset, into) : 0;
+}
+
+Result<void> PosixJournalStorage::write_end(unsigned slot, Bytes bytes) {
+    TAKT_TRY(const auto file, end_file(true));
+    return write_at(file.get(), directory_, slot * kEndOffset, bytes);
+}
+
+Result<void> PosixJournalStorage::sync_end() {
+    TAKT_TRY(const auto file, end_file(false));
+    if (file && ::fdatasync(file.get()) != 0) return io_failure(directory_);
+    return {};
 }
 
 }  // namespace takt::store

@@ -218,7 +218,7 @@ Result<RetainedFile::Opened> RetainedFile::open(const std::string& path, std::fu
                   : is_empty_file(path) ? Result<LoadedValues>(fail(Code::malformed, path))
                                         : load_retained_file(path);
     if (!loaded && loaded.error().code == Code::malformed) {
-        TAKT_TRY(opened.set_aside, set_database_aside(path, "-journal"));
+        TAKT_TRY(opened.set_aside, set_aside(path, "-journal"));
         loaded = make_and_load();
     }
     if (!loaded) return std::unexpected(opening_error(path, loaded.error()));

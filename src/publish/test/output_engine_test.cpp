@@ -55,7 +55,7 @@ protected:
         Result<std::size_t> read(std::uint64_t s, std::uint64_t at, std::span<std::uint8_t> into) override {
             return disk_.read(s, at, into);
         }
-        Result<void> create(std::uint64_t s) override { return disk_.create(s); }
+        Result<std::uint64_t> create(std::uint64_t s) override { return disk_.create(s); }
         Result<void> append(std::uint64_t s, Bytes bytes) override { return disk_.append(s, bytes); }
         Result<void> sync(std::uint64_t s) override { return disk_.sync(s); }
         Result<void> remove(std::uint64_t s) override { return disk_.remove(s); }
@@ -67,6 +67,11 @@ protected:
             return disk_.write_cursor(d, s, bytes);
         }
         Result<void> sync_cursor(std::string_view d) override { return disk_.sync_cursor(d); }
+        Result<std::size_t> read_end(unsigned s, std::span<std::uint8_t> into) override {
+            return disk_.read_end(s, into);
+        }
+        Result<void> write_end(unsigned s, Bytes bytes) override { return disk_.write_end(s, bytes); }
+        Result<void> sync_end() override { return disk_.sync_end(); }
 
     private:
         store::test::SimulatedDisk& disk_;

@@ -1,6 +1,8 @@
 // What the journal loses, and what its counters say of it: overflow, quota, damage, a full disk.
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -383,7 +385,8 @@ TEST_F(JournalGapTest, CutsATornTail) {
     disk_.flip(1, disk_.contents().at(1).size() - 1);
     start();
     EXPECT_EQ(journal_->status().torn_bytes, 100 + kRecordOverheadBytes);
-    EXPECT_EQ(journal_->status().durable_sequence, 3U);
+    EXPECT_EQ(journal_->status().durable_sequence, 4U) << "it was synchronised: its sample is a gap";
+    EXPECT_EQ(journal_->counters(kCloud).dropped, 1U);
 }
 
 TEST_F(JournalGapTest, DamageBeforeTheLastRecordIsNoTornTail) {
@@ -394,6 +397,102 @@ TEST_F(JournalGapTest, DamageBeforeTheLastRecordIsNoTornTail) {
     start();
     EXPECT_EQ(journal_->status().torn_bytes, 0U);
     EXPECT_EQ(journal_->counters(kCloud).dropped, 1U);
+}
+
+// The last segment is damaged in each way while the program does not run.
+TEST_F(JournalGapTest, TheEndOfTheStreamIsKnownWithoutTheLastSegment) {
+    enum class Ending : std::uint8_t { orderly, killed };
+    using Damage = std::function<void(SimulatedDisk&, std::uint64_t)>;
+    const Damage damages[] = {
+        [](SimulatedDisk& disk, std::uint64_t last) { disk.remove_segment(last); },
+        [](SimulatedDisk& disk, std::uint64_t last) { disk.truncate(last, 0); },
+        [](SimulatedDisk& disk, std::uint64_t last) { disk.truncate(last, 20'000); },
+        [](SimulatedDisk& disk, std::uint64_t last) { disk.zero(last); },
+        [](SimulatedDisk& disk, std::uint64_t) {
+            for (const auto& [number, bytes] : disk.contents()) disk.remove_segment(number);
+        },
+    };
+    for (const auto ending : {Ending::orderly, Ending::killed})
+        for (std::size_t i = 0; i < std::size(damages); ++i) {
+            disk_ = {};
+            start();
+            append_records(5);
+            acknowledge_all(kSite);
+            append_records(6);
+            if (ending == Ending::orderly) {
+                ASSERT_TRUE(journal_->close(now_));
+            }
+            const auto before = journal_->counters(kCloud);
+            const auto acknowledged = journal_->durable_cursor(kSite);
+            journal_.reset();
+            damages[i](disk_, disk_.contents().rbegin()->first);
+            start();
+            tick(10s);
+            for (const auto id : {kCloud, kSite}) {
+                std::uint64_t sequence = id == kSite ? acknowledged : 0;
+                std::uint64_t delivered = sequence > 0 ? sequence - 1 : 0;  // the first one is the start
+                std::uint64_t missing = 0;
+                for (const auto& entry : read_all(id)) {
+                    EXPECT_EQ(entry.gap ? entry.gap->first_sequence : entry.header.sequence, sequence + 1);
+                    sequence = entry.header.sequence;
+                    if (!entry.gap)
+                        delivered += entry.header.samples;
+                    else if (entry.gap->cause == GapCause::damaged)
+                        missing += entry.gap->samples;
+                }
+                EXPECT_EQ(delivered + missing, before.appended) << i;
+                EXPECT_GT(missing, 0U) << i;
+                EXPECT_EQ(journal_->counters(id).dropped, missing) << i;
+                EXPECT_EQ(journal_->counters(id).appended, before.appended) << i;
+            }
+        }
+}
+
+TEST_F(JournalGapTest, WhatAFullDiskDidNotTakeIsAGapOfTheNextStart) {
+    for (const bool killed : {false, true}) {
+        disk_ = {};
+        start();
+        append_records(3);
+        disk_.full = true;
+        ASSERT_TRUE(append(30'000, 7));
+        tick();
+        for (int i = 0; i < 10; ++i) static_cast<void>(append(30'000, 10));  // the buffer overflows
+        EXPECT_GT(journal_->status().samples_lost, 0U);
+        EXPECT_EQ(journal_->status().buffer_samples, 107U);
+        if (killed)
+            tick(1s);
+        else
+            EXPECT_FALSE(journal_->close(now_));
+        const auto before = journal_->counters(kCloud);
+        EXPECT_EQ(before.appended, 110U);
+        journal_.reset();
+        disk_.full = false;
+        start();
+        tick(10s);
+        std::vector<Gap> gaps;
+        for (const auto& entry : read_all(kCloud))
+            if (entry.gap) gaps.push_back(*entry.gap);
+        ASSERT_EQ(gaps.size(), 3U) << "restart, what was in memory, restart";
+        EXPECT_EQ(gaps[1].cause, GapCause::disk_full);
+        EXPECT_EQ(gaps[1].samples, 107U);
+        EXPECT_LE(gaps[1].first_wall_ns, gaps[1].last_wall_ns);
+        EXPECT_EQ(journal_->counters(kCloud).appended, before.appended);
+        EXPECT_EQ(journal_->counters(kCloud).dropped, 107U);
+        start();
+        tick(10s);
+        EXPECT_EQ(journal_->counters(kCloud).dropped, 107U) << "it is reported once";
+    }
+}
+
+TEST_F(JournalGapTest, SegmentsAreSmallWhileTheStorageWantsThat) {
+    start();
+    disk_.segment_limit = 31'000;
+    append_records(6);
+    EXPECT_GE(journal_->status().segments, 5U);
+    disk_.segment_limit = 1U << 30;
+    append_records(6);
+    EXPECT_LE(journal_->status().segments, 10U);
+    EXPECT_EQ(read_all(kCloud).size(), 13U);
 }
 
 TEST_F(JournalGapTest, GoesOnInMemoryWhileTheDiskIsFull) {

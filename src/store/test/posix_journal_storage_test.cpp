@@ -82,6 +82,49 @@ TEST_F(PosixJournal, KeepsTheSlotsOfACursorApart) {
     EXPECT_EQ(into[0], 3);
 }
 
+TEST_F(PosixJournal, SetsAsideWhatIsNoFile) {
+    auto storage = open();
+    ASSERT_TRUE(storage->create(1));
+    ASSERT_TRUE(storage->append(1, std::vector<std::uint8_t>(100, 1)));
+    ASSERT_TRUE(storage->sync(1));
+    const auto segment = [](int number) { return "segment-0000000000000000000" + std::to_string(number); };
+    std::filesystem::create_directory(directory_ / segment(2));
+    ASSERT_EQ(::mkfifo((directory_ / segment(3)).c_str(), 0600), 0);
+    std::filesystem::create_symlink("nowhere", directory_ / segment(4));
+    ASSERT_EQ(::mkfifo((directory_ / "cursor-cloud").c_str(), 0600), 0);
+    const auto files = storage->list_segments();
+    ASSERT_TRUE(files);
+    ASSERT_EQ(files->size(), 1U);
+    EXPECT_EQ(files->front().number, 1U);
+    EXPECT_EQ(storage->sync_cursor("cloud").error().code, Code::not_found);
+    EXPECT_EQ(storage->set_aside(), directory_ / "cursor-cloud.damaged-1");
+    for (const int number : {2, 3, 4}) {
+        EXPECT_FALSE(std::filesystem::exists(std::filesystem::symlink_status(directory_ / segment(number))));
+        EXPECT_TRUE(std::filesystem::exists(
+            std::filesystem::symlink_status(directory_ / (segment(number) + ".damaged-1"))));
+    }
+    // One that takes the place of a segment while the program runs.
+    std::filesystem::remove(directory_ / segment(1));
+    std::filesystem::create_directory(directory_ / segment(1));
+    std::array<std::uint8_t, 10> bytes{};
+    EXPECT_EQ(storage->read(1, 0, bytes), std::size_t{0});
+    EXPECT_EQ(storage->set_aside(), directory_ / (segment(1) + ".damaged-1"));
+}
+
+TEST_F(PosixJournal, KeepsTheEndOfTheStream) {
+    std::array<std::uint8_t, 4> bytes{};
+    auto storage = open();
+    EXPECT_EQ(storage->read_end(0, bytes), std::size_t{0});
+    for (const unsigned slot : {0U, 1U})
+        ASSERT_TRUE(
+            storage->write_end(slot, std::vector<std::uint8_t>(4, static_cast<std::uint8_t>(slot + 5))));
+    ASSERT_TRUE(storage->sync_end());
+    for (const unsigned slot : {0U, 1U}) {
+        ASSERT_EQ(storage->read_end(slot, bytes), std::size_t{4});
+        EXPECT_EQ(bytes[3], slot + 5);
+    }
+}
+
 TEST_F(PosixJournal, IsUsedByOneProgramAtATime) {
     const auto storage = open();
     EXPECT_EQ(PosixJournalStorage::open(directory_, kSegment).error().code, Code::busy);

@@ -31,7 +31,9 @@ public:
     int fail_from = -1;  ///< number of the first operation that fails
     int fail_count = 0;  ///< operations that fail from there
     int error_number = EIO;
-    std::optional<std::uint64_t> keeps;  ///< a segment that cannot be removed
+    std::uint64_t segment_limit = 1U << 30;  ///< what create() returns
+    bool full = false;                       ///< create() and append() fail
+    std::optional<std::uint64_t> keeps;      ///< a segment that cannot be removed
 
     [[nodiscard]] int operations() const { return operations_; }
     [[nodiscard]] bool crashed() const { return crashed_; }
@@ -45,6 +47,13 @@ public:
         segments_.at(segment).seen.at(offset) ^= 0x10;
         segments_.at(segment).durable.at(offset) ^= 0x10;
     }
+    /// Takes bytes off the end of a segment, or all of it.
+    void truncate(std::uint64_t segment, std::size_t bytes) {
+        segments_.at(segment).seen.resize(bytes);
+        segments_.at(segment).durable.resize(bytes);
+    }
+    void zero(std::uint64_t segment) { std::ranges::fill(segments_.at(segment).seen, std::uint8_t{0}); }
+    void remove_segment(std::uint64_t segment) { segments_.erase(segment); }
     void remove_cursor(const std::string& name) { cursors_.erase(name); }
     void flip_cursor(const std::string& name, std::size_t offset) {
         cursors_.at(name).seen.at(offset) ^= 0x10;
@@ -59,6 +68,8 @@ public:
         disk.cursors_ = cursors_;
         for (auto& [number, file] : disk.segments_) file.lose(survival);
         for (auto& [name, file] : disk.cursors_) file.lose(survival);
+        disk.end_ = end_;
+        disk.end_.lose(survival);
         return disk;
     }
 
@@ -68,6 +79,7 @@ public:
         disk.segments_ = segments_;
         disk.cursors_ = cursors_;
         disk.removed_ = removed_;
+        disk.end_ = end_;
         return disk;
     }
 
@@ -82,17 +94,18 @@ public:
         const auto found = segments_.find(segment);
         return found == segments_.end() ? std::size_t{0} : found->second.read(offset, into);
     }
-    Result<void> create(std::uint64_t segment) override {
+    Result<std::uint64_t> create(std::uint64_t segment) override {
         creating_ = segment;
+        if (full) return fail(Code::io_failed, "disk", ENOSPC);
         const auto outcome = operate();
-        if (crashed_before_) return outcome;
-        segments_[segment] = {};  // after an error too
-        if (!outcome) return outcome;
+        if (!crashed_before_) segments_[segment] = {};  // after an error too
+        TAKT_CHECK(outcome);
         creating_.reset();
         removed_.clear();
-        return outcome;
+        return segment_limit;
     }
     Result<void> append(std::uint64_t segment, Bytes bytes) override {
+        if (full) return fail(Code::io_failed, "disk", ENOSPC);
         const auto outcome = operate();
         if (crashed_before_) return outcome;
         File& file = segments_.at(segment);
@@ -126,6 +139,17 @@ public:
         if (found == cursors_.end()) return fail(Code::not_found, name);
         return sync(found->second);
     }
+
+    Result<std::size_t> read_end(unsigned slot, std::span<std::uint8_t> into) override {
+        return end_.read(slot * kSector, into);
+    }
+    Result<void> write_end(unsigned slot, Bytes bytes) override {
+        const auto outcome = operate();
+        if (!crashed_before_)
+            end_.write(slot * kSector, outcome || crashed_ ? bytes : bytes.first(bytes.size() / 2));
+        return outcome;
+    }
+    Result<void> sync_end() override { return sync(end_); }
 
 private:
     struct Piece {
@@ -190,6 +214,7 @@ private:
     std::map<std::uint64_t, File> segments_;
     std::map<std::uint64_t, File> removed_;
     std::map<std::string, File> cursors_;
+    File end_;
     std::optional<std::uint64_t> creating_;
     int operations_ = 0;
     bool crashed_ = false;

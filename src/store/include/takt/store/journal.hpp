@@ -66,10 +66,12 @@ struct JournalStatus {
     /// Of this run: one more than that of the run before. The first one of a journal is the second of its
     /// creation since 1970.
     std::uint64_t epoch = 0;
-    std::uint64_t disk_bytes = 0;  ///< size of all segments
-    std::size_t segments = 0;      ///< files
-    std::size_t buffer_bytes = 0;  ///< records that are not durable
-    std::uint64_t torn_bytes = 0;  ///< cut at the start: bytes after the last good record
+    std::uint64_t disk_bytes = 0;      ///< size of all segments
+    std::size_t segments = 0;          ///< files
+    std::size_t buffer_bytes = 0;      ///< records that are not durable
+    std::uint64_t buffer_samples = 0;  ///< samples that are not durable, missing ones included
+    std::uint64_t torn_bytes = 0;      ///< cut at the start: bytes after the last good record
+    std::string set_aside;             ///< see JournalStorage
     // Counters of this run.
     std::uint64_t samples_lost = 0;    ///< they did not fit the buffer, or the source lost them
     std::uint64_t syncs = 0;           ///< successful, of segments
@@ -95,6 +97,10 @@ struct DestinationId {
 /// A segment is removed as soon as every destination has durably acknowledged its records and the retention
 /// is over. Above the quota the oldest segment is removed in any case: each destination that did not
 /// acknowledge it reads a gap. Each start writes a gap of cause restart.
+///
+/// The end of the stream is noted after each sync, and each second while the disk fails. So a start knows
+/// records that another program removed behind the last good one, and samples that a failing disk did not
+/// take: each is an exact gap.
 ///
 /// Time is given by the caller and must not run backwards. One owner, one thread. Only on_tick(), close(),
 /// next(), read() and oldest_waiting_ns() access the storage; they may block for as long as it does.
@@ -128,8 +134,8 @@ public:
     /// When on_tick() is to be called; kNever: there is nothing to do.
     [[nodiscard]] Instant next_wakeup() const;
     void on_tick(Instant now, std::int64_t wall_ns);
-    /// Writes the buffer and the cursors without delay. @returns the error of the storage; the records stay
-    /// in the buffer
+    /// Writes the buffer, the cursors and the end of the stream without delay. @returns the error of the
+    /// storage; the records stay in the buffer. If this run ends now, the next one has a gap for them
     Result<void> close(Instant now);
 
     /// The next durable record for a destination, in order. The cursor does not move.

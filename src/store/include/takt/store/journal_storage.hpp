@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -36,7 +37,8 @@ public:
     [[nodiscard]] virtual Result<std::size_t> read(std::uint64_t segment, std::uint64_t offset,
                                                    std::span<std::uint8_t> into) = 0;
     /// Creates an empty segment; after success its name survives a power cut. After an error it may exist.
-    [[nodiscard]] virtual Result<void> create(std::uint64_t segment) = 0;
+    /// @returns the bytes that the segment should have at most: few if the disk is nearly full
+    [[nodiscard]] virtual Result<std::uint64_t> create(std::uint64_t segment) = 0;
     /// After an error any part of `bytes` may be in the file.
     [[nodiscard]] virtual Result<void> append(std::uint64_t segment, Bytes bytes) = 0;
     /// After an error the state of all bytes since the last successful sync is unknown, also when a read
@@ -56,6 +58,16 @@ public:
                                                     Bytes bytes) = 0;
     /// Makes the slots of a destination and the name of its file durable. @returns not_found
     [[nodiscard]] virtual Result<void> sync_cursor(std::string_view destination) = 0;
+
+    /// As the functions for cursors, of the file with the end of the stream. @returns 0 bytes: there is no
+    /// file
+    [[nodiscard]] virtual Result<std::size_t> read_end(unsigned slot, std::span<std::uint8_t> into) = 0;
+    [[nodiscard]] virtual Result<void> write_end(unsigned slot, Bytes bytes) = 0;
+    [[nodiscard]] virtual Result<void> sync_end() = 0;
+
+    /// Where something was moved that had the name of a segment or cursor and is no file: a folder, a FIFO.
+    /// The last one; empty: there was none.
+    [[nodiscard]] virtual std::string set_aside() const { return {}; }
 };
 
 }  // namespace takt::store
