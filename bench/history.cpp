@@ -221,14 +221,13 @@ std::size_t written_bytes() {
     end("/proc/self/io");
 }
 
-/// The checksums of all rows cost less than one of every byte that SQLite wrote, pages and their copies in the
-/// write-ahead log included.
+/// The checksums of all rows cost less than one of every byte that SQLite wrote, pages and their copies in
+/// the write-ahead log included.
 void measure_checksums(std::size_t bytes, double cpu) {
     const std::vector<std::uint8_t> page(4096, 7);
     std::uint32_t sum = 0;
     const double start = cpu_seconds();
-    for (std::size_t at = 0; at < bytes; at += page.size())
-        sum = store::crc32c(page, sum);
+    for (std::size_t at = 0; at < bytes; at += page.size()) sum = store::crc32c(page, sum);
     const double used = cpu_seconds() - start;
     fmt::print("  a checksum of all {} MB written: {:.2f} s, {:.1f} % of the processor time ({:x})\n",
                bytes >> 20U, used, 100 * used / cpu, sum);
