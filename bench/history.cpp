@@ -8,10 +8,12 @@
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
+#include <fstream>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "takt/store/crc32c.hpp"
 #include "takt/store/history.hpp"
 #include "takt/store/history_codec.hpp"
 #include "takt/store/history_reader.hpp"
@@ -208,6 +210,29 @@ void measure_sizes(const std::string& folder) {
 
 constexpr int kSeries = 1000;
 
+/// Bytes that the process has written to files.
+std::size_t written_bytes() {
+    std::ifstream io("/proc/self/io");
+    for (std::string key; io >> key;) {
+        std::size_t value = 0;
+        io >> value;
+        if (key == "wchar:") return value;
+    }
+    end("/proc/self/io");
+}
+
+/// The checksums of all rows cost less than one of every byte that SQLite wrote, pages and their copies in
+/// the write-ahead log included.
+void measure_checksums(std::size_t bytes, double cpu) {
+    const std::vector<std::uint8_t> page(4096, 7);
+    std::uint32_t sum = 0;
+    const double start = cpu_seconds();
+    for (std::size_t at = 0; at < bytes; at += page.size()) sum = store::crc32c(page, sum);
+    const double used = cpu_seconds() - start;
+    fmt::print("  a checksum of all {} MB written: {:.2f} s, {:.1f} % of the processor time ({:x})\n",
+               bytes >> 20U, used, 100 * used / cpu, sum);
+}
+
 void measure_speed(const std::string& folder) {
     const std::string path = folder + "/speed.db";
     const auto history = new_history(path);
@@ -216,6 +241,7 @@ void measure_speed(const std::string& folder) {
         ids.push_back(history->series({fmt::format("v{}", i), "", DataType::int16, true, ""}).value());
     constexpr int kSeconds = 3600;
     double longest = 0;
+    const std::size_t written = written_bytes();
     const double cpu = cpu_seconds();
     const double wall = seconds_of([&] {
         std::mt19937_64 random(7);
@@ -237,6 +263,7 @@ void measure_speed(const std::string& folder) {
                kCount / wall, kCount / used, longest * 1000);
     fmt::print("  {:.2f} bytes a sample in the pages in use\n",
                static_cast<double>(history->status().used_bytes) / kCount);
+    measure_checksums(written_bytes() - written, used);
     auto reader = store::HistoryReader::open(path);
     const double query = seconds_of([&] {
         if (!reader->picture(ids[500], {kStart, kStart + kSeconds * kSecond}, 1000)) end("query");

@@ -58,8 +58,10 @@ int end_program(Language language, ExitCode code) {
     for (const auto& [path, number] : {LostOutput{"stdout", stdout_error()}, lost_output()}) {
         if (number == 0 || number == EPIPE) continue;
         const Texts texts(language);
-        print_error(texts.describe(fail(Code::io_failed, path, number).error()));
-        if (code == ExitCode::ok) code = ExitCode::cannot_open;
+        const bool stalled = number == ETIMEDOUT;
+        print_error(stalled ? texts("app.output_stalled", {{"name", path}})
+                            : texts.describe(fail(Code::io_failed, path, number).error()));
+        if (code == ExitCode::ok) code = stalled ? ExitCode::partly : ExitCode::cannot_open;
     }
     return static_cast<int>(code);
 }

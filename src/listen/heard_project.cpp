@@ -39,6 +39,8 @@ struct DeviceItems {
     void add(const Poll& poll);
     void add_combined(const Poll& poll);
     [[nodiscard]] Duration usual_period() const;
+    /// Keeps that many items. @returns the number of items that it removes
+    std::size_t keep(std::size_t most);
 };
 
 void DeviceItems::add(const Poll& poll) {
@@ -93,6 +95,22 @@ Duration DeviceItems::usual_period() const {
     return most == requests_by_period.end() ? Duration(1s) : most->first;
 }
 
+std::size_t DeviceItems::keep(std::size_t most) {
+    std::size_t removed = 0;
+    for (auto& items : areas) {
+        std::erase_if(items, [&](const auto& entry) {
+            if (!entry.second.period && !entry.second.write) return true;
+            if (most == 0) {
+                ++removed;
+                return true;
+            }
+            --most;
+            return false;
+        });
+    }
+    return removed;
+}
+
 std::vector<model::ItemRange> ranges_of(const Items& items) {
     std::vector<model::ItemRange> ranges;
     for (const auto& [number, item] : items) {
@@ -123,9 +141,11 @@ model::Variable variable_of(std::uint8_t unit, wire::Area area, std::uint16_t nu
     return variable;
 }
 
-model::Device device_of(std::uint8_t unit, const HeardDevice& heard, int stretch, std::size_t& left_out) {
+model::Device device_of(std::uint8_t unit, const HeardDevice& heard, int stretch, std::size_t most_variables,
+                        std::size_t& left_out) {
     DeviceItems items(stretch);
     for (const auto& poll : heard.polls) items.add(poll);
+    left_out = items.keep(most_variables);
     model::Device device;
     device.name = "unit " + std::to_string(unit);
     device.address = UnitId{unit};
@@ -143,14 +163,9 @@ model::Device device_of(std::uint8_t unit, const HeardDevice& heard, int stretch
     }
     for (std::size_t area = 0; area < items.areas.size(); ++area) {
         device.readable[area] = ranges_of(items.areas[area]);
-        for (const auto& [number, item] : items.areas[area]) {
-            if (!item.period && !item.write) continue;
-            if (device.variables.size() == kMostVariables)
-                ++left_out;
-            else
-                device.variables.push_back(
-                    variable_of(unit, static_cast<wire::Area>(area), number, item, device.poll_period));
-        }
+        for (const auto& [number, item] : items.areas[area])
+            device.variables.push_back(
+                variable_of(unit, static_cast<wire::Area>(area), number, item, device.poll_period));
     }
     return device;
 }
@@ -161,10 +176,10 @@ bool was_asked(std::uint8_t unit, const HeardDevice& heard) {
 
 }  // namespace
 
-bool has_devices(const LineStatistics& statistics) {
-    return std::ranges::any_of(statistics.devices(), [](const auto& entry) {
+std::size_t heard_devices(const LineStatistics& statistics) {
+    return static_cast<std::size_t>(std::ranges::count_if(statistics.devices(), [](const auto& entry) {
         return was_asked(entry.first, entry.second) && entry.first <= kLastUnit;
-    });
+    }));
 }
 
 // Two significant digits, where they are at most 3 % away; whole seconds from 10 s on.
@@ -180,7 +195,8 @@ Duration nice_period(Duration measured) {
                : Duration(std::chrono::round<std::chrono::milliseconds>(exact));
 }
 
-HeardProject heard_project(const LineStatistics& statistics, const model::Line& connection, int stretch) {
+HeardProject heard_project(const LineStatistics& statistics, const model::Line& connection, int stretch,
+                           std::size_t most_variables) {
     HeardProject project{.line = connection};
     project.line.name = "line 1";
     project.line.devices.clear();
@@ -191,7 +207,7 @@ HeardProject heard_project(const LineStatistics& statistics, const model::Line& 
             continue;
         }
         std::size_t left_out = 0;
-        project.line.devices.push_back(device_of(unit, heard, stretch, left_out));
+        project.line.devices.push_back(device_of(unit, heard, stretch, most_variables, left_out));
         project.left_out.push_back(left_out);
     }
     return project;

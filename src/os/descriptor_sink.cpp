@@ -73,7 +73,7 @@ Sink::Written DescriptorSink::write_all(std::string_view text) {
     while (done < text.size()) {
         pollfd ready{descriptor_, POLLOUT, 0};
         if (::poll(&ready, 1, kPollMs) <= 0) {
-            if (is_stalled(last_progress)) return {.bytes = done, .error = 0, .closed = true};
+            if (is_stalled(last_progress)) return {.bytes = done, .error = ETIMEDOUT, .closed = true};
             continue;
         }
         // A pipe that polls writable takes PIPE_BUF bytes without blocking.

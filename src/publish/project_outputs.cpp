@@ -282,6 +282,9 @@ std::string history_database(const std::string& project_file) {
         .string();
 }
 
+/// The end of the program lasts at most a second, also with a broker that does not answer.
+constexpr Duration kStopLimit = std::chrono::milliseconds(700);
+
 std::vector<OutputSetup> project_outputs(const ProjectOutputsOptions& options,
                                          const host::ConfigurationPtr& configuration) {
     std::vector<OutputSetup> setups;
@@ -292,6 +295,7 @@ std::vector<OutputSetup> project_outputs(const ProjectOutputsOptions& options,
                         .directory = journal_folder(options.project_file, output),
                         .journal = journal_options(output),
                         .queue_bytes = static_cast<std::size_t>(output.journal.buffer / 2),
+                        .stop_limit = kStopLimit,
                         .log = options.log ? options.log("publish") : Log()};
         for (const auto& value : output.values)
             setup.selected.push_back({slot_of(configuration->slots(), value.subject),

@@ -58,6 +58,18 @@ std::string heard_device_yaml(const Texts& texts, const model::Device& device, s
     return text;
 }
 
+/// Of all devices together. With 64 lines of 247 devices and all their keys, the file stays within the limits
+/// of files (takt/file/load.hpp).
+constexpr std::size_t kMostVariablesOfAll = 20'000;
+
+/// Variables of each device, so that all lines share the file alike.
+std::size_t most_variables(std::span<const ListenRun> runs) {
+    std::size_t devices = 0;
+    for (const auto& run : runs) devices += listen::heard_devices(run.statistics);
+    if (devices == 0) return listen::kMostVariables;
+    return std::clamp<std::size_t>(kMostVariablesOfAll / devices, 1, listen::kMostVariables);
+}
+
 // Names are unique in a project.
 void number_names(model::Line& line, std::size_t number) {
     line.name = "line " + std::to_string(number);
@@ -92,8 +104,9 @@ std::string listen_project(const Texts& texts, std::span<const ListenRun> runs, 
         text += fmt::format("# {}\n",
                             texts("app.listen.project_stretched", {{"factor", std::to_string(stretch)}}));
     text += "takt: 1\nlines:\n";
+    const auto most = most_variables(runs);
     for (std::size_t i = 0; i < runs.size(); ++i) {
-        auto project = listen::heard_project(runs[i].statistics, runs[i].connection, stretch);
+        auto project = listen::heard_project(runs[i].statistics, runs[i].connection, stretch, most);
         if (project.line.devices.empty()) continue;
         if (runs.size() > 1) {
             number_names(project.line, i + 1);

@@ -136,7 +136,8 @@ std::string ListenOutput::accepted_project(std::span<const report::ListenRun> ru
 
 ExitCode ListenOutput::write_project(std::span<const report::ListenRun> runs) const {
     if (options_.write.empty()) return ExitCode::ok;
-    if (std::ranges::none_of(runs, [](const auto& run) { return listen::has_devices(run.statistics); })) {
+    if (std::ranges::none_of(runs,
+                             [](const auto& run) { return listen::heard_devices(run.statistics) > 0; })) {
         print_status(texts_("app.listen.no_project", {{"file", options_.write}}) + '\n');
         return ExitCode::ok;
     }

@@ -5,11 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
 #include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -30,6 +32,9 @@
 
 namespace takt::app {
 namespace {
+
+constexpr auto kDiskLimit = std::chrono::seconds(2);
+constexpr auto kDiskLimitOfARun = std::chrono::seconds(60);
 
 /// Everything of a run, in the order in which it is made and (backwards) destroyed.
 class Run {
@@ -70,15 +75,38 @@ public:
         const bool ended = !web_ || web_->stop();
         host_->stop();
         capture_.reset();
-        if (outputs_) outputs_->stop();
+        const bool stored = stop_outputs();
         console_->end(host_->served());
         // After Ctrl-C a slow reader has half a second; at the end of a run it has time.
         out_.finish(work_loop_.loop().stopped() ? std::chrono::milliseconds(500) : std::chrono::seconds(10));
         note_stdout_error(out_.error());
+        if (!stored) leave();
         return ended;
     }
 
 private:
+    /// A disk that does not answer holds up the threads of the outputs. After Ctrl-C they have two seconds.
+    /// @returns false: they are still at work
+    bool stop_outputs() {
+        if (!outputs_) return true;
+        const auto done = std::make_shared<std::promise<void>>();
+        auto stopped = done->get_future();
+        std::thread([this, done] {
+            outputs_->stop();
+            done->set_value();
+        }).detach();
+        const auto limit = work_loop_.loop().stopped() ? kDiskLimit : kDiskLimitOfARun;
+        return stopped.wait_for(limit) == std::future_status::ready;
+    }
+
+    /// Ends the program without the threads that the disk holds up, and reports what they have not stored.
+    [[noreturn]] void leave() {
+        for (const auto& output : outputs_status())
+            print_error(texts_("app.run.not_stored",
+                               {{"name", output.name}, {"count", std::to_string(output.samples.waiting)}}));
+        leave_program(texts_.language(), ExitCode::partly);
+    }
+
     Result<void> begin_capture(console::CaptureFile file) {
         TAKT_TRY(auto session,
                  host_->open_session({.events = false, .traffic = true, .from_beginning = true}));

@@ -1,6 +1,7 @@
 // The texts of a heard line, its JSON and its project, which is loaded again.
 #include "takt/report/listen_report.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -19,6 +20,7 @@ using namespace std::chrono_literals;
 class Events final : public listen::ListenObserver {
 public:
     void on_exchange(const listen::Exchange& exchange) override {
+        if (silent) return;
         text += exchange_line(texts, names, "T", exchange) + '\n';
         json.push_back(exchange_json(names, "T", exchange));
     }
@@ -34,6 +36,7 @@ public:
     HeardNames names;
     std::string text;
     std::vector<file::Json> json;
+    bool silent = false;
 };
 
 class ListenReport : public testing::Test {
@@ -139,6 +142,22 @@ TEST_F(ListenReport, TheProjectOfACaptureHasAllItsLines) {
     EXPECT_EQ(loaded.project.lines[1].devices.at(0).name, "line 2 unit 1");
     EXPECT_EQ(loaded.project.lines[1].devices[0].variables.at(0).name, "line2_unit1_holding_0");
     EXPECT_NE(text.find("  # heating\n"), std::string::npos) << text;
+}
+
+TEST_F(ListenReport, TheProjectOfAllUnitsStaysWithinTheLimitsOfAFile) {
+    events.silent = true;
+    Duration time{};
+    for (int unit = 1; unit <= 247; ++unit)
+        for (int start = 0; start < 4 * 125; start += 125)
+            exchange(time += 100ms, static_cast<std::uint8_t>(unit), fmt::format("03 {:04X} 007D", start),
+                     "03 FA" + std::string(500, '0'));
+    const auto text = listen_project(events.texts, std::array{run()});
+    const auto loaded = host::load_project_text("test", text);
+    ASSERT_FALSE(loaded.has_errors()) << loaded.findings.front().code;
+    const auto& devices = loaded.project.lines.at(0).devices;
+    ASSERT_EQ(devices.size(), 247U);
+    for (const auto& device : devices) EXPECT_EQ(device.variables.size(), 80U);
+    EXPECT_NE(text.find("left out: 420"), std::string::npos);
 }
 
 }  // namespace listen_report_test

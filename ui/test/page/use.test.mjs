@@ -137,8 +137,8 @@ test('a value outside the written range is confirmed; pasted bools are asked abo
   await page.goto(`${own.url}?lang=en&theme=light#/project`);
   await page.getByRole('treeitem', { name: /Pump, 18/ }).click();
   await page.getByRole('tab', { name: /Variables/ }).click();
-  const grid = page.getByRole('grid');
-  await grid.getByText('Fault').click();
+  const grid = page.getByRole('grid', { name: 'Variables' });
+  await grid.getByText('Fault', { exact: true }).waitFor();
   await grid.evaluate((element) => {
     const data = new DataTransfer();
     data.setData('text/plain', 'Alarm\tbool\t0x01\tnone\t17');

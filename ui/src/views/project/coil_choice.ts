@@ -1,5 +1,5 @@
-// A bool of coils or discrete inputs with a register and no bit: `register: 17` is coil 272, bit 0 of register
-// 17, but tables of other tools mean coil 17. Pure.
+// A bool of coils or discrete inputs with a register and no bit: `register: 17` is coil 272, bit 0 of that
+// register, but tables of other tools mean coil 17. Pure.
 import type { Mapping } from '../../api/types';
 import { plainType } from './cells';
 import { numberOf } from './rows';

@@ -1,4 +1,4 @@
-// What the program found damaged in the history file, as a list: also parts without times, which no chart has.
+// The damaged parts of the history file as a list, also those without times, which no chart has.
 import { language, t } from '../../i18n';
 import { damage } from './state';
 

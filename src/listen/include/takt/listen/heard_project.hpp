@@ -12,7 +12,7 @@ namespace takt::listen {
 
 struct HeardProject {
     model::Line line;  ///< with the connection that it was given
-    /// Of each device of the line: variables beyond kMostVariables.
+    /// Of each device of the line: items without a variable.
     std::vector<std::size_t> left_out;
     /// Units that no device may have: 248 and above.
     std::vector<std::uint8_t> other_units;
@@ -25,13 +25,14 @@ inline constexpr std::size_t kMostVariables = 512;  ///< of a device
 /// fastest poll; the device has the most frequent one. Also set: the ranges that are read (`readable`), the
 /// longest read (`registers_per_request`), and a response time-out of three times the longest response time
 /// where the default is too short.
-/// @param connection  the line without devices
-/// @param stretch     all periods are that many times longer, 1..1000
+/// @param connection      the line without devices
+/// @param stretch         all periods are that many times longer, 1..1000
+/// @param most_variables  of a device, 1..kMostVariables; further items are left out
 [[nodiscard]] HeardProject heard_project(const LineStatistics& statistics, const model::Line& connection,
-                                         int stretch = 1);
+                                         int stretch = 1, std::size_t most_variables = kMostVariables);
 
-/// Whether heard_project() has a device.
-[[nodiscard]] bool has_devices(const LineStatistics& statistics);
+/// The number of devices of heard_project().
+[[nodiscard]] std::size_t heard_devices(const LineStatistics& statistics);
 
 /// A measured period as a user would have set it: 99.6 ms are 100 ms. At least 1 ms, at most a day.
 [[nodiscard]] Duration nice_period(Duration measured);
