@@ -1,40 +1,41 @@
-#include "takt/line/host_places.hpp"
+#include "takt/line/connection_limit.hpp"
 
 #include <algorithm>
 
 namespace takt::line {
 
-HostPlaces::Place HostPlaces::ask(const std::string& host, std::size_t most, std::function<void()> admitted) {
-    auto& places = hosts_[host];
-    Place place(this, host, ++last_ticket_);
-    if (places.waiting.empty() && places.taken < most) {
-        ++places.taken;
+ConnectionLimit::Permit ConnectionLimit::ask(const std::string& host, std::size_t most,
+                                             std::function<void()> admitted) {
+    auto& connections = hosts_[host];
+    Permit permit(this, host, ++last_ticket_);
+    if (connections.waiting.empty() && connections.taken < most) {
+        ++connections.taken;
         admitted();
-        return place;
+        return permit;
     }
-    places.waiting.push_back({last_ticket_, most, std::move(admitted)});
+    connections.waiting.push_back({last_ticket_, most, std::move(admitted)});
     if (on_wanted_) on_wanted_(host);
-    return place;
+    return permit;
 }
 
-bool HostPlaces::wanted(const std::string& host) const {
+bool ConnectionLimit::wanted(const std::string& host) const {
     const auto found = hosts_.find(host);
     return found != hosts_.end() && !found->second.waiting.empty();
 }
 
 // One that waits gives back nothing.
-void HostPlaces::leave(const std::string& host, std::uint64_t ticket) {
-    auto& places = hosts_[host];
-    const auto waits = std::ranges::find(places.waiting, ticket, &Waiting::ticket);
-    if (waits != places.waiting.end()) {
-        places.waiting.erase(waits);
+void ConnectionLimit::leave(const std::string& host, std::uint64_t ticket) {
+    auto& connections = hosts_[host];
+    const auto waits = std::ranges::find(connections.waiting, ticket, &Waiting::ticket);
+    if (waits != connections.waiting.end()) {
+        connections.waiting.erase(waits);
         return;
     }
-    --places.taken;
-    if (places.waiting.empty() || places.taken >= places.waiting.front().most) return;
-    auto next = std::move(places.waiting.front());
-    places.waiting.pop_front();
-    ++places.taken;
+    --connections.taken;
+    if (connections.waiting.empty() || connections.taken >= connections.waiting.front().most) return;
+    auto next = std::move(connections.waiting.front());
+    connections.waiting.pop_front();
+    ++connections.taken;
     next.admitted();
 }
 

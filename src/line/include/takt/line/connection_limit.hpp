@@ -11,49 +11,49 @@
 
 namespace takt::line {
 
-/// The places for connections to hosts that accept few at a time. First come, first served. A holder
-/// gives its place back while another line waits: see wanted().
+/// Permits for connections to hosts that accept few at a time. First come, first served. A holder returns its
+/// permit while another line waits: see wanted().
 ///
-/// It must outlive every Place. One owner; the thread of its users only.
-class HostPlaces {
+/// It must outlive every Permit. One owner; the thread of its users only.
+class ConnectionLimit {
 public:
-    /// A place, or the wait for one. Destroying it ends either.
-    class Place {
+    /// A permit, or the wait for one. Destroying it ends either.
+    class Permit {
     public:
-        Place() = default;
-        Place(HostPlaces* places, std::string host, std::uint64_t ticket)
-            : places_(places), host_(std::move(host)), ticket_(ticket) {}
-        Place(Place&& other) noexcept { swap(other); }
-        Place& operator=(Place&& other) noexcept {
-            Place(std::move(other)).swap(*this);
+        Permit() = default;
+        Permit(ConnectionLimit* limit, std::string host, std::uint64_t ticket)
+            : limit_(limit), host_(std::move(host)), ticket_(ticket) {}
+        Permit(Permit&& other) noexcept { swap(other); }
+        Permit& operator=(Permit&& other) noexcept {
+            Permit(std::move(other)).swap(*this);
             return *this;
         }
-        ~Place() {
-            if (places_) places_->leave(host_, ticket_);
+        ~Permit() {
+            if (limit_) limit_->leave(host_, ticket_);
         }
 
     private:
-        void swap(Place& other) noexcept {
-            std::swap(places_, other.places_);
+        void swap(Permit& other) noexcept {
+            std::swap(limit_, other.limit_);
             std::swap(host_, other.host_);
             std::swap(ticket_, other.ticket_);
         }
-        HostPlaces* places_ = nullptr;
+        ConnectionLimit* limit_ = nullptr;
         std::string host_;
         std::uint64_t ticket_ = 0;
     };
 
     /// @param on_wanted  called with the host when a line begins to wait; may be empty
-    explicit HostPlaces(std::function<void(const std::string& host)> on_wanted = {})
+    explicit ConnectionLimit(std::function<void(const std::string& host)> on_wanted = {})
         : on_wanted_(std::move(on_wanted)) {}
-    HostPlaces(const HostPlaces&) = delete;
-    HostPlaces& operator=(const HostPlaces&) = delete;
+    ConnectionLimit(const ConnectionLimit&) = delete;
+    ConnectionLimit& operator=(const ConnectionLimit&) = delete;
 
-    /// Calls `admitted` when there is a place: at once from inside ask(), or when another one is given back.
+    /// Calls `admitted` when there is a permit: at once from inside ask(), or when another one is returned.
     /// @param most  connections to the host at a time, at least 1
-    [[nodiscard]] Place ask(const std::string& host, std::size_t most, std::function<void()> admitted);
+    [[nodiscard]] Permit ask(const std::string& host, std::size_t most, std::function<void()> admitted);
 
-    /// A line waits for a place.
+    /// A line waits for a permit.
     [[nodiscard]] bool wanted(const std::string& host) const;
 
 private:
