@@ -236,6 +236,8 @@ void TransactionCore::on_link(Instant t, bool up) {
 }
 
 void TransactionCore::on_close(Instant t) {
+    for (auto& slot : slots_)  // no further frame comes on this connection
+        if (slot.state == State::confirming) conclude(t, slot);
     if (link_up_) link_down(t, must_reconnect_ ? Status::unexpected_reply : Status::closed);
 }
 

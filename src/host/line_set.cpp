@@ -70,7 +70,7 @@ LineSet::LineSet(HostLink& link, line::Loop& loop, std::function<void(std::size_
       notify_(std::move(notify)),
       on_event_(std::move(on_event)),
       gate_(loop),
-      places_([this](const std::string& host) { make_room(host); }) {}
+      connection_limit_([this](const std::string& host) { make_room(host); }) {}
 
 LineSet::~LineSet() = default;
 
@@ -131,7 +131,7 @@ void LineSet::move_to(ProjectEngine& engine, std::vector<std::shared_ptr<Traffic
 void LineSet::make_room(const std::string& host) {
     loop_.post([this, host] {
         for (auto& line : lines_)
-            if (line.driver && places_.wanted(host)) line.driver->poke();
+            if (line.driver && connection_limit_.wanted(host)) line.driver->poke();
     });
 }
 
@@ -155,10 +155,10 @@ Result<void> LineSet::open_line(std::size_t index, bool wait_for_port) {
     options.wait_for_port = wait_for_port;
     options.must_reconnect = [this, forwarder = line.forwarder.get(), host = settings.port] {
         const auto& poller = engine_->master().line(forwarder->line());
-        return poller.must_reconnect() || (places_.wanted(host) && poller.idle());
+        return poller.must_reconnect() || (connection_limit_.wanted(host) && poller.idle());
     };
     if (settings.connection.per_host) {
-        options.places = &places_;
+        options.connection_limit = &connection_limit_;
         options.connections_per_host = *settings.connection.per_host;
     }
     if (settings.transport != model::Transport::simulated) {

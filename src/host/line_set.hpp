@@ -11,8 +11,8 @@
 #include "takt/endpoint/notice.hpp"
 #include "takt/host/project_host.hpp"
 #include "takt/line/connect_gate.hpp"
+#include "takt/line/connection_limit.hpp"
 #include "takt/line/driver.hpp"
-#include "takt/line/host_places.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/sim/simulated_line.hpp"
 #include "traffic_publisher.hpp"
@@ -70,7 +70,7 @@ private:
     endpoint::NoticeSink notify_;
     OnLineEvent on_event_;
     line::ConnectGate gate_;
-    line::HostPlaces places_;
+    line::ConnectionLimit connection_limit_;
     ProjectEngine* engine_ = nullptr;
     std::vector<Line> lines_;
 };

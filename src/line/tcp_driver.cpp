@@ -5,8 +5,8 @@
 
 #include "takt/line/backoff.hpp"
 #include "takt/line/connect_gate.hpp"
+#include "takt/line/connection_limit.hpp"
 #include "takt/line/driver.hpp"
-#include "takt/line/host_places.hpp"
 #include "takt/line/pump.hpp"
 #include "takt/line/resolver.hpp"
 #include "takt/line/socket.hpp"
@@ -48,7 +48,7 @@ private:
     enum class Wait : std::uint8_t {
         back_off,
         need,     // the connection was closed; the engine's time goes on until it needs another one
-        place,    // among the connections to the host
+        permit,   // for a connection to the host
         attempt,  // to connect
     };
 
@@ -76,7 +76,7 @@ private:
     void on_time(Instant t) {
         switch (waits_for_) {
             case Wait::back_off: return open();
-            case Wait::place: return enter_gate();
+            case Wait::permit: return enter_gate();
             case Wait::attempt: return attempt_failed(cannot_open(ETIMEDOUT));
             case Wait::need: break;
         }
@@ -94,9 +94,10 @@ private:
 
     void open() {
         if (timer_) timer_->set(kNever);
-        waits_for_ = Wait::place;
-        if (!options_.places) return enter_gate();
-        place_ = options_.places->ask(host_, options_.connections_per_host, [this] { call_at(now()); });
+        waits_for_ = Wait::permit;
+        if (!options_.connection_limit) return enter_gate();
+        permit_ =
+            options_.connection_limit->ask(host_, options_.connections_per_host, [this] { call_at(now()); });
     }
 
     void enter_gate() {
@@ -190,7 +191,7 @@ private:
         add(counters_, *pump_);
         pump_.reset();
         stream_.reset();
-        place_ = {};
+        permit_ = {};
         reopening_ = true;
         waits_for_ = Wait::need;
         call_at(t);
@@ -199,7 +200,7 @@ private:
 
     void down(Instant t, const std::optional<Error>& why) {
         pass_ = {};
-        place_ = {};
+        permit_ = {};
         reopening_ = false;
         waits_for_ = Wait::back_off;
         call_at(t + backoff_.next());
@@ -223,7 +224,7 @@ private:
     std::unique_ptr<Pump> pump_;
     ConnectGate::Pass pass_;
     Instant connected_at_;
-    HostPlaces::Place place_;
+    ConnectionLimit::Permit permit_;
     Wait waits_for_ = Wait::back_off;
     bool reopening_ = false;        // the connection that was closed is made again
     std::unique_ptr<Timer> timer_;  // limits the current attempt, else ends the back-off

@@ -123,7 +123,7 @@ void LinePoller::Run::on_close(Instant t) {
         closes_.closed(std::max<std::size_t>(count, 2));
     else if (named)
         closes_.closed(1);
-    if (named)
+    if (named || !waiting)
         engine_.on_close(t);
     else
         engine_.on_link(t, false);  // no request fails

@@ -19,15 +19,41 @@ void ByteStream::stall(Instant until, bool late_tick) {
 }
 
 void ByteStream::set_link(Instant t, bool up) {
+    begin_anew(t, up);
+    client_.on_link(now_, up);
+    collect_all(now_);
+}
+
+void ByteStream::close(Instant t) {
+    begin_anew(t, false);
+    client_.on_close(now_);
+    if (disturber_) disturber_->on_closed(now_);
+    collect_all(now_);
+}
+
+void ByteStream::begin_anew(Instant t, bool up) {
     now_ = std::max(now_, t);
     up_ = up;
     swallows_ = false;
+    ended_.reset();
     to_server_.clear();
     to_client_.clear();
     deferred_.clear();
     server_.on_link(now_, up);
-    client_.on_link(now_, up);
-    collect_all(now_);
+}
+
+void ByteStream::end(Instant t, Ending how) {
+    if (!open()) return;
+    if (how == Ending::reset) {
+        to_client_.clear();
+        deferred_.clear();
+    }
+    push(1, t, {}, {}, {});
+    to_client_.back().ends = true;
+    ended_ = how;
+    if (how == Ending::half_close) return;
+    to_server_.clear();
+    server_.on_link(t, false);
 }
 
 void ByteStream::run_until(Instant t) {
@@ -64,9 +90,7 @@ void ByteStream::wake_client(Instant t) {
 
 void ByteStream::close_if_wanted(Instant t) {
     const bool asked = options_.must_reconnect && !stalled_until_ && options_.must_reconnect();
-    if (!up_ || (!asked && server_.close_reason() == serve::CloseReason::none)) return;
-    set_link(t, false);
-    if (disturber_) disturber_->on_closed(t);
+    if (up_ && (asked || server_.close_reason() != serve::CloseReason::none)) close(t);
 }
 
 void ByteStream::to_server(Instant t) {
@@ -81,6 +105,7 @@ void ByteStream::to_server(Instant t) {
 
 void ByteStream::to_client(Instant t) {
     while (!stalled_until_ && !to_client_.empty() && to_client_.front().arrives <= t) {
+        if (to_client_.front().ends) return close(t);
         client_.on_bytes(t, to_client_.front().bytes);
         arrived(t, 1, to_client_);
     }
@@ -109,7 +134,7 @@ void ByteStream::collect(Engine& engine, std::size_t sender, Instant t) {
 }
 
 void ByteStream::send(std::size_t sender, Instant t, Bytes bytes) {
-    if (swallows_) return lost(t, sender, bytes);
+    if (swallows_ || (ended_ && (sender == 1 || ended_ != Ending::half_close))) return lost(t, sender, bytes);
     pieces_.clear();
     if (disturber_ && disturber_->on_sent(t, sender, bytes, pieces_)) return send_pieces(sender, t, bytes);
     push(sender, t, {}, {bytes.begin(), bytes.end()}, {});
@@ -145,7 +170,7 @@ void ByteStream::send_deferred(Instant t) {
         }
         Deferred later = std::move(deferred_[i]);
         deferred_.erase(deferred_.begin() + static_cast<std::ptrdiff_t>(i));
-        if (swallows_)
+        if (swallows_ || ended_)
             lost(t, later.sender, later.bytes);
         else
             push(later.sender, t, {}, std::move(later.bytes), std::move(later.sent));

@@ -19,7 +19,7 @@ constexpr std::uint64_t bit(FaultKind kind) {
 static_assert(kFaultKinds <= 64);
 
 bool is_drawn(FaultKind kind) {
-    return !is_timed(kind) && kind != FaultKind::connect_refused;
+    return !is_timed(kind) && !is_close(kind) && kind != FaultKind::connect_refused;
 }
 
 bool is_plain_write(Bytes pdu) {

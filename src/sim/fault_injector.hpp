@@ -68,6 +68,9 @@ protected:
     [[nodiscard]] std::optional<FaultKind> draw(std::optional<std::size_t> device);
     [[nodiscard]] std::optional<std::size_t> device_of(std::uint8_t unit) const;
     [[nodiscard]] bool silent(std::size_t device) const { return states_[device].silent; }
+    [[nodiscard]] std::uint32_t per_million(FaultKind kind) const {
+        return quiet_ ? 0 : plan_.rates.per_million[static_cast<std::size_t>(kind)];
+    }
     void count(Instant t, FaultKind kind, std::optional<std::size_t> device,
                std::optional<Instant> until = {});
     void recovered(std::size_t device);

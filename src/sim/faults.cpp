@@ -12,21 +12,54 @@ constexpr std::size_t index(FaultKind kind) {
 }  // namespace
 
 std::string_view name(FaultKind kind) {
-    static constexpr std::array<std::string_view, kFaultKinds> kNames{
-        "bit_error",        "lost_byte",      "extra_byte",        "repeated_byte",
-        "lost_request",     "lost_response",  "late_response",     "duplicate_response",
-        "past_response",    "glitch",         "fragmented",        "truncated",
-        "garbage",          "wrong_unit",     "wrong_transaction", "wrong_function",
-        "wrong_byte_count", "oversized",      "wrong_echo",        "busy",
-        "wrong_exception",  "ignored_write",  "device_dead",       "device_back",
-        "device_babbles",   "device_reboots", "device_forgets",    "noise",
-        "clock_jump",       "link_down",      "link_up",           "tcp_reset",
-        "tcp_half_open",    "connect_refused"};
+    static constexpr std::array<std::string_view, kFaultKinds> kNames{"bit_error",
+                                                                      "lost_byte",
+                                                                      "extra_byte",
+                                                                      "repeated_byte",
+                                                                      "lost_request",
+                                                                      "lost_response",
+                                                                      "late_response",
+                                                                      "duplicate_response",
+                                                                      "past_response",
+                                                                      "glitch",
+                                                                      "fragmented",
+                                                                      "truncated",
+                                                                      "garbage",
+                                                                      "wrong_unit",
+                                                                      "wrong_transaction",
+                                                                      "wrong_function",
+                                                                      "wrong_byte_count",
+                                                                      "oversized",
+                                                                      "wrong_echo",
+                                                                      "busy",
+                                                                      "wrong_exception",
+                                                                      "ignored_write",
+                                                                      "device_dead",
+                                                                      "device_back",
+                                                                      "device_babbles",
+                                                                      "device_reboots",
+                                                                      "device_forgets",
+                                                                      "noise",
+                                                                      "clock_jump",
+                                                                      "link_down",
+                                                                      "link_up",
+                                                                      "tcp_reset",
+                                                                      "tcp_half_open",
+                                                                      "connect_refused",
+                                                                      "close_after_response",
+                                                                      "close_at_random",
+                                                                      "close_on_request",
+                                                                      "close_when_idle"};
     return index(kind) < kFaultKinds ? kNames[index(kind)] : "fault";
 }
 
 bool is_timed(FaultKind kind) {
-    return kind >= FaultKind::device_dead && kind != FaultKind::connect_refused;
+    return (kind >= FaultKind::device_dead && kind < FaultKind::connect_refused) ||
+           kind == FaultKind::close_when_idle;
+}
+
+bool is_close(FaultKind kind) {
+    return kind >= FaultKind::close_after_response;
 }
 
 bool is_of_line(FaultKind kind) {
@@ -46,7 +79,11 @@ bool possible(FaultKind kind, wire::Framing framing, bool serial) {
         case FaultKind::fragmented:
         case FaultKind::tcp_reset:
         case FaultKind::tcp_half_open:
-        case FaultKind::connect_refused: return !serial;
+        case FaultKind::connect_refused:
+        case FaultKind::close_after_response:
+        case FaultKind::close_at_random:
+        case FaultKind::close_on_request:
+        case FaultKind::close_when_idle: return !serial;
         case FaultKind::glitch: return framing != wire::Framing::tcp;
         case FaultKind::wrong_transaction: return framing == wire::Framing::tcp;
         default: return true;

@@ -1,6 +1,7 @@
 #include "stream_faults.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "damage.hpp"
 
@@ -11,6 +12,7 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kClient = 0;
 constexpr std::size_t kServer = 1;
+constexpr Duration kLongestBackoff = 5s;
 
 }  // namespace
 
@@ -18,6 +20,7 @@ constexpr std::size_t kServer = 1;
 
 bool StreamFaults::on_sent(Instant t, std::size_t sender, Bytes sent, std::vector<Piece>& arrives) {
     counts_.bytes += sent.size();
+    active_at_ = t;
     if (sender == kClient) {
         ++counts_.exchanges;
         tail_.clear();
@@ -41,6 +44,12 @@ bool StreamFaults::on_frame(Instant t, Bytes frame, std::vector<Piece>& arrives)
     if (exchange.dropped) return true;
     if (!exchange.device) return false;
     if (queue_up(t, exchange, frame, arrives)) return true;
+    const auto closes = per_million(FaultKind::close_after_response);
+    if (closes > 0 && random_.chance(closes)) {
+        const bool at_once = random_.below(2) == 0;
+        end_connection_at(at_once ? t : t + random_.between(0ms, 3ms), FaultKind::close_after_response,
+                          exchange.device);
+    }
     note_sent(*exchange.device, frame);
     if (t > exchange.deadline) count(t, FaultKind::late_response, exchange.device);
     if (!exchange.kind) return lost_for_what_was_before(frame);
@@ -150,7 +159,6 @@ bool StreamFaults::break_up(Instant t, const Exchange& exchange, Bytes frame, st
 
 void StreamFaults::on_arrived(Instant, std::size_t sender, Bytes sent, Bytes received) {
     if (sender != kServer) return;
-    backoff_.reset();
     const bool good = std::ranges::equal(sent, received);
     remember(received, good);
     for (std::size_t length = 0; good && !received.empty(); received = received.subspan(length)) {
@@ -178,58 +186,123 @@ void StreamFaults::swallow(Instant t, Instant until) {
     schedule_end(swallows_until_, FaultKind::tcp_half_open, {});
 }
 
-void StreamFaults::close(Instant t) {
-    if (!stream_->up()) return;
-    stream_->set_link(t, false);
-    on_closed(t);
-}
-
 void StreamFaults::begin_anew() {
     answers_.clear();
     behind_until_.clear();
     tail_.clear();
     swallows_ = false;
+    end_.reset();
 }
 
 void StreamFaults::on_closed(Instant t) {
     begin_anew();
+    if (t - connected_at_ >= kLongestBackoff) backoff_.reset();
+    if (!stream_->client_opens_at()) back_off(t);
+}
+
+void StreamFaults::back_off(Instant t) {
+    backs_off_ = true;
     schedule_begin(t + backoff_.next(), FaultKind::connect_refused, {});
 }
 
+Instant StreamFaults::connects_at() const {
+    if (stream_->up() || stream_->stalled() || backs_off_ || !running_) return kNever;
+    return stream_->client_opens_at().value_or(Instant::min());
+}
+
 void StreamFaults::connect(Instant t) {
+    backs_off_ = false;
     if (stream_->up() || !running_) return;
-    const auto refused = plan_.rates.per_million[static_cast<std::size_t>(FaultKind::connect_refused)];
-    if (!quiet_ && random_.chance(refused)) {
+    if (const auto refused = per_million(FaultKind::connect_refused);
+        refused > 0 && random_.chance(refused)) {
         count(t, FaultKind::connect_refused, {});
-        schedule_begin(t + backoff_.next(), FaultKind::connect_refused, {});
-        return;
+        stream_->set_link(t, false);
+        return back_off(t);
     }
+    connected_at_ = active_at_ = t;
     stream_->set_link(t, true);
+}
+
+// ---- a server that ends its connections
+
+// A server that closes for some requests does so for those to a dead device, too.
+std::optional<FaultKind> StreamFaults::closes_for(const serve::Context& context, Bytes request) {
+    if (const auto rate = per_million(FaultKind::close_on_request); rate > 0) {
+        constexpr std::size_t kRange = 5;  // function, address, quantity
+        std::uint64_t name = context.unit.value;
+        for (const auto byte : request.first(std::min(kRange, request.size()))) name = name << 8 | byte;
+        const auto device = device_of(context.unit.value);
+        if ((device && silent(*device)) || Random(plan_.seed ^ name).fork(name).chance(rate))
+            return FaultKind::close_on_request;
+    }
+    const auto rate = per_million(FaultKind::close_at_random);
+    return rate > 0 && random_.chance(rate) ? std::optional(FaultKind::close_at_random) : std::nullopt;
+}
+
+serve::Answer StreamFaults::handle(const serve::Context& context, const wire::RequestView& request) {
+    const auto kind = context.broadcast ? std::nullopt : closes_for(context, request.pdu());
+    if (!kind) return FaultInjector::handle(context, request);
+    const auto device = device_of(context.unit.value);
+    if (random_.below(2) == 0) (void)devices_.handle(context, request);
+    const bool draws = device && *device < plan_.turnarounds.size() && plan_.turnarounds[*device];
+    end_connection_at(context.time + (draws ? plan_.turnarounds[*device]->draw(random_) : 1ms), *kind,
+                      device);
+    return {};
+}
+
+void StreamFaults::end_connection_at(Instant when, FaultKind kind, std::optional<std::size_t> device) {
+    if (!end_ || when < end_->when) end_ = {when, kind, device};
+}
+
+Instant StreamFaults::idle_until() const {
+    const Duration idle = plan_.rates.mean_between[static_cast<std::size_t>(FaultKind::close_when_idle)];
+    return idle > Duration::zero() && !quiet_ && stream_->open() ? active_at_ + idle : kNever;
+}
+
+void StreamFaults::end_connection(Instant t) {
+    const auto end = std::exchange(end_, std::nullopt);
+    if (!stream_->open()) return;
+    count(t, end->kind, end->device);
+    stream_->end(t, static_cast<Ending>(random_.below(3)));
+}
+
+Instant StreamFaults::next_event() const {
+    const Instant ends_at = end_ ? end_->when : kNever;
+    return std::min({FaultInjector::next_event(), connects_at(), ends_at, idle_until()});
+}
+
+void StreamFaults::on_event(Instant t) {
+    FaultInjector::on_event(t);
+    if (idle_until() <= t) end_connection_at(t, FaultKind::close_when_idle, {});
+    if (end_ && end_->when <= t) end_connection(t);
+    if (connects_at() <= t) connect(t);
 }
 
 void StreamFaults::begin(Instant t, FaultKind kind, std::optional<std::size_t> device) {
     if (stream_->stalled()) return schedule_begin(t + 100ms, kind, device);
     if (kind == FaultKind::connect_refused) return connect(t);
+    if (is_close(kind)) return;  // see on_event()
     if (stream_->up()) {
         Instant until = t;
         if (kind == FaultKind::clock_jump)
             stream_->stall(until = t + duration(plan_.jump), random_.below(2) == 0);
         if (kind == FaultKind::tcp_half_open) swallow(t, until = t + duration(plan_.half_open));
-        if (kind == FaultKind::tcp_reset) close(t);
+        if (kind == FaultKind::tcp_reset) stream_->end(t, Ending::reset);
         count(t, kind, {}, until);
     }
     schedule(t, kind, device);
 }
 
 void StreamFaults::end(Instant t, FaultKind kind) {
-    if (kind == FaultKind::tcp_half_open && swallows_ && t >= swallows_until_) close(t);
+    if (kind == FaultKind::tcp_half_open && swallows_ && t >= swallows_until_) stream_->close(t);
 }
 
 void StreamFaults::end_all(Instant t) {
     behind_until_.clear();
+    end_.reset();
     if (stream_->stalled()) stream_->stall(t, false);
-    if (swallows_) close(t);
-    if (!stream_->up()) schedule_begin(t, FaultKind::connect_refused, {});
+    if (swallows_) stream_->close(t);
+    if (backs_off_) schedule_begin(t, FaultKind::connect_refused, {});
 }
 
 }  // namespace takt::sim

@@ -10,7 +10,8 @@
 
 namespace takt::sim {
 
-/// Also reconnects after a closed connection as the real driver does: after 250 ms, doubling to 5 s.
+/// Also connects as the real driver does: a closed connection when the client needs it (Engine::opens_at()),
+/// a lost one after 250 ms, doubling to 5 s.
 class StreamFaults final : public FaultInjector {
 public:
     StreamFaults(const model::Line& line, Devices& devices, const FaultPlan& plan, FaultObserver* observer)
@@ -19,6 +20,10 @@ public:
     /// Before anything happens on it; it outlives the faults.
     void work_on(ByteStream& stream) { stream_ = &stream; }
 
+    [[nodiscard]] serve::Answer handle(const serve::Context& context,
+                                       const wire::RequestView& request) override;
+    [[nodiscard]] Instant next_event() const override;
+    void on_event(Instant t) override;
     [[nodiscard]] bool on_sent(Instant t, std::size_t sender, Bytes sent,
                                std::vector<Piece>& arrives) override;
     void on_arrived(Instant t, std::size_t sender, Bytes sent, Bytes received) override;
@@ -46,14 +51,30 @@ private:
     void add_glitch(Instant t, Bytes frame, std::vector<Piece>& arrives);
     bool break_up(Instant t, const Exchange& exchange, Bytes frame, std::vector<Piece>& arrives);
     void swallow(Instant t, Instant until);
-    void close(Instant t);
     void connect(Instant t);
+    void back_off(Instant t);
+    /// When a connection that was closed is made again; kNever: not now.
+    [[nodiscard]] Instant connects_at() const;
+    [[nodiscard]] std::optional<FaultKind> closes_for(const serve::Context& context, Bytes request);
+    /// The server ends the connection at `when`, if it does not do so before.
+    void end_connection_at(Instant when, FaultKind kind, std::optional<std::size_t> device);
+    [[nodiscard]] Instant idle_until() const;
+    void end_connection(Instant t);
 
     ByteStream* stream_ = nullptr;
     std::deque<Exchange> answers_;                 // whose answers will come, in this order
     std::map<std::size_t, Instant> behind_until_;  // by device that answers in order
     bool swallows_ = false;
     Instant swallows_until_{};
+    struct End {
+        Instant when;
+        FaultKind kind{};
+        std::optional<std::size_t> device;
+    };
+    std::optional<End> end_;  // of this connection, by the server
+    bool backs_off_ = false;  // until the next attempt to connect
+    Instant active_at_{};     // when something was sent last
+    Instant connected_at_{};
     bus::Backoff backoff_{std::chrono::milliseconds(250), std::chrono::seconds(5)};
 };
 

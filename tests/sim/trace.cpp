@@ -51,6 +51,11 @@ void Trace::sending(Instant t, std::size_t line, const poll::Sending& sending) c
     std::fputc('\n', stderr);
 }
 
+void Trace::link(Instant t, std::size_t line, std::string_view state) const {
+    if (!on_) return;
+    std::fprintf(stderr, "%12.3f ms  line %zu  link %s\n", ms(t), line, std::string(state).c_str());
+}
+
 void Trace::fault(std::size_t line, const sim::FaultEvent& event) const {
     if (!on_) return;
     std::fprintf(stderr, "%12.3f ms  line %zu  fault %s", ms(event.time), line,

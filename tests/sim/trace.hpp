@@ -23,6 +23,7 @@ public:
     void frame(Instant t, std::size_t line, bool sent, Bytes bytes) const;
     void sending(Instant t, std::size_t line, const poll::Sending& sending) const;
     void fault(std::size_t line, const sim::FaultEvent& event) const;
+    void link(Instant t, std::size_t line, std::string_view state) const;
 
 private:
     bool on_;

@@ -26,6 +26,7 @@ sim::FaultRates rates(const model::Line& model, const Run& settings, std::size_t
     sim::FaultRates made;
     for (std::size_t i = 0; i < sim::kFaultKinds; ++i) {
         const auto fault = static_cast<FaultKind>(i);
+        if (is_close(fault)) continue;  // see add_closes()
         const bool left_out = random.below(3) == 0;
         const auto rate = many ? 1000 + random.below(9000) : 100 + random.below(900);
         const auto mean = random.between(many ? 20s : 100s, many ? 120s : 600s);
@@ -38,6 +39,20 @@ sim::FaultRates rates(const model::Line& model, const Run& settings, std::size_t
             made.set(fault, fault == FaultKind::connect_refused ? 300'000 : rate);
     }
     return made;
+}
+
+// Half of the servers end their connections, in one way or in all of them. Drawn by itself.
+void add_closes(sim::FaultRates& rates, const model::Line& model, const Run& settings, std::size_t line) {
+    using Kind = FaultChoice::Kind;
+    auto random = sim::Random(settings.seed).fork(0xC105 + line);
+    if (model.is_serial() || settings.faults.kind == Kind::given || settings.faults.kind == Kind::none)
+        return;
+    const auto way = random.below(10);
+    const bool all = way == 4;
+    if (way == 0 || all) rates.set(FaultKind::close_after_response, all ? 50'000 : 1'000'000);
+    if (way == 1 || all) rates.set(FaultKind::close_at_random, 2'000 + random.below(60'000));
+    if (way == 2 || all) rates.set(FaultKind::close_on_request, 50'000 + random.below(200'000));
+    if (way == 3 || all) rates.every(FaultKind::close_when_idle, random.between(100ms, 5s));
 }
 
 // Drawn by itself, so that all else stays as without it.
@@ -74,6 +89,7 @@ sim::FaultPlan fault_plan(const model::Project& project, const Run& settings, st
     sim::FaultPlan plan;
     plan.seed = random.next();
     plan.rates = rates(modelled, settings, line);
+    add_closes(plan.rates, modelled, settings, line);
     plan.merciless = settings.merciless;
     if (settings.merciless) add_lateness(plan, modelled, settings, line);
     plan.dead = {1s, 20s};

@@ -50,6 +50,8 @@ public:
     Port(World& world, std::size_t line) : world_(world), line_(line) {}
 
     void on_link(Instant t, bool up) override;
+    void on_close(Instant t) override;
+    [[nodiscard]] std::optional<Instant> opens_at() const override;
     void on_bytes(Instant t, Bytes bytes) override;
     void on_tick(Instant t) override;
     [[nodiscard]] Bytes transmit(Instant t) override;
@@ -75,6 +77,7 @@ public:
     [[nodiscard]] poll::LinePoller& poller(std::size_t line) { return master_.line(line); }
     [[nodiscard]] judge::LineJudge& judge(std::size_t line) { return *judges_[line]; }
     void note_fault(std::size_t line, const sim::FaultEvent& event);
+    void note_link(std::size_t line, Instant t, std::string_view state) { trace_.link(t, line, state); }
     void relay(std::size_t line, Instant t);
     void take_relayed(std::size_t line);
     [[nodiscard]] bool relays(std::size_t line) const { return relayed_[line]; }
@@ -358,9 +361,21 @@ Result World::run() {
 }
 
 void Port::on_link(Instant t, bool up) {
+    world_.note_link(line_, t, up ? "up" : "lost");
     world_.judge(line_).on_link(t, up);
     world_.poller(line_).on_link(t, up);
     world_.look(line_, t);
+}
+
+void Port::on_close(Instant t) {
+    world_.note_link(line_, t, "closed");
+    world_.judge(line_).on_close(t);
+    world_.poller(line_).on_close(t);
+    world_.look(line_, t);
+}
+
+std::optional<Instant> Port::opens_at() const {
+    return world_.poller(line_).opens_at();
 }
 
 void Port::on_bytes(Instant t, Bytes bytes) {

@@ -55,6 +55,10 @@ inline FaultPlan only(FaultKind kind) {
     FaultPlan plan;
     if (kind == FaultKind::connect_refused) {
         plan.rates.every(FaultKind::tcp_reset, 1s).set(kind, 500'000);
+    } else if (kind == FaultKind::close_when_idle) {
+        plan.rates.every(kind, 20ms);
+    } else if (kind == FaultKind::close_on_request) {
+        plan.rates.set(kind, 400'000);
     } else if (is_timed(kind)) {
         plan.rates.every(kind, 2s);
         plan.dead = plan.reboot = plan.unplugged = plan.half_open = plan.jump = {200ms, 2s};

@@ -18,7 +18,7 @@ inline constexpr std::string_view kInvariants[] = {
     "unsafe_not_repeated", "outcome_once",     "transaction_within_f", "silence_kept",
     "order_kept",          "failed_to_queue",  "dead_costs_probes",    "group_whole",
     "poll_enable_obeyed",  "request_was_due",  "memory_bounded",       "recovers",
-    "reachable",           "polling_advances",
+    "reachable",           "polling_advances", "quality_own",
 };
 
 struct Violation {

@@ -49,6 +49,8 @@ public:
 
     // The master's port. Times as the master is given them.
     void on_link(Instant t, bool up);
+    /// The connection was closed. It is opened when it is needed.
+    void on_close(Instant t);
     /// @param claim  the purpose as the master reports it
     void on_sent(Instant t, std::span<const std::uint8_t> bytes, const std::optional<Claim>& claim);
     /// The chosen request was never sent, because the line did not become silent.
@@ -99,7 +101,9 @@ private:
         Instant clean_from = Instant::min();   // nothing that was asked of it before can hold anything back
         std::uint64_t sent = 0;                // transactions
         std::uint64_t ended = 0;               // of them, by the engine
+        bool failed_by_close = false;          // the last time, for certain
         bool has_reads = false;                // else it is not probed
+        std::optional<Duration> fastest;       // of its answers
         std::optional<Instant> answered_late;  // the last time that its answer came after the deadline
         [[nodiscard]] bool dead() const { return failures >= model->attempts; }
         [[nodiscard]] bool may_be_dead() const { return possible >= model->attempts; }
@@ -147,6 +151,7 @@ private:
         bool retry = false;                     // the last attempt failed
         Instant failed_at;
         unsigned failures = 0;             // in a row
+        unsigned cuts = 0;                 // in a row: its connection ended before its response
         bool busy = false;                 // its device answered with exception 5 or 6
         bool held = false;                 // it failed or was put off: not judged by priority
         std::optional<Instant> edge;       // of its trigger, unserved
@@ -190,9 +195,21 @@ private:
 
     // record.cpp, settle.cpp
     void adopt(const plan::LinePlan& plan);
+    void begin_connection(Instant t);
     void carry(const RequestState& old, RequestState& now) const;
     [[nodiscard]] std::span<const std::uint8_t> without_echo(Instant t, std::span<const std::uint8_t> bytes);
     void settle(Transaction& transaction, Instant t);
+    /// The master waits for its answer, for certain or perhaps.
+    [[nodiscard]] bool waits(const Transaction& transaction, Instant t) const;
+    [[nodiscard]] static bool may_wait(const Transaction& transaction, Instant t) {
+        return !transaction.broadcast &&
+               (!transaction.over || (transaction.unsure() && transaction.deadline >= t));
+    }
+    void settle_closed(Instant t);
+    [[nodiscard]] Close attribute(const Transaction& transaction, Instant t) const;
+    [[nodiscard]] bool may_be_spared(const Transaction& transaction, Instant t) const;
+    [[nodiscard]] bool all_met_closes() const;
+    void perhaps_lost();
     void note_event_end(const Transaction&, Instant end);
     void settle_request(Transaction& transaction, Instant t);
     void settle_device(const Transaction& transaction);
@@ -316,12 +333,14 @@ private:
     void set_bounds();
     void set_most_wait();
     void note_served(Transaction& transaction) const;
+    void check_quality(Instant t, VariableNumber v, const value::Slot& slot) const;
     void check_sample(Instant t, VariableNumber v, const value::Slot& slot);
     void note_sample(VariableNumber v, const Transaction& source);
     void check_age(Instant t, VariableNumber v);
     void check_outage(Instant t, VariableNumber v) const;
     void check_stale(Instant t, VariableNumber v, const value::Slot& slot) const;
     void check_advance(Instant t);
+    [[nodiscard]] Duration most_wait(const RequestState& request, Instant since) const;
     [[nodiscard]] Duration lost_since(Instant from) const;
     [[nodiscard]] std::optional<Duration> bound(VariableNumber v, Instant t) const;
     [[nodiscard]] Duration beyond(const Transaction& transaction, Duration occupied) const;
@@ -351,7 +370,15 @@ private:
     AnswerLedger ledger_;
     Adapter adapter_;
     ByteVector echo_;  // of the last request, whose echo is still expected
-    bool up_ = false;
+    enum class Link : std::uint8_t { none, up, closed, lost };
+    Link link_ = Link::none;
+    bool may_be_lost_ = false;  // the closed link is
+    bool useless_ = false;      // the last connection brought no answer
+    bool answers_ = false;      // on this connection
+    bool heard_on_ = false;     // something
+    Instant closed_at_ = Instant::min();
+    std::set<std::size_t> closes_;          // devices that met a close since one answered
+    bool relayed_open_ = false;             // a relayed request is in flight
     Instant epoch_ = Instant::min();        // the first link
     std::deque<Transaction> transactions_;  // the last ones
     ByteVector received_;                   // since the last request; of a stream, what is left of it

@@ -8,6 +8,7 @@ namespace takt::judge {
 namespace {
 
 constexpr std::size_t kKept = 48;
+constexpr Duration kStandstill = std::chrono::milliseconds(1);
 constexpr Duration kFrameBreak = std::chrono::milliseconds(25);  // shorter ones part no frame
 
 bool same_read(const plan::Request& a, const plan::Request& b) {
@@ -135,13 +136,40 @@ std::optional<std::size_t> LineJudge::device_of(std::uint8_t unit) const {
     return std::nullopt;
 }
 
-void LineJudge::on_link(Instant t, bool up) {
-    if (up == up_) return;
+void LineJudge::begin_connection(Instant t) {
     if (!serial()) ledger_.on_connection(t);
-    settle_answered();
-    up_ = up;
     received_.clear();
     busy_until_ = t;
+    useless_ = !answers_;
+    answers_ = heard_on_ = false;
+}
+
+void LineJudge::on_close(Instant t) {
+    if (link_ != Link::up) return on_link(t, false);
+    settle_answered();
+    link_ = Link::closed;
+    closed_at_ = t;
+    settle_closed(t);
+    // The peer does not speak Modbus, or all devices have met a close.
+    may_be_lost_ = (heard_on_ && !answers_) || all_met_closes();
+    if (may_be_lost_)
+        for (auto& device : devices_) note_trouble(device, t);
+    begin_connection(t);
+}
+
+void LineJudge::on_link(Instant t, bool up) {
+    const Link before = std::exchange(link_, up ? Link::up : Link::lost);
+    if (before == link_) return;
+    settle_answered();
+    if (before == Link::closed && up) {
+        ++recoveries_["connection_reopened"];
+        if (may_be_lost_ || useless_) note_excess({.t = t, .length = t - closed_at_, .device = {}});
+        if (std::exchange(may_be_lost_, false)) perhaps_lost();
+        return;
+    }
+    begin_connection(t);
+    may_be_lost_ = false;
+    closes_.clear();
     for (Transaction& transaction : transactions_) {
         if (transaction.over) continue;
         transaction.cut = true;
@@ -151,12 +179,16 @@ void LineJudge::on_link(Instant t, bool up) {
             if (transaction.purpose == Purpose::probe)
                 request.served_until = std::max(request.served_until, transaction.start);
         }
+        transaction.close = Close::of_several;
         settle(transaction, t);
     }
     forget_between();
     for (auto& request : requests_) request.read_back_since.reset();
     for (auto& [id, command] : commands_) command.read_back_since.reset();
-    if (!up) return;
+    if (!up) {
+        for (auto& device : devices_) note_trouble(device, t);
+        return;
+    }
     const bool first = epoch_ == Instant::min();
     if (first) epoch_ = t;
     for (std::size_t d = 0; d < devices_.size(); ++d) {
@@ -197,6 +229,12 @@ void LineJudge::on_sent(Instant t, std::span<const std::uint8_t> bytes, const st
     transaction.deadline = t + arithmetic_.longest(*devices_[*device].model, transaction.asked);
     transaction.broadcast = arithmetic_.is_broadcast(transaction.asked);
     if (transaction.broadcast) ++recoveries_["broadcast"];
+    for (auto& other : transactions_) {
+        if (!may_wait(other, t)) continue;
+        other.may_be_joined = transaction.may_be_joined = true;
+        if (waits(other, t)) other.joined = transaction.joined = true;
+    }
+    transaction.may_be_joined = transaction.may_be_joined || relayed_open_;
     transaction.failure = arithmetic_.failure(*devices_[*device].model, transaction.asked);
     ++devices_[*device].sent;
     settle_claimed(t, *claim);
@@ -255,6 +293,8 @@ void LineJudge::on_relayed(Instant t, std::span<const std::uint8_t> bytes) {
         note_trouble(devices_[*device],
                      t + arithmetic_.longest(model, *asked) + 2 * hold_of(devices_[*device]));
     }
+    for (auto& other : transactions_) other.may_be_joined = other.may_be_joined || may_wait(other, t);
+    relayed_open_ = true;
     ++recoveries_["relayed"];
 }
 
@@ -262,6 +302,7 @@ void LineJudge::on_relayed(Instant t, std::span<const std::uint8_t> bytes) {
 // exception that may be that response.
 void LineJudge::on_relayed_end(const bus::Outcome& outcome) {
     relayed_end_ = outcome.ended_at;
+    relayed_open_ = false;
     const auto device = device_of(outcome.unit.value);
     if (!device || outcome.status == bus::Status::ok || outcome.status == bus::Status::exception) return;
     note_excess(
@@ -276,7 +317,7 @@ void LineJudge::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
     paused_ = one_at_a_time() && !received_.empty() && (paused_ || t > heard_at_ + kFrameBreak);
     heard_at_ = t;
     busy_until_ = std::max(busy_until_, t);
-    heard_since_ = true;
+    heard_since_ = heard_on_ = true;
     constexpr std::size_t kMost = 4096;
     if (received_.size() + bytes.size() > kMost) received_.clear();
     received_.insert(received_.end(), bytes.begin(), bytes.end());

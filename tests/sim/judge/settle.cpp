@@ -47,8 +47,74 @@ void LineJudge::on_unsent(const Claim& claim) {
     request.set_bits.clear();  // those of the last attempt are given up
 }
 
+bool LineJudge::waits(const Transaction& transaction, Instant t) const {
+    return may_wait(transaction, t) && !transaction.over && !transaction.heard_something &&
+           transaction.deadline > t && t > stood_still_until_ + kAfterStandstill;
+}
+
+// A peer that closes after each response does so before it receives the next request. Such a close is sooner
+// than any answer, and may be held against no device.
+bool LineJudge::may_be_spared(const Transaction& transaction, Instant t) const {
+    const auto& fastest = devices_[transaction.device].fastest;
+    return transaction.is_its_read() && answers_ && (!fastest || t - transaction.start < *fastest);
+}
+
+// A close is a failure of the request that alone waited, if no other one was in flight since it was sent.
+Close LineJudge::attribute(const Transaction& transaction, Instant t) const {
+    const auto others = [&](auto waits) {
+        return std::ranges::any_of(
+            transactions_, [&](const Transaction& other) { return &other != &transaction && waits(other); });
+    };
+    if (transaction.joined || others([&](const auto& other) { return waits(other, t); }))
+        return Close::of_several;
+    const bool certain = !transaction.may_be_joined && !relayed_open_ && waits(transaction, t) &&
+                         !others([&](const auto& other) { return may_wait(other, t); }) &&
+                         !may_be_spared(transaction, t);
+    return certain ? Close::own : Close::perhaps_own;
+}
+
+void LineJudge::settle_closed(Instant t) {
+    std::vector<Transaction*> waiting;
+    for (auto& each : transactions_)
+        if (!each.over && !each.broadcast) waiting.push_back(&each);
+    for (auto* const each : waiting)  // at its deadline it may have timed out
+        each->close = each->deadline <= t ? Close::perhaps_own : attribute(*each, t);
+    for (auto* const each : waiting) {
+        ++recoveries_[each->close == Close::of_several ? "closed_with_several" : "closed_alone"];
+        if (each->close != Close::of_several) closes_.insert(each->device);
+        settle(*each, t);
+    }
+}
+
+// Then it is the fault of the line. A relayed request may have met a close, too.
+bool LineJudge::all_met_closes() const {
+    if (closes_.empty() || (closes_.size() < 2 && !line_.relayed)) return false;
+    for (std::size_t d = 0; d < devices_.size(); ++d)
+        if (devices_[d].enabled && !devices_[d].may_be_dead() && !closes_.contains(d)) return false;
+    return true;
+}
+
+// If the link was lost, nothing is known of the devices any more.
+void LineJudge::perhaps_lost() {
+    for (auto& device : devices_) {
+        device.failures = device.probes = 0;
+        device.possible = std::max(device.possible, unsigned{device.model->attempts});
+        device.probe_not_before = device.last_read = Instant::min();
+    }
+    for (auto& request : requests_) {
+        request.repeat = request.repeat || request.modifying;
+        if (request.read_back_since) request.read_back_since = kMayBeReadBack;
+    }
+    for (auto& [id, command] : commands_) {
+        if (command.modifying) command.waits = command.repeat = true;
+        if (command.read_back_since) command.read_back_since = kMayBeReadBack;
+    }
+}
+
 void LineJudge::settle(Transaction& transaction, Instant t) {
     transaction.over = true;
+    const bool closed = transaction.close != Close::none;
+    const bool of_several = transaction.close == Close::of_several;
     const Duration occupied = std::max(
         std::min(t, transaction.deadline) - transaction.start + arithmetic_.silence(), line_.request_gap);
     // With other bytes around the answer, the master's next action shows whether it found the answer.
@@ -56,7 +122,12 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
     settle_request(transaction, t);
     settle_writes(transaction, t);
     note_event_end(transaction, failed ? std::max(t, transaction.deadline) : t);
-    if (failed)
+    if (closed)
+        note_excess({.t = t,
+                     .length = occupied,
+                     .device = of_several ? std::nullopt : std::optional(transaction.device),
+                     .unproved = transaction.event() && !transaction.expected});
+    else if (failed)
         note_excess(excess_of_failure(transaction, t, occupied));
     else if (!transaction.polls() && !transaction.expected)
         note_excess({.t = t, .length = occupied, .device = {}, .bounded = transaction.client});
@@ -65,13 +136,24 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
     else if (in_doubt(transaction))
         note_excess(excess_of_confirmation(transaction, t));
     DeviceState& device = devices_[transaction.device];
-    if (failed || transaction.received.answer == Answer::exception)
+    if (!failed) {
+        answers_ = true;
+        closes_.clear();
+        const Duration took = transaction.heard_at - transaction.start;
+        device.fastest = std::min(device.fastest.value_or(took), took);
+    }
+    if (closed && !of_several)
+        note_trouble(device, t);
+    else if (!closed && (failed || transaction.received.answer == Answer::exception))
         note_trouble(device, std::max(t, transaction.deadline) + hold_of(device));
     if (transaction.purpose == Purpose::trial) return;  // no evidence about the device
-    if (transaction.cut)
+    if (of_several) return;
+    if (transaction.cut || transaction.close == Close::perhaps_own) {
         ++device.possible;  // switched off and on again meanwhile, it is held against the device
-    else
+        device.failed_by_close = false;
+    } else {
         settle_device(transaction);
+    }
 }
 
 // The line's rate limit of events counts from their ends.
@@ -89,7 +171,12 @@ void LineJudge::settle_request(Transaction& transaction, Instant t) {
     if (transaction.purpose == Purpose::trigger)
         request.trigger_failed = failed || refused || transaction.partial;
     const bool learns = devices_[transaction.device].model->gaps == model::Gaps::learn;
-    const bool again = failed || transaction.partial || (refused && (learns || transaction.replaces));
+    const bool closed = transaction.close != Close::none && transaction.deadline > t;
+    if (!failed) request.cuts = 0;
+    if (closed && transaction.purpose != Purpose::trigger) ++request.cuts;
+    // A read that the link was lost with is sent again at once, but not twice in a row.
+    const bool again = (failed || transaction.partial || (refused && (learns || transaction.replaces))) &&
+                       !(closed && request.cuts > 1 && transaction.purpose != Purpose::trigger);
     if (again && transaction.purpose == Purpose::trigger) {
         transaction.waits_again = !request.edge;
         request.edge = request.edge.value_or(transaction.start);
@@ -104,8 +191,9 @@ void LineJudge::settle_request(Transaction& transaction, Instant t) {
     }
     if (request.busy && !failed && !refused) ++recoveries_["busy_ended"];
     request.busy = refused && (transaction.received.exception == 5 || transaction.received.exception == 6);
-    request.failures = failed ? request.failures + 1 : 0;
-    request.held = failed || refused;
+    const bool of_several = transaction.close == Close::of_several;
+    if (!of_several) request.failures = failed ? request.failures + 1 : 0;
+    if (!of_several) request.held = failed || refused;
 }
 
 void LineJudge::settle_device(const Transaction& transaction) {
@@ -113,10 +201,7 @@ void LineJudge::settle_device(const Transaction& transaction) {
     if (transaction.answered()) {
         if (transaction.repeated && !transaction.unsure()) ++recoveries_["retried_and_got"];
         if (device.may_be_dead()) {
-            // The planned read follows an alternative that is refused.
-            const bool again = transaction.request && requests_[*transaction.request].retry;
             came_back(transaction.device);
-            if (again) requests_[*transaction.request].retry = true;
         }
         const unsigned possible = device.possible + 1;
         device.answers();
@@ -124,6 +209,7 @@ void LineJudge::settle_device(const Transaction& transaction) {
         return;
     }
     ++device.possible;
+    device.failed_by_close = transaction.close == Close::own;
     const bool others = std::ranges::any_of(transactions_, [&](const Transaction& other) {
         return &other != &transaction && !other.over && other.device == transaction.device;
     });
@@ -163,11 +249,15 @@ Duration LineJudge::all_once(std::size_t index) const {
 }
 
 void LineJudge::came_back(std::size_t index) {
-    if (devices_[index].dead()) {
-        ++recoveries_["device_came_back"];
-        restart(index, true);
-    } else {  // perhaps
-        for (auto& request : requests_) request.at_once = request.at_once || request.plan->device == index;
+    const bool dead = devices_[index].dead();
+    if (dead) ++recoveries_["device_came_back"];
+    for (auto& request : requests_) {
+        if (request.plan->device != index) continue;
+        // After closes it answered some reads: they keep their periods.
+        request.at_once = request.at_once || !devices_[index].failed_by_close;
+        if (!dead) continue;  // perhaps
+        request.held = false;
+        request.failures = 0;
     }
     note_excess({busy_until_, all_once(index), {}});
     note_trouble(devices_[index], busy_until_);

@@ -22,6 +22,14 @@ struct Claim {
     poll::Sending sending;
 };
 
+/// The connection was closed before the answer.
+enum class Close : std::uint8_t {
+    none,
+    of_several,   ///< it is a failure of no device
+    perhaps_own,  ///< of several, or its own
+    own,          ///< it is a failure of its device
+};
+
 struct Transaction {
     Asked asked;
     std::size_t device = 0;
@@ -46,7 +54,10 @@ struct Transaction {
     std::set<std::uint8_t> taken_by;  ///< the units that have executed it
 
     bool over = false;
-    bool cut = false;  ///< the link went away, or its device was switched meanwhile
+    bool cut = false;     ///< the link went away, or its device was switched meanwhile
+    bool joined = false;  ///< another request was in flight with it
+    bool may_be_joined = false;
+    Close close = Close::none;
     bool heard_something = false;
     Received received;
     std::vector<Words> further;  ///< the values of frames behind the first one that could be its answer

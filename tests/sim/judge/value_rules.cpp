@@ -81,9 +81,25 @@ Duration LineJudge::lost_since(Instant from) const {
     return lost;
 }
 
+// On a line that holds its periods a read is sent within the period of its release, so at least once in two
+// periods. What faults and clients took of the line since then comes on top, with what has become due
+// meanwhile.
+Duration LineJudge::most_wait(const RequestState& request, Instant since) const {
+    const Duration longest = most_wait_ + 2 * lost_since(since - most_wait_);
+    constexpr double kFull = 0.7;
+    if (line_.relayed || load_ >= kFull || !guarantee_.feasible || in_doubt(since, request.plan->device))
+        return longest;
+    const Duration period = *request.plan->period;
+    Duration taken = once_;
+    for (const Excess& excess : excess_)
+        if (excess.t + excess.length >= since - period) taken += excess.length + excess.hold;
+    return std::min(longest, period + Duration(static_cast<Duration::rep>(static_cast<double>(taken.count()) /
+                                                                          (1 - load_))));
+}
+
 // Polling advances independent of clients: a due poll of a device that answers is sent in bounded time.
 void LineJudge::check_advance(Instant t) {
-    if (most_wait_ <= Duration::zero() || !up_) return;
+    if (most_wait_ <= Duration::zero() || (link_ != Link::up && link_ != Link::closed)) return;
     for (const auto& request : requests_) {
         const plan::Request& planned = *request.plan;
         if (!planned.read || !planned.period || *planned.period <= Duration::zero() || request.held ||
@@ -92,11 +108,11 @@ void LineJudge::check_advance(Instant t) {
         const DeviceState& device = devices_[planned.device];
         const Instant released = first_release_after(request, request.served_until);
         const Instant since = std::max(released, device.clean_from);
-        if (!device.enabled || device.may_be_dead() || t - since <= most_wait_) continue;
-        if (since <= forgotten_ || t - since <= most_wait_ + 2 * lost_since(since - most_wait_)) continue;
+        const Duration most = most_wait(request, since);
+        if (!device.enabled || device.may_be_dead() || since <= forgotten_ || t - since <= most) continue;
         complain("polling_advances", t,
                  "the read from " + std::to_string(planned.start) + " of " + device.model->name + " within " +
-                     milliseconds(most_wait_),
+                     milliseconds(most),
                  "it is due for " + milliseconds(t - released));
         return;
     }
@@ -241,8 +257,25 @@ void LineJudge::check_stale(Instant t, VariableNumber v, const value::Slot& slot
                  "it is from " + milliseconds(t - variables_[v].sampled_at) + " ago");
 }
 
+// A good value is no longer good: its device was switched, did not answer, or has refused something, or the
+// line was lost. A late answer in doubt is in the ledger.
+void LineJudge::check_quality(Instant t, VariableNumber v, const value::Slot& slot) const {
+    const auto& variable = variables_[v];
+    if (!variable.good || slot.quality == value::Quality::good || slot.reason == value::Reason::stale) return;
+    if (devices_[variable.device].clean_from >= variable.sampled_at || in_doubt(t, variable.device)) return;
+    const auto times_out = [&](const Transaction& each) {
+        return !each.over && each.device == variable.device && each.deadline <= t;
+    };
+    if (std::ranges::any_of(transactions_, times_out)) return;
+    complain("quality_own", t,
+             name_of(v) + " good: nothing happened to " + devices_[variable.device].model->name +
+                 " since it was read",
+             std::string(name(slot.quality)) + ", reason " + std::to_string(static_cast<int>(slot.reason)));
+}
+
 void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slot) {
     check_stale(t, v, slot);
+    check_quality(t, v, slot);
     auto& variable = variables_[v];
     const model::Variable& model = *variable.model;
     variable.good = false;
@@ -366,7 +399,7 @@ void LineJudge::check_outage(Instant t, VariableNumber v) const {
         return !each.over && each.device == device;
     };
     if (!variables_[v].good || std::ranges::any_of(transactions_, answers_now)) return;
-    if (!up_)
+    if (link_ == Link::lost)
         complain("value_true", t, name_of(v) + " not good while its line is closed", "shown as good");
     else if (devices_[device].dead())
         complain("value_true", t, name_of(v) + " not good while its device does not answer", "shown as good");
@@ -379,7 +412,6 @@ void LineJudge::look(Instant t, const value::Store& store, std::uint32_t first_s
     if (sweep) {
         next_sweep_ = t + kSweep;
         check_expired(t);
-        check_advance(t);
     }
     for (VariableNumber v = 0; v < variables_.size(); ++v) {
         const value::Slot& slot = store[{first_slot + static_cast<std::uint32_t>(v)}];
@@ -393,6 +425,7 @@ void LineJudge::look(Instant t, const value::Store& store, std::uint32_t first_s
         check_age(t, v);
         check_sample(t, v, slot);
     }
+    if (sweep) check_advance(t);
 }
 
 void LineJudge::finish(Instant t, const value::Store& store, std::uint32_t first_slot) {

@@ -79,6 +79,7 @@ void LineJudge::settle_before(const Transaction& transaction) {
 void LineJudge::settle_read_back(const Transaction& transaction, Instant t) {
     const bool good = transaction.received.answer == Answer::good;
     const bool maybe_again = !good || transaction.unsure();
+    const Instant again_from = transaction.close == Close::none ? t : kMayBeReadBack;
     const auto same = [&](VariableNumber v, const value::Value& wanted) {
         const auto equals = [&](const Words& values) {
             const auto items = items_in(transaction, v, values);
@@ -95,7 +96,7 @@ void LineJudge::settle_read_back(const Transaction& transaction, Instant t) {
         auto& group = requests_[*transaction.request];
         const bool safe = std::ranges::all_of(
             group.changed, [&](VariableNumber v) { return variables_[v].model->safe_to_repeat; });
-        if (maybe_again) group.read_back_since = t;
+        if (maybe_again) group.read_back_since = again_from;
         group.repeat = safe;
         for (auto& [id, command] : commands_)
             if (variables_[command.variable].change_group == *transaction.request && command.sends > 0)
@@ -104,7 +105,7 @@ void LineJudge::settle_read_back(const Transaction& transaction, Instant t) {
     }
     for (const auto id : transaction.commands)
         if (const auto found = commands_.find(id); found != commands_.end()) {
-            if (maybe_again) found->second.read_back_since = t;
+            if (maybe_again) found->second.read_back_since = again_from;
             settle(found->second, variables_[found->second.variable].model->safe_to_repeat);
         }
 }

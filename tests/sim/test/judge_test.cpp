@@ -89,12 +89,19 @@ void lose_device(Story& story, Duration when) {
 const Case kCases[] = {
     {"polling does not go on", "polling_advances",
      [](Story& story) {
-         read_pair(story, 0ms, 100, 200);
-         story.read(100ms, 1, 4, 10, "x", 300);
-         story.read(200ms, 2, 4, 0, "y", 400);
-         for (const auto* name : {"v", "w", "x", "y"}) story.show(name, 1, value::Quality::uncertain);
          story.look(300ms);
          story.look(60s);
+     }},
+    {"bad, and nothing happened to its device", "quality_own",
+     [](Story& story) {
+         read_pair(story, 0ms, 100, 200);
+         story.show("v", 1, value::Quality::bad);
+     }},
+    {"bad, its device was switched off", "",
+     [](Story& story) {
+         story.read(0ms, 2, 4, 0, "y", 400);
+         story.enable(100ms, false);
+         story.show("y", 400, value::Quality::bad);
      }},
     {"a good history", "",
      [](Story& story) {

@@ -68,7 +68,7 @@ class TransactionSlot {
 
     [[nodiscard]] bool open() const { return state != State::empty && state != State::ended; }
     [[nodiscard]] bool in_flight() const { return state == State::sent || state == State::confirming; }
-    [[nodiscard]] bool awaits_response() const { return in_flight() && !broadcast; }
+    [[nodiscard]] bool awaits_response() const { return state == State::sent && !broadcast; }
     [[nodiscard]] Bytes content() const { return {pdu, pdu_size}; }
     [[nodiscard]] AnswerShape shape() const { return answer_shape(request); }
     void fill(Bytes bytes) {

@@ -21,7 +21,7 @@ class SimulatedLine;
 namespace takt::line {
 
 class ConnectGate;
-class HostPlaces;
+class ConnectionLimit;
 
 /// Called when the link comes up (`why` is empty), goes down, or an attempt fails. `why`: cannot_open, busy,
 /// timed_out, connection_lost, io_failed or (TCP) not_modbus, with the port or host as subject.
@@ -46,8 +46,8 @@ struct DriverOptions {
     Duration connect_limit = std::chrono::seconds(3);
     /// TCP: limits the attempts to connect; must outlive the driver. nullptr: no limit.
     ConnectGate* gate = nullptr;
-    /// TCP: where the connection takes a place, and how many the host has; nullptr: without limit.
-    HostPlaces* places = nullptr;
+    /// TCP: the limit of connections to its host, and how many there may be; nullptr: without limit.
+    ConnectionLimit* connection_limit = nullptr;
     std::size_t connections_per_host = 1;
     /// TCP: SocketStream::acknowledge_at_once().
     bool acknowledge_at_once = false;

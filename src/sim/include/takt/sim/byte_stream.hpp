@@ -13,10 +13,17 @@
 
 namespace takt::sim {
 
+/// How a server ends a connection.
+enum class Ending : std::uint8_t {
+    fin,         ///< what it has sent arrives; it executes no further request
+    reset,       ///< what it has sent and the client has not received is lost, too
+    half_close,  ///< what it has sent arrives; it executes further requests until the client closes
+};
+
 /// Joins a client's engine (sender 0 in the measured view) and a server's connection (sender 1) as TCP does.
 /// The bytes of one transmit() arrive together: after `delay`, plus `per_byte` for each byte, and not before
-/// earlier ones. The server's wants_bytes() is obeyed. When the server closes the connection, both engines
-/// get on_link(down), and the link stays down.
+/// earlier ones. The server's wants_bytes() is obeyed. When one end closes the connection, the client gets
+/// on_close() and the server on_link(down), and the link stays down.
 class ByteStream final : public Wire {
 public:
     struct Options {
@@ -34,7 +41,15 @@ public:
     void stall(Instant until, bool late_tick);
     /// From now on nothing arrives until the next link-up.
     void swallow() { swallows_ = true; }
+    /// The server ends the connection. The client notices it behind the bytes that still arrive.
+    void end(Instant t, Ending how);
+    /// The connection is closed for both at this instant.
+    void close(Instant t);
     [[nodiscard]] bool up() const { return up_; }
+    /// The server can end it.
+    [[nodiscard]] bool open() const { return up_ && !ended_ && !swallows_; }
+    /// Engine::opens_at() of the client.
+    [[nodiscard]] std::optional<Instant> client_opens_at() const { return client_.opens_at(); }
     [[nodiscard]] bool stalled() const { return stalled_until_.has_value(); }
 
     void set_link(Instant t, bool up) override;
@@ -51,9 +66,11 @@ private:
         Bytestring bytes;
         std::size_t taken = 0;
         std::optional<Bytestring> sent = std::nullopt;  // where that is something else
+        bool ends = false;                              // the connection, instead of bytes
     };
     using Queue = std::deque<Chunk>;
 
+    void begin_anew(Instant t, bool up);
     void step(Instant t);
     void to_client(Instant t);
     void to_server(Instant t);
@@ -88,6 +105,7 @@ private:
     std::optional<Instant> stalled_until_;
     bool late_tick_ = false;
     bool swallows_ = false;
+    std::optional<Ending> ended_;  // by the server; the client has not noticed it
     bool up_ = false;
     Instant now_;
 };

@@ -57,15 +57,24 @@ enum class FaultKind : std::uint8_t {
     tcp_reset,        ///< the connection is closed from outside
     tcp_half_open,    ///< the connection loses everything, both ways, until it is closed
     connect_refused,  ///< an attempt to connect again fails
+    // A server that ends its connections (see Ending), drawn apart from the other kinds.
+    close_after_response,  ///< behind a response, at once or up to 3 ms later
+    close_at_random,       ///< instead of a response; half of the requests are executed
+    close_on_request,      ///< the same, always for the same requests and for devices that are dead
+    close_when_idle,       ///< when nothing was sent for that long
 };
-inline constexpr std::size_t kFaultKinds = static_cast<std::size_t>(FaultKind::connect_refused) + 1;
+inline constexpr std::size_t kFaultKinds = static_cast<std::size_t>(FaultKind::close_when_idle) + 1;
 
 /// "bit_error", …
 std::string_view name(FaultKind kind);
 
 /// Scheduled kinds (FaultRates::mean_between), as opposed to kinds per exchange (FaultRates::per_million).
-/// The ends device_back and link_up have no rate; connect_refused is drawn per attempt (per million).
+/// The ends device_back and link_up have no rate; connect_refused is drawn per attempt (per million),
+/// close_on_request once for each function and range of a unit. The time of close_when_idle is not drawn.
 bool is_timed(FaultKind kind);
+
+/// A server that ends its connections.
+bool is_close(FaultKind kind);
 
 /// Faults of the line, not of one device: noise, clock_jump, and all of link and connection.
 bool is_of_line(FaultKind kind);

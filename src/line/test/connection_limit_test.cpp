@@ -1,4 +1,4 @@
-#include "takt/line/host_places.hpp"
+#include "takt/line/connection_limit.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,16 +7,16 @@
 #include <vector>
 
 namespace takt::line {
-namespace host_places_test {
+namespace connection_limit_test {
 
 using Names = std::vector<std::string>;
 
-TEST(HostPlaces, AreTakenInTurn) {
+TEST(ConnectionLimit, AreTakenInTurn) {
     Names wanted;
-    HostPlaces places([&](const std::string& host) { wanted.push_back(host); });
+    ConnectionLimit limit([&](const std::string& host) { wanted.push_back(host); });
     Names admitted;
     const auto ask = [&](const std::string& host, const std::string& who) {
-        return std::optional(places.ask(host, 1, [&, who] { admitted.push_back(who); }));
+        return std::optional(limit.ask(host, 1, [&, who] { admitted.push_back(who); }));
     };
     auto a = ask("plc", "a");
     auto b = ask("plc", "b");
@@ -24,25 +24,25 @@ TEST(HostPlaces, AreTakenInTurn) {
     auto other = ask("meter", "other");
     EXPECT_EQ(admitted, (Names{"a", "other"}));
     EXPECT_EQ(wanted, (Names{"plc", "plc"}));
-    EXPECT_TRUE(places.wanted("plc"));
-    EXPECT_FALSE(places.wanted("meter"));
+    EXPECT_TRUE(limit.wanted("plc"));
+    EXPECT_FALSE(limit.wanted("meter"));
     b.reset();
     EXPECT_EQ(admitted, (Names{"a", "other"})) << "it has only waited";
     a.reset();
     EXPECT_EQ(admitted, (Names{"a", "other", "c"}));
-    EXPECT_FALSE(places.wanted("plc"));
+    EXPECT_FALSE(limit.wanted("plc"));
     c.reset();
     a = ask("plc", "a");
     EXPECT_EQ(admitted.back(), "a");
 }
 
-TEST(HostPlaces, ALineThatNeedsFewerWaitsForThem) {
-    HostPlaces places;
+TEST(ConnectionLimit, ALineThatNeedsFewerWaitsForThem) {
+    ConnectionLimit limit;
     int admitted = 0;
     const auto count = [&] { ++admitted; };
-    auto first = std::optional(places.ask("plc", 2, count));
-    auto second = std::optional(places.ask("plc", 2, count));
-    const auto alone = places.ask("plc", 1, count);
+    auto first = std::optional(limit.ask("plc", 2, count));
+    auto second = std::optional(limit.ask("plc", 2, count));
+    const auto alone = limit.ask("plc", 1, count);
     EXPECT_EQ(admitted, 2);
     first.reset();
     EXPECT_EQ(admitted, 2);
@@ -50,5 +50,5 @@ TEST(HostPlaces, ALineThatNeedsFewerWaitsForThem) {
     EXPECT_EQ(admitted, 3);
 }
 
-}  // namespace host_places_test
+}  // namespace connection_limit_test
 }  // namespace takt::line
