@@ -119,9 +119,9 @@ def measure(options, count):
     with tempfile.TemporaryDirectory() as folder:
         project = pathlib.Path(folder) / "flood.yaml"
         project.write_text(PROJECT.format(device=device, gate=gate))
-        program = subprocess.Popen(
-            [options.takt, "run", project, "--json", "--quiet", "--web", f"127.0.0.1:{page}", *options.option],
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        command = [options.takt, "run", project, "--json", "--quiet", "--web", f"127.0.0.1:{page}"]
+        program = subprocess.Popen([*command, *options.option], stdout=subprocess.PIPE,
+                                   stderr=subprocess.DEVNULL)
         time.sleep(1)
         begin = time.monotonic()
         if count:

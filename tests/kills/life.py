@@ -1,5 +1,5 @@
 """A plant with everything at once: devices on TCP and a pseudo-terminal, a relay, a mirror, MQTT, a history
-and three pages that edit, while its program is killed, stopped and meets full disks, broken files and jumps of
+and three pages that edit. Its program is killed and stopped, and meets full disks, broken files and jumps of
 the clock."""
 import contextlib
 import mmap
@@ -21,7 +21,11 @@ SECOND = 1_000_000_000
 BROKEN = b"\n  - {: broken\n"
 UNITS = {"Tcp": 1, "Pty": 2}
 MIRRORS = 9  # the unit of the mirrored values
-VALUES = {f"{name}.{value}": lambda text: int(text) if text else None for name in UNITS for value in ("Count", "Fixed")}
+VALUES = {
+    f"{name}.{value}": lambda text: int(text) if text else None
+    for name in UNITS
+    for value in ("Count", "Fixed")
+}
 TROUBLES = ("broker", "broker", "hold_up", "hold_down", "cut", "clock", "clock", "disk", "file", "reload")
 PROJECT = """takt: 1
 lines:
@@ -57,7 +61,10 @@ servers:
     listen: 127.0.0.1
     tcp_port: {gate}
     relay: [{{line: serial, units: [{units[Pty]}]}}]
-    units: [{{address: {mirrors}, high_register_first: true, mirror: {{area: holding_register, devices: [Tcp]}}}}]
+    units:
+      - address: {mirrors}
+        high_register_first: true
+        mirror: {{area: holding_register, devices: [Tcp]}}
 outputs:
   - name: cloud
     transport: mqtt

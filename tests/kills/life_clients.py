@@ -39,7 +39,7 @@ class Client(threading.Thread):
 
 
 class PageClient(Client):
-    """Judges ages, and edits the comment of a local of its own. `editing`: held while a file is saved here."""
+    """Judges ages, and edits the comment of a local of its own. `editing`: held while a page saves."""
 
     def __init__(self, seed, index, port, devices, editing):
         super().__init__(seed)

@@ -1,4 +1,4 @@
-"""The journal of an output on a small disk, and with files that another program has changed between two runs."""
+"""The journal of an output on a small disk, and with files that another program changed between two runs."""
 import os
 import subprocess
 import time

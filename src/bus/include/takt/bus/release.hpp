@@ -98,7 +98,7 @@ private:
     Duration period_;
     bool running_ = false;
     bool overrun_ = false;
-    bool awaited_ = false;  // the overrun began while a read was awaited, which has not started yet
+    bool awaited_ = false;        // the overrun began while a read was awaited, which has not started yet
     std::uint8_t long_ones_ = 0;  // the last eight periods, one bit each: too long
     bool has_answer_ = false;
     Instant kept_since_;  // of an overrun
