@@ -7,6 +7,7 @@
 #include <ranges>
 #include <utility>
 
+#include "takt/bus/transaction_ids.hpp"
 #include "takt/wire/function.hpp"
 
 namespace takt::bus {
@@ -154,7 +155,8 @@ void OutstandingResponses::expire(Instant t) {
 }
 
 bool OutstandingResponses::expects(std::uint16_t wire_id) const {
-    return std::ranges::any_of(all(), [&](const auto& e) { return e.outstanding() && e.wire_id == wire_id; });
+    return std::ranges::any_of(
+        all(), [&](const auto& e) { return e.outstanding() && easily_confused(e.wire_id, wire_id); });
 }
 
 // A unit that does not keep the order may have answered one that has passed instead of `found`. Then `found`,

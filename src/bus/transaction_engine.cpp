@@ -53,6 +53,7 @@ TransactionCore::TransactionCore(const LineConfig& config, const TransactionStor
       slots_(storage.slots),
       longest_pdu_(storage.longest_pdu),
       outgoing_(storage.sending.first(TransactionStorage::sending_size(config.framing, storage.longest_pdu))),
+      ids_(config.first_transaction),
       silence_(config.silence_before_request()),
       busy_limit_(silence_ + std::max(kLeastBusyLimit, 2 * config.characters_time(wire::kMaxAsciiFrame))),
       frame_silence_(silence_inside_frame(config)) {
@@ -97,7 +98,7 @@ void TransactionCore::take_over(const TransactionCore& other) {
     TAKT_ASSERT(idle() && other.idle() && config_.framing == other.config_.framing);
     outstanding_.take_over(other.outstanding_);
     counters_ = other.counters_;
-    next_wire_id_ = other.next_wire_id_;
+    ids_ = other.ids_;
     link_up_ = other.link_up_;
     must_reconnect_ = other.must_reconnect_;
     last_activity_ = other.last_activity_;
@@ -171,11 +172,17 @@ Bytes TransactionCore::transmit(Instant t) {
     return send(t, *next);
 }
 
+std::uint16_t TransactionCore::next_wire_id() {
+    return ids_.next([&](std::uint16_t id) {
+        return outstanding_.expects(id) || std::ranges::any_of(slots_, [id](const Slot& slot) {
+                   return slot.in_flight() && easily_confused(id, slot.wire_id);
+               });
+    });
+}
+
 Bytes TransactionCore::send(Instant t, Slot& slot) {
     const UnitId unit = slot.unit;
-    do slot.wire_id = ++next_wire_id_;
-    while (numbered() &&
-           outstanding_.expects(slot.wire_id));  // after 65536 requests its late response would be taken
+    slot.wire_id = numbered() ? next_wire_id() : std::uint16_t{0};
     outgoing_.assign(wire::encode_frame(config_.framing, unit, slot.wire_id, slot.content()).span());
     const auto times = attempt_times(config_, slot.pdu_size, slot.request.response_length, slot.wait);
     const Instant request_end = t + times.request;
@@ -317,6 +324,7 @@ Outcome TransactionCore::outcome_of(const Slot& slot) {
             .other_unit = slot.other_unit,
             .noise = slot.noise,
             .request = slot.request,
+            .wait = slot.wait,
             .response = slot.response,
             .sent_at = slot.sent_at,
             .request_end = slot.request_end,

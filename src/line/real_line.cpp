@@ -1,5 +1,7 @@
 #include "takt/line/real_line.hpp"
 
+#include <random>
+
 #include "receive_trigger.hpp"
 #include "takt/line/serial_port.hpp"
 
@@ -11,6 +13,7 @@ constexpr std::size_t kPause = 4;  // characters, after which a 16550 hands on f
 }  // namespace
 
 bus::LineConfig fit_to_real_line(bus::LineConfig config, const model::Line& line) {
+    config.first_transaction = static_cast<std::uint16_t>(std::random_device{}());
     if (line.transport != model::Transport::serial) return config;
     if (is_pseudo_terminal(line.port)) config.echo = bus::Echo::untimed;
     const ReceiveTrigger trigger(line.port);

@@ -113,17 +113,17 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     }
     reads_.answered(t, index, outcome_class.busy);
     if (on_part(outcome, outcome_class, index)) return;
+    Reason shown = outcome_class.reason;
     if (outcome_class.reason == Reason::ok) {
         read.refusals = 0;
-        publisher_.take(outcome, index, outcome.request);
-        ages_->note_read(request.variables, outcome.sent_at, outcome.ended_at);
+        if (!take_values(outcome, index, outcome.request, true)) shown = Reason::ambiguous;
     } else if (outcome_class.reason == Reason::ambiguous) {
         publisher_.degrade(t, request.variables, Quality::uncertain, Reason::ambiguous, Shown::last);
         reads_.again(t, index);
     } else if (!refused_with_gaps(outcome, index, outcome_class.reason)) {
         publisher_.degrade(t, request.variables, Quality::bad, outcome_class.reason, Shown::last);
     }
-    statuses_.read_ended(t, index, outcome_class.reason);
+    statuses_.read_ended(t, index, shown);
 }
 
 // The read half of 0x17.
@@ -131,8 +131,7 @@ void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeCla
                                    std::size_t index) {
     const auto& request = requests_[index];
     if (outcome_class.reason == Reason::ok) {
-        publisher_.take(outcome, index, request.read->request.shape());
-        ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
+        take_values(outcome, index, request.read->request.shape(), false);
     } else if (outcome_class.reason != Reason::link_lost) {
         const bool refused = outcome_class.answered && outcome_class.reason != Reason::ambiguous;
         const auto quality = refused ? Quality::bad : Quality::uncertain;
@@ -158,6 +157,7 @@ void LinePoller::Run::fail_read(Instant t, std::size_t index, Reason reason) {
 }
 
 void LinePoller::Run::degrade_device(Instant t, std::size_t index, Reason reason, Shown shown) {
+    give_up_held(index);
     std::vector<std::size_t> variables;
     for (std::size_t v = 0; v < variables_.size(); ++v) {
         if (variables_[v].device != index) continue;

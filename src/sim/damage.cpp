@@ -55,6 +55,29 @@ ByteString any_bytes(Random& random, std::size_t count) {
     return bytes;
 }
 
+std::uint16_t other_transaction(Random& random, std::uint16_t own) {
+    constexpr std::uint16_t kFar = 0x4000;
+    std::uint16_t made = 0;
+    switch (random.below(6)) {
+        case 0: break;
+        case 1: made = static_cast<std::uint16_t>(own + 1); break;
+        case 2: made = static_cast<std::uint16_t>(own - 1); break;
+        case 3: made = static_cast<std::uint16_t>(own << 8U | own >> 8U); break;
+        default: made = own ^ kFar; break;
+    }
+    return made != own ? made : own ^ kFar;
+}
+
+ByteString copy_of(Random& random, wire::Framing framing, Bytes frame) {
+    if (framing == wire::Framing::tcp && random.below(2) == 0) {
+        if (auto open = open_frame(framing, frame)) {
+            open->transaction = other_transaction(random, open->transaction);
+            return close_frame(framing, *open);
+        }
+    }
+    return {frame.begin(), frame.end()};
+}
+
 ByteString spoil_characters(Random& random, FaultKind kind, Bytes frame) {
     ByteString bytes(frame.begin(), frame.end());
     const std::size_t where = place(random, bytes.size());
@@ -114,7 +137,7 @@ void alter(Random& random, FaultKind kind, const UnitSet& units, OpenFrame& answ
     switch (kind) {
         case FaultKind::wrong_unit: answer.unit = other_unit(random, units, answer.unit); break;
         case FaultKind::wrong_transaction:
-            answer.transaction ^= static_cast<std::uint16_t>(0x4000U << random.below(2));
+            answer.transaction = other_transaction(random, answer.transaction);
             break;
         case FaultKind::wrong_function:
             pdu[0] = static_cast<std::uint8_t>((pdu[0] & wire::kExceptionBit) |

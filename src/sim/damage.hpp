@@ -16,6 +16,12 @@ ByteString cut_short(Random& random, Bytes frame);
 /// Random characters instead of the frame. Modbus TCP: with a damaged header, or behind a valid one.
 ByteString garbage_for(Random& random, wire::Framing framing, Bytes frame);
 
+/// Another transaction id: 0, one more, one less, the bytes in reverse order, or a distant one.
+std::uint16_t other_transaction(Random& random, std::uint16_t own);
+
+/// The copy of a valid frame. Modbus TCP: half of the copies have another transaction id.
+ByteString copy_of(Random& random, wire::Framing framing, Bytes frame);
+
 std::uint8_t any_byte(Random& random);
 ByteString any_bytes(Random& random, std::size_t count);
 

@@ -105,13 +105,14 @@ void StreamFaults::send_later(Instant t, Duration delay, Bytes bytes, std::vecto
 
 void StreamFaults::double_up(Instant t, std::size_t device, Bytes frame, std::vector<Piece>& arrives) {
     arrives.push_back({.bytes = {frame.begin(), frame.end()}});
+    const ByteString copy = copy_of(random_, framing_, frame);
     if (random_.below(3) == 0) {
-        arrives.back().bytes.insert(arrives.back().bytes.end(), frame.begin(), frame.end());
+        arrives.back().bytes.insert(arrives.back().bytes.end(), copy.begin(), copy.end());
     } else if (serves_again(device)) {
         behind_until_[device] = t + service_time();
-        send_later(t, behind_until_[device] - t, frame, arrives);
+        send_later(t, behind_until_[device] - t, copy, arrives);
     } else {
-        send_later(t, copy_delay(), frame, arrives);
+        send_later(t, copy_delay(), copy, arrives);
     }
 }
 

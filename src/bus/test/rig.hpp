@@ -35,6 +35,22 @@ inline std::vector<std::uint8_t> rtu(std::uint8_t unit, std::string_view pdu) {
     return {frame.begin(), frame.end()};
 }
 
+/// A frame of Modbus TCP. @param rest  what follows protocol id 0, as hex
+inline std::vector<std::uint8_t> frame(std::uint16_t id, std::string_view rest) {
+    std::vector<std::uint8_t> made{static_cast<std::uint8_t>(id >> 8U), static_cast<std::uint8_t>(id), 0, 0};
+    const auto bytes = hex(rest);
+    made.insert(made.end(), bytes.begin(), bytes.end());
+    return made;
+}
+
+/// The frame of the n-th request of an engine, n from 1, or that of its response. While no id was skipped.
+inline std::vector<std::uint8_t> mbap(unsigned n, std::string_view rest) {
+    TransactionIds ids(LineConfig().first_transaction);
+    std::uint16_t id = 0;
+    while (n-- > 0) id = ids.next([](std::uint16_t) { return false; });
+    return frame(id, rest);
+}
+
 inline Transaction transaction(TransactionId id, std::uint8_t unit, std::string_view pdu,
                                Duration wait = 100ms) {
     return {.id = id, .unit = UnitId{unit}, .request = wire::PreparedRequest(hex(pdu)), .wait = wait};

@@ -410,13 +410,15 @@ TEST(TransactionEngine, TcpAnswersComeInAnyOrder) {
     EXPECT_EQ(rig.refused, std::vector<TransactionId>{4});
     rig.run_until(at(1ms));
     ASSERT_EQ(rig.sent.size(), 3U);
-    EXPECT_EQ(rig.sent[0], hex("0001 0000 0006 11 03 006B 0003"));
-    EXPECT_EQ(rig.sent[2], hex("0003 0000 0006 11 03 006B 0003"));
-    rig.receive(at(2ms), "0003 0000 0009 11 03 06 022B 0064 007F");
+    EXPECT_EQ(rig.sent[0], mbap(1, "0006 11 03 006B 0003"));
+    EXPECT_EQ(rig.sent[2], mbap(3, "0006 11 03 006B 0003"));
+    rig.receive(at(2ms), mbap(3, "0009 11 03 06 022B 0064 007F"));
     rig.receive(at(3ms), "0009 0000 0009 11 03 06 022B 0064 007F");  // unsolicited
-    rig.receive(at(3ms), "0002 0000 0009 12 03 06 022B 0064 007F");  // another unit
-    rig.receive(at(3ms), "0002 0000 0009 11 04 06 022B 0064 007F");  // another function
-    rig.receive(at(4ms), "0001 0000 0003 11 83 02 0002 0000 0005 11 03 02 022B");
+    rig.receive(at(3ms), mbap(2, "0009 12 03 06 022B 0064 007F"));   // another unit
+    rig.receive(at(3ms), mbap(2, "0009 11 04 06 022B 0064 007F"));   // another function
+    auto both = mbap(1, "0003 11 83 02");
+    for (const auto byte : mbap(2, "0005 11 03 02 022B")) both.push_back(byte);
+    rig.receive(at(4ms), both);
     ASSERT_EQ(rig.outcomes.size(), 3U);
     EXPECT_EQ(rig.outcomes[0].id, 3U);
     EXPECT_EQ(rig.outcomes[1].status, Status::exception);
@@ -473,7 +475,8 @@ TEST(TransactionCore, ShortRequestsNeedLittleStorage) {
     engine.on_bytes(at(1ms), hex("0009 0000 0009 11 03 06 0000 0000 0000"));  // unsolicited
     engine.on_bytes(at(1ms), hex("0001 0000 0009 11 03 06 0000"));  // longer than anything that was asked for
     EXPECT_FALSE(engine.take_outcome());
-    engine.on_bytes(at(2ms), hex("0000 0000 0002 0000 0005 11 03 02 BBBB"));
+    engine.on_bytes(at(2ms), hex("0000 0000"));
+    engine.on_bytes(at(2ms), mbap(2, "0005 11 03 02 BBBB"));
     const auto first = engine.take_outcome();
     const auto second = engine.take_outcome();
     ASSERT_TRUE(first && second);
@@ -508,9 +511,9 @@ TEST(TransactionEngine, TcpTakesALateAnswerForNothing) {
     rig.submit(at(60ms), transaction(2, 17, "03 00 6C 00 01", 50ms));
     rig.run_until(at(61ms));
     EXPECT_EQ(rig.sent_at.back(), at(60ms));
-    rig.receive(at(62ms), "0001 0000 0005 11 03 02 AAAA");
+    rig.receive(at(62ms), mbap(1, "0005 11 03 02 AAAA"));
     EXPECT_EQ(rig.outcomes.size(), 1U);
-    rig.receive(at(63ms), "0002 0000 0005 11 03 02 BBBB");
+    rig.receive(at(63ms), mbap(2, "0005 11 03 02 BBBB"));
     EXPECT_EQ(rig.last().id, 2U);
 }
 

@@ -158,7 +158,7 @@ public:
     /// Forgets the responses whose time has passed.
     void expire(Instant t);
 
-    /// Whether a response with this transaction id may still come.
+    /// Whether a response may still come whose transaction id is easily confused with this one.
     [[nodiscard]] bool expects(std::uint16_t wire_id) const;
 
     /// A frame was received that answers no request in flight, or a frame followed it that looks alike.

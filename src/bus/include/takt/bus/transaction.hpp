@@ -41,6 +41,7 @@ struct LineConfig {
     bool length_tolerance = false;   ///< Framing::tcp, one at a time: wire::FramerConfig
     Duration pause_after_connect{};  ///< least time from the link's opening to the first request
     Echo echo = Echo::automatic;
+    std::uint16_t first_transaction = 1;  ///< Framing::tcp: where TransactionIds begin
 
     /// Whether characters take time, unlike in a byte stream.
     [[nodiscard]] bool is_serial() const { return framing != wire::Framing::tcp && format.baud != 0; }
@@ -109,6 +110,7 @@ struct Outcome {
     /// Bytes of noise that were received between the request and its response.
     std::uint32_t noise = 0;
     wire::RequestShape request;
+    Duration wait{};  ///< Transaction::wait
     /// Empty without a response. Points into the engine's buffers: valid until the next submit().
     wire::ResponseView response;
     Instant sent_at;      ///< start of the request

@@ -16,6 +16,7 @@
 #include "takt/bus/outstanding_responses.hpp"
 #include "takt/bus/step_watch.hpp"
 #include "takt/bus/transaction.hpp"
+#include "takt/bus/transaction_ids.hpp"
 #include "takt/wire/framer.hpp"
 #include "takt/wire/traffic.hpp"
 
@@ -254,6 +255,7 @@ private:
     void expect_response(Instant t, const Slot& slot, Instant hold_until);
     void finish(Instant t, Slot& slot, Status status, const wire::ResponseView& response = {});
     Bytes send(Instant t, Slot& slot);
+    [[nodiscard]] std::uint16_t next_wire_id();
     [[nodiscard]] static Outcome outcome_of(const Slot& slot);
     [[nodiscard]] Instant silence_end() const;
     [[nodiscard]] Instant busy_limit() const;
@@ -272,7 +274,7 @@ private:
     BoundedVector<std::uint8_t> outgoing_;  // State::confirming: the PDU of the last response
     bool more_follows_ = false;  // bytes were received together with the frame that is handled, and after it
     std::uint64_t last_order_ = 0;
-    std::uint16_t next_wire_id_ = 0;
+    TransactionIds ids_;
     bool link_up_ = false;
     bool must_reconnect_ = false;
     bool bad_header_ = false;

@@ -26,7 +26,8 @@ enum class FaultKind : std::uint8_t {
     lost_request,        ///< the device receives nothing
     lost_response,       ///< the device executed the request; its answer is lost
     late_response,       ///< mostly 1.2 to 40 time-outs after its request, one in 50 up to minutes after it
-    duplicate_response,  ///< twice: right behind, up to minutes later, or served twice before other requests
+    duplicate_response,  ///< twice: right behind, up to minutes later, or served twice before other requests;
+                         ///< Modbus TCP: half of the copies with another id, as wrong_transaction
     past_response,       ///< before the answer, or instead of it, an earlier answer of the same shape again
     glitch,              ///< one to three characters 00, FF or random before or after an answer, up to 8 ms
                          ///< away from it
@@ -35,7 +36,7 @@ enum class FaultKind : std::uint8_t {
     garbage,             ///< random bytes, as many as the frame or up to 300
     // Answers with a valid checksum and a wrong content.
     wrong_unit,         ///< from a unit that was not asked
-    wrong_transaction,  ///< Modbus TCP: an id that is not awaited
+    wrong_transaction,  ///< Modbus TCP: 0, id + 1, id - 1, swapped bytes, or a distant id
     wrong_function,     ///< another function's code, good checksum
     wrong_byte_count,   ///< of a read: fewer or more data than asked, byte count and length agree
     oversized,          ///< of a read: more than asked, up to the greatest frame and beyond
