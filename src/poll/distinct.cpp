@@ -60,8 +60,7 @@ void LinePoller::Run::degrade_shifted(Instant t, const DeviceRun& device, const 
 }
 
 // While the unit is in doubt, the values are held back, and shown as uncertain.
-// @returns whether they are published
-bool LinePoller::Run::take_values(const bus::Outcome& outcome, std::size_t index,
+void LinePoller::Run::take_values(const bus::Outcome& outcome, std::size_t index,
                                   const wire::RequestShape& sent, bool whole) {
     const std::size_t device = requests_[index].device;
     HeldRead read{
@@ -69,13 +68,11 @@ bool LinePoller::Run::take_values(const bus::Outcome& outcome, std::size_t index
     const auto verdict = judge_held(outcome.ended_at, read);
     if (verdict != HeldReads::Verdict::waits) {
         const bool good = verdict == HeldReads::Verdict::good;
-        publish_read(read, good ? Quality::good : Quality::uncertain);
-        return good;
+        return publish_read(read, good ? Quality::good : Quality::uncertain);
     }
     publisher_.degrade(outcome.ended_at, requests_[index].variables, Quality::uncertain, Reason::ambiguous,
                        Shown::last);
     if (const auto oldest = held_reads_.add(std::move(read))) publish_read(*oldest, Quality::uncertain);
-    return false;
 }
 
 void LinePoller::Run::publish_read(const HeldRead& read, Quality quality) {
@@ -105,10 +102,7 @@ HeldReads::Verdict LinePoller::Run::judge_held(Instant t, const HeldRead& read) 
 
 void LinePoller::Run::settle_held(Instant t) {
     held_reads_.settle([&](const HeldRead& read) { return judge_held(t, read); },
-                       [&](const HeldRead& read, Quality quality) {
-                           publish_read(read, quality);
-                           if (quality == Quality::good) statuses_.read_ended(t, read.request, Reason::ok);
-                       });
+                       [&](const HeldRead& read, Quality quality) { publish_read(read, quality); });
 }
 
 // Before the requests change, or other values of the devices follow.

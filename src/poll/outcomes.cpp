@@ -113,17 +113,16 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     }
     reads_.answered(t, index, outcome_class.busy);
     if (on_part(outcome, outcome_class, index)) return;
-    Reason shown = outcome_class.reason;
     if (outcome_class.reason == Reason::ok) {
         read.refusals = 0;
-        if (!take_values(outcome, index, outcome.request, true)) shown = Reason::ambiguous;
+        take_values(outcome, index, outcome.request, true);
     } else if (outcome_class.reason == Reason::ambiguous) {
         publisher_.degrade(t, request.variables, Quality::uncertain, Reason::ambiguous, Shown::last);
         reads_.again(t, index);
     } else if (!refused_with_gaps(outcome, index, outcome_class.reason)) {
         publisher_.degrade(t, request.variables, Quality::bad, outcome_class.reason, Shown::last);
     }
-    statuses_.read_ended(t, index, shown);
+    statuses_.read_ended(t, index, outcome_class.reason);
 }
 
 // The read half of 0x17.

@@ -191,7 +191,7 @@ private:
     /// The values that may come from late responses, because the device does not answer in order.
     void note_in_step(const bus::Outcome& outcome);
     void on_surplus(const bus::SurplusFrame& frame);
-    bool take_values(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent,
+    void take_values(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent,
                      bool whole);
     void publish_read(const HeldRead& read, value::Quality quality);
     [[nodiscard]] bus::StepWatch::Proof proof_of(Instant t, std::size_t device,
