@@ -151,7 +151,10 @@ class LivingPlant(Plant):
 
     def _start(self, command, **popen):
         if command[0] == "run":
-            command = [*command, "--web", f"127.0.0.1:{self.page}", "--allow-write"]
+            command = [
+                *command, "--web", f"127.0.0.1:{self.page}", "--allow-write", "--traffic",
+                str(self.folder / f"traffic-{self.wire.run_number + 1}.txt")
+            ]
         environment = popen.pop("env", {}) | {
             "TAKT_TROUBLE": str(self.trouble.path),
             "TAKT_REMOVED": str(self.folder / "removed")
