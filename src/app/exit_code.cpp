@@ -1,7 +1,10 @@
 #include "exit_code.hpp"
 
 #include <cerrno>
+#include <cstdio>
+#include <cstdlib>
 
+#include "log.hpp"
 #include "output.hpp"
 
 namespace takt::app {
@@ -38,6 +41,25 @@ ExitCode exit_code(const Error& error) {
 ExitCode ended_by(const Texts& texts, const Error& error) {
     print_error(texts.describe(error));
     return exit_code(error);
+}
+
+int end_status(text::Language language, ExitCode code) {
+    for (const auto& [path, number] : {LostOutput{"stdout", stdout_error()}, lost_output()}) {
+        if (number == 0 || number == EPIPE) continue;
+        const Texts texts(language);
+        const bool stalled = number == ETIMEDOUT;
+        print_error(stalled ? texts("app.output_stalled", {{"name", path}})
+                            : texts.describe(fail(Code::io_failed, path, number).error()));
+        if (code == ExitCode::ok) code = stalled ? ExitCode::partly : ExitCode::cannot_open;
+    }
+    return static_cast<int>(code);
+}
+
+void leave_program(text::Language language, ExitCode code) {
+    end_log();
+    const int status = end_status(language, code);
+    std::fflush(nullptr);
+    std::_Exit(status);
 }
 
 }  // namespace takt::app

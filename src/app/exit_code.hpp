@@ -23,4 +23,12 @@ ExitCode exit_code(const Error& error);
 /// The same, and prints what happened.
 ExitCode ended_by(const Texts& texts, const Error& error);
 
+/// Reports output that could not be written. A closed pipe is no failure: its reader has read enough.
+/// @returns the exit status of the program
+[[nodiscard]] int end_status(text::Language language, ExitCode code);
+
+/// Ends the process as the end of the program would, but destroys nothing: threads that are at work may still
+/// use it.
+[[noreturn]] void leave_program(text::Language language, ExitCode code);
+
 }  // namespace takt::app

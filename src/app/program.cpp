@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <string_view>
@@ -52,20 +50,6 @@ bool is_of_ctl(std::string_view command) {
     return std::ranges::find(kCommands, command) != kCommands.end();
 }
 
-/// Reports output that could not be written. A closed pipe is no failure: its reader has read enough.
-/// @returns the exit code of the program
-int end_program(Language language, ExitCode code) {
-    for (const auto& [path, number] : {LostOutput{"stdout", stdout_error()}, lost_output()}) {
-        if (number == 0 || number == EPIPE) continue;
-        const Texts texts(language);
-        const bool stalled = number == ETIMEDOUT;
-        print_error(stalled ? texts("app.output_stalled", {{"name", path}})
-                            : texts.describe(fail(Code::io_failed, path, number).error()));
-        if (code == ExitCode::ok) code = stalled ? ExitCode::partly : ExitCode::cannot_open;
-    }
-    return static_cast<int>(code);
-}
-
 }  // namespace
 
 int run_program(int argc, char** argv) {
@@ -109,7 +93,7 @@ int run_program(int argc, char** argv) {
     const auto parsed = line.parse(with_intervals(argc, argv), [&] { return Texts(early_language()); });
     if (parsed.asked == CommandLine::Asked::text) {
         print_wrapped(parsed.text);
-        return end_program(early_language(), ExitCode::ok);
+        return end_status(early_language(), ExitCode::ok);
     }
     if (parsed.asked == CommandLine::Asked::nothing_valid) {
         const Texts texts(early_language());
@@ -126,14 +110,7 @@ int run_program(int argc, char** argv) {
     }
     const ExitCode code = parsed.execute();
     end_log();
-    return end_program(common.language, code);
-}
-
-void leave_program(Language language, ExitCode code) {
-    end_log();
-    const int status = end_program(language, code);
-    std::fflush(nullptr);
-    std::_Exit(status);
+    return end_status(common.language, code);
 }
 
 }  // namespace takt::app

@@ -19,7 +19,6 @@
 #include "commands/web_run.hpp"
 #include "log.hpp"
 #include "output.hpp"
-#include "program.hpp"
 #include "takt/console/capture_log.hpp"
 #include "takt/console/host_console.hpp"
 #include "takt/console/notices.hpp"
