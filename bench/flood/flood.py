@@ -10,6 +10,7 @@ reads no response. An option, such as --option=--realtime, is passed to `takt ru
 The device runs before all other processes, so that it notes the time of the master and not its own.
 """
 import argparse
+import contextlib
 import json
 import multiprocessing
 import os
@@ -64,7 +65,7 @@ def serve_device(port, pipe):
         while True:
             peer, _ = listener.accept()
             peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            with peer:
+            with peer, contextlib.suppress(ConnectionError):
                 held = b""
                 while data := peer.recv(4096):
                     held += data
