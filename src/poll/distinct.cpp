@@ -6,7 +6,6 @@
 
 namespace takt::poll {
 
-using Proof = bus::StepWatch::Proof;
 using value::Quality;
 using value::Reason;
 
@@ -16,7 +15,10 @@ bool LinePoller::Run::on_part(const bus::Outcome& outcome, const OutcomeClass& o
     using Ended = DistinctReads::Ended;
     const Ended ended = distinct_reads_.ended(index, outcome_class);
     if (ended == Ended::planned) return false;
-    if (ended == Ended::part) take_values(outcome, index, outcome.request, false);
+    if (ended == Ended::part) {
+        publisher_.take(outcome, index, outcome.request);
+        ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
+    }
     reads_.again(outcome.ended_at, index);
     return true;
 }
@@ -28,11 +30,7 @@ void LinePoller::Run::set_times(const DeviceRun& device, bus::Transaction& trans
 
 void LinePoller::Run::note_in_step(const bus::Outcome& outcome) {
     if (engine_.config().framing == wire::Framing::tcp) return;
-    const auto index = device_at(outcome.unit);
-    if (!index) return;
-    auto& times = devices_[*index].times;
-    times.step.on_outcome(outcome, times.in_order);
-    settle_held(outcome.ended_at);
+    if (const auto index = device_at(outcome.unit)) devices_[*index].times.step.on_outcome(outcome);
 }
 
 void LinePoller::Run::on_surplus(const bus::SurplusFrame& frame) {
@@ -41,7 +39,6 @@ void LinePoller::Run::on_surplus(const bus::SurplusFrame& frame) {
     auto& device = devices_[*index];
     ++device.statistics.surplus;
     const auto since = device.times.step.on_surplus(frame);
-    settle_held(frame.at);
     if (!since) return;
     degrade_shifted(frame.at, device, frame.shape, *since);
     if (!std::exchange(device.statistics.shifted, true) && observer_)
@@ -57,70 +54,6 @@ void LinePoller::Run::degrade_shifted(Instant t, const DeviceRun& device, const 
         if (shape.pdu_length != 0 && read->shape() != shape) continue;
         publisher_.degrade(t, requests_[r].variables, Quality::uncertain, Reason::ambiguous, Shown::last);
     }
-}
-
-// While the unit is in doubt, the values are held back, and shown as uncertain.
-void LinePoller::Run::take_values(const bus::Outcome& outcome, std::size_t index,
-                                  const wire::RequestShape& sent, bool whole) {
-    const std::size_t device = requests_[index].device;
-    HeldRead read{
-        .device = device, .request = index, .sent = sent, .whole = whole, .outcome = outcome, .response = {}};
-    const auto verdict = judge_held(outcome.ended_at, read);
-    if (verdict != HeldReads::Verdict::waits) {
-        const bool good = verdict == HeldReads::Verdict::good;
-        return publish_read(read, good ? Quality::good : Quality::uncertain);
-    }
-    publisher_.degrade(outcome.ended_at, requests_[index].variables, Quality::uncertain, Reason::ambiguous,
-                       Shown::last);
-    if (const auto oldest = held_reads_.add(std::move(read))) publish_read(*oldest, Quality::uncertain);
-}
-
-void LinePoller::Run::publish_read(const HeldRead& read, Quality quality) {
-    const auto& outcome = read.outcome;
-    publisher_.take(outcome, read.request, read.sent, quality);
-    if (quality != Quality::good) return;
-    if (read.whole)
-        ages_->note_read(requests_[read.request].variables, outcome.sent_at, outcome.ended_at);
-    else
-        ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
-}
-
-bus::StepWatch::Proof LinePoller::Run::proof_of(Instant t, std::size_t device,
-                                                const bus::Outcome& read) const {
-    if (engine_.config().framing == wire::Framing::tcp) return Proof::proved;
-    return devices_[device].times.step.proof(t, read);
-}
-
-// Values of which nothing is proved for a check interval are published as uncertain.
-HeldReads::Verdict LinePoller::Run::judge_held(Instant t, const HeldRead& read) const {
-    using Verdict = HeldReads::Verdict;
-    const Proof proof = proof_of(t, read.device, read.outcome);
-    if (proof == Proof::proved) return Verdict::good;
-    const bool too_long = t >= after(read.outcome.ended_at, bus::StepWatch::kInterval);
-    return proof == Proof::refuted || too_long || held_ ? Verdict::uncertain : Verdict::waits;
-}
-
-void LinePoller::Run::settle_held(Instant t) {
-    held_reads_.settle([&](const HeldRead& read) { return judge_held(t, read); },
-                       [&](const HeldRead& read, Quality quality) { publish_read(read, quality); });
-}
-
-// Before the requests change, or other values of the devices follow.
-// @param device  nothing: all of them
-void LinePoller::Run::give_up_held(std::optional<std::size_t> device) {
-    using Verdict = HeldReads::Verdict;
-    const auto judge = [&](const HeldRead& read) {
-        return !device || read.device == *device ? Verdict::uncertain : Verdict::waits;
-    };
-    held_reads_.settle(judge, [&](const HeldRead& read, Quality quality) { publish_read(read, quality); });
-}
-
-Instant LinePoller::Run::held_until() const {
-    Instant until = kNever;
-    for (const auto& [device, request, sent, whole, outcome, response] : held_reads_.reads())
-        until = std::min({until, devices_[device].times.step.doubted_until(outcome),
-                          after(outcome.ended_at, bus::StepWatch::kInterval)});
-    return until;
 }
 
 }  // namespace takt::poll

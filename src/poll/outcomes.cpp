@@ -115,7 +115,8 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     if (on_part(outcome, outcome_class, index)) return;
     if (outcome_class.reason == Reason::ok) {
         read.refusals = 0;
-        take_values(outcome, index, outcome.request, true);
+        publisher_.take(outcome, index, outcome.request);
+        ages_->note_read(request.variables, outcome.sent_at, outcome.ended_at);
     } else if (outcome_class.reason == Reason::ambiguous) {
         publisher_.degrade(t, request.variables, Quality::uncertain, Reason::ambiguous, Shown::last);
         reads_.again(t, index);
@@ -130,7 +131,8 @@ void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeCla
                                    std::size_t index) {
     const auto& request = requests_[index];
     if (outcome_class.reason == Reason::ok) {
-        take_values(outcome, index, request.read->request.shape(), false);
+        publisher_.take(outcome, index, request.read->request.shape());
+        ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
     } else if (outcome_class.reason != Reason::link_lost) {
         const bool refused = outcome_class.answered && outcome_class.reason != Reason::ambiguous;
         const auto quality = refused ? Quality::bad : Quality::uncertain;
@@ -156,7 +158,6 @@ void LinePoller::Run::fail_read(Instant t, std::size_t index, Reason reason) {
 }
 
 void LinePoller::Run::degrade_device(Instant t, std::size_t index, Reason reason, Shown shown) {
-    give_up_held(index);
     std::vector<std::size_t> variables;
     for (std::size_t v = 0; v < variables_.size(); ++v) {
         if (variables_[v].device != index) continue;

@@ -16,7 +16,6 @@
 #include "engine_buffers.hpp"
 #include "exchange_times.hpp"
 #include "gap_learner.hpp"
-#include "held_reads.hpp"
 #include "line_match.hpp"
 #include "link_watch.hpp"
 #include "load_meter.hpp"
@@ -75,7 +74,6 @@ public:
     WriteGroups write_groups_;
     DistinctReads distinct_reads_;
     ValuePublisher publisher_;
-    HeldReads held_reads_;
     Statuses statuses_;
     PeriodWatch periods_;
     ExchangeTimes exchange_times_;
@@ -191,16 +189,6 @@ private:
     /// The values that may come from late responses, because the device does not answer in order.
     void note_in_step(const bus::Outcome& outcome);
     void on_surplus(const bus::SurplusFrame& frame);
-    void take_values(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent,
-                     bool whole);
-    void publish_read(const HeldRead& read, value::Quality quality);
-    [[nodiscard]] bus::StepWatch::Proof proof_of(Instant t, std::size_t device,
-                                                 const bus::Outcome& read) const;
-    [[nodiscard]] HeldReads::Verdict judge_held(Instant t, const HeldRead& read) const;
-    void settle_held(Instant t);
-    void give_up_held(std::optional<std::size_t> device = std::nullopt);
-    /// When settle_held() is due.
-    [[nodiscard]] Instant held_until() const;
     void degrade_shifted(Instant t, const DeviceRun& device, const bus::AnswerShape& shape, Instant since);
 
     // outcomes.cpp

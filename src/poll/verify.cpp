@@ -9,9 +9,7 @@ using value::Reason;
 bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const WriteJob& write) {
     const auto& back = *write.read_back();
     const std::size_t device = write.device();
-    const bool doubtful = proof_of(outcome.ended_at, device, outcome) != bus::StepWatch::Proof::proved;
-    if (doubtful) give_up_held(device);
-    publisher_.begin(outcome.sent_at, doubtful ? value::Quality::uncertain : value::Quality::good);
+    publisher_.begin(outcome.sent_at);
     bool same = true;
     for (const auto v : write.written()) {
         const auto& model = *variables_[v].model;

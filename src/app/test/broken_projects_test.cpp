@@ -157,6 +157,8 @@ const std::multimap<std::string, std::string>& values() {
                                                                  {"--capture-files", "2"},
                                                                  {"--control", "out.sock"},
                                                                  {"--web", "127.0.0.1:0"},
+                                                                 {"--web-name", "plant.example.com"},
+                                                                 {"--web-proxy", "127.0.0.1"},
                                                                  {"--web-token", "none.token"},
                                                                  {"--state", "out.state"},
                                                                  {"--range", "holding:0..9"},
