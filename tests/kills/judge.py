@@ -189,8 +189,8 @@ def check_history(ledger, rows, gaps):
 
 class Counting:
     """Judges the samples of counting devices: while no gap is between them, the values of a counter follow
-    one another, because the device counts each answer and each answer is a sample. A doubtful answer makes the
-    value uncertain instead. A program that stood still for long may have taken an answer as late."""
+    one another, because the device counts each answer and each answer is a sample. A doubtful answer makes
+    the value uncertain instead. A program that stood still for long may have taken an answer as late."""
 
     def __init__(self, ledger, devices):
         self.ledger, self.devices = ledger, devices
