@@ -258,10 +258,13 @@ void LineJudge::check_stale(Instant t, VariableNumber v, const value::Slot& slot
 }
 
 // A good value is no longer good: its device was switched, did not answer, or has refused something, or the
-// line was lost. A late answer in doubt is in the ledger.
+// line was lost. A late answer in doubt is in the ledger. A response too many shows that values may be those
+// of other requests; the rules of true values judge it.
 void LineJudge::check_quality(Instant t, VariableNumber v, const value::Slot& slot) const {
     const auto& variable = variables_[v];
-    if (!variable.good || slot.quality == value::Quality::good || slot.reason == value::Reason::stale) return;
+    if (!variable.good || slot.quality == value::Quality::good || slot.reason == value::Reason::stale ||
+        slot.reason == value::Reason::ambiguous)
+        return;
     if (devices_[variable.device].clean_from >= variable.sampled_at || in_doubt(t, variable.device)) return;
     const auto times_out = [&](const Transaction& each) {
         return !each.over && each.device == variable.device && each.deadline <= t;
