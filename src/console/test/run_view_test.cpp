@@ -115,7 +115,7 @@ TEST_F(LiveViewTest, ShowsEveryValueInItsTableAndNotAsALine) {
     auto& slot = last.values[configuration->find("Level")->value];
     slot.value = value::Value(std::int64_t{17});
     slot.quality = value::Quality::good;
-    slot.good_at = Instant{4s};
+    slot.sampled_at = Instant{4s};
     view->on_event(*configuration, changed(2.5));
     view->end(last, {});
     const auto text = written();

@@ -47,7 +47,7 @@ host::ValueChanged changed(const std::string& name, Value value, Quality quality
             .value = std::move(value),
             .quality = quality,
             .reason = reason,
-            .good_at = age ? std::optional(kStarted + 2500ms - *age) : std::nullopt};
+            .sampled_at = age ? std::optional(kStarted + 2500ms - *age) : std::nullopt};
 }
 
 host::RequestKey request(std::optional<wire::Function> read, std::optional<wire::Function> write = {}) {

@@ -17,7 +17,7 @@ using value::Reason;
 
 host::Snapshot healthy(const host::ConfigurationPtr& configuration = plant()) {
     auto made = snapshot_of(configuration);
-    for (auto& slot : made.values) slot = {.quality = Quality::good, .good_at = made.t - 100ms};
+    for (auto& slot : made.values) slot = {.quality = Quality::good, .sampled_at = made.t - 100ms};
     for (auto& line : made.lines) {
         line.up = line.was_up = true;
         line.statistics.recent_utilization = 0.5;
@@ -101,7 +101,7 @@ TEST(LiveScreen, WhatIsNotGoodIsAtTheTopAndReadable) {
     snapshot.values[slot_of("Tag").value] = {.value = std::string("a text"),
                                              .quality = Quality::bad,
                                              .reason = value::exception_reason(2),
-                                             .good_at = snapshot.t - 200s};
+                                             .sampled_at = snapshot.t - 200s};
     LiveSelection selection;
     const auto lines = live_screen(english(), snapshot, selection, {24, 80});
     expect_contains(lines[3], "Tag");
@@ -113,11 +113,12 @@ TEST(LiveScreen, WhatIsNotGoodIsAtTheTopAndReadable) {
 TEST(LiveScreen, ARowForEachKindOfValue) {
     auto snapshot = healthy();
     snapshot.values[slot_of("Level").value] = {
-        .value = std::int64_t{17}, .quality = Quality::good, .good_at = snapshot.t - 1500ms};
+        .value = std::int64_t{17}, .quality = Quality::good, .sampled_at = snapshot.t - 1500ms};
     snapshot.values[slot_of("Tag").value] = {
-        .value = kHostile, .quality = Quality::good, .good_at = snapshot.t + 1s};
+        .value = kHostile, .quality = Quality::good, .sampled_at = snapshot.t + 1s};
     snapshot.values[slot_of("Pump").value] = {};
-    snapshot.values[slot_of("go").value] = {.value = true, .quality = Quality::good, .good_at = snapshot.t};
+    snapshot.values[slot_of("go").value] = {
+        .value = true, .quality = Quality::good, .sampled_at = snapshot.t};
     LiveSelection selection;
     for (const auto language : kLanguages) {
         const Texts texts(language);

@@ -26,7 +26,7 @@ host::Snapshot healthy() {
     made.lines[0].statistics.planned_cycle = 100ms;
     made.lines[0].statistics.measured_cycle = 105ms;
     made.lines[0].devices[0].state = poll::DeviceState::answering;
-    for (auto& slot : made.values) slot = {.quality = Quality::good, .good_at = made.t - 1500ms};
+    for (auto& slot : made.values) slot = {.quality = Quality::good, .sampled_at = made.t - 1500ms};
     made.values[slot_of("Level").value].value = std::int64_t{17};
     return made;
 }
@@ -135,7 +135,7 @@ TEST(StateReport, ValuesHaveUnitAgeQualityAndReason) {
     speed = {.value = 2.5,
              .quality = Quality::bad,
              .reason = value::exception_reason(2),
-             .good_at = snapshot.t - 200s};
+             .sampled_at = snapshot.t - 200s};
     const auto json = values_json(snapshot, kTime, "");
     const auto& values = std::get<file::Json::Array>(json.find("values")->value());
     ASSERT_EQ(values.size(), 5U);
@@ -169,7 +169,7 @@ TEST(StateReport, ADeviceThatDoesNotAnswerHasACause) {
 TEST(StateReport, GetHasTheKeysOfAnEntryOfValues) {
     host::Outcome outcome{.kind = host::Command::Kind::get, .slot = slot_of("Level"), .t = Instant{11s}};
     outcome.value = std::int64_t{17};
-    outcome.good_at = Instant{10s};
+    outcome.sampled_at = Instant{10s};
     EXPECT_EQ(get_json(*plant(), outcome).dump(),
               R"({"event":"answer","command":"get","name":"Level","line":"main","device":"Котёл","value":17,)"
               R"("text":"17","unit":"мм","quality":"good","reason":"","age_ms":1000.0})");
