@@ -48,7 +48,7 @@ private:
 
 class Rig {
 public:
-    static constexpr std::size_t kRingWords = std::size_t{1} << 17;  // more than the events of a store
+    static constexpr std::size_t kRingWords = std::size_t{1} << 18;  // more than the events of a store
 
     /// @param start  of virtual time
     explicit Rig(const std::string& yaml, const ProjectEngine::Options& options = {},
