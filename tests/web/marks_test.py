@@ -44,7 +44,10 @@ def write(api, value):
 def commands(api, language="en"):
     events = api("GET", f"/events?lang={language}")[1]["events"]
     assert [e["time"] for e in events] == sorted(e["time"] for e in events)
-    return [e["text"] for e in events if e["kind"] == "command"]
+    return [e["text"].removesuffix(OUTCOME) for e in events if e["kind"] == "command"]
+
+
+OUTCOME = ": acknowledged, not read back"
 
 
 def text_of(path):
@@ -54,7 +57,7 @@ def text_of(path):
 def marks_of(plant):
     """The texts of the file's marks."""
     lines = text_of(plant.with_name("plant.marks.jsonl")).splitlines()
-    return [json.loads(line)["en"] for line in lines[1:]]
+    return [json.loads(line)["en"].removesuffix(OUTCOME) for line in lines[1:]]
 
 
 def test_a_restart_keeps_marks(plant):
