@@ -21,7 +21,8 @@ public:
         visitor_full,  ///< the visitor holds more than its share
         full,          ///< all together hold too much
     };
-    /// Counts the change, whatever the verdict. @param change  never below what the visitor holds
+    /// Counts the change with each verdict; a caller that gives the bytes back calls it once more.
+    /// @param change  bytes; negative: at most what the visitor holds
     Verdict change(std::string_view visitor, std::ptrdiff_t change);
 
     [[nodiscard]] std::size_t held() const { return held_; }
