@@ -14,22 +14,23 @@
 
 namespace takt::app {
 
-struct ReadOptions : ClientOptions {
-    bool as_bool = false;  ///< --type bool: `spec.start` may be the register of a table
+struct ItemOptions : ClientOptions {
+    bool as_bool = false;         ///< --type bool: the first item may be the register of a table
+    bool registers_only = false;  ///< an option was given that has no meaning for bits
+};
+
+struct ReadOptions : ItemOptions {
     client::ReadSpec spec;
     bool count_given = false;
     bool all_types = false;                  ///< every type side by side; `spec.count` counts registers
-    bool registers_only = false;             ///< an option was given that has no meaning for bits
     std::optional<Duration> watch;           ///< read again and again with this period
     std::optional<Duration> run_for;         ///< with `watch`: nothing: until stopped
     bool changes = false;                    ///< with `watch`: print changes only
     std::vector<client::WatchedRange> also;  ///< with `watch`: more than the one range
 };
 
-struct WriteOptions : ClientOptions {
-    bool as_bool = false;  ///< as for ReadOptions
+struct WriteOptions : ItemOptions {
     client::WriteSpec spec;
-    bool registers_only = false;  ///< as for ReadOptions
 };
 
 struct RawOptions : ClientOptions {

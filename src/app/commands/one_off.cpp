@@ -45,6 +45,9 @@ ExitCode bad_arguments(const Texts& texts, const Error& error) {
     return ExitCode::usage;
 }
 
+namespace {
+
+/// As start_meant(), with `--type bool`.
 std::optional<std::uint16_t> coil_meant(const Texts& texts, wire::Area area, std::uint16_t start) {
     const auto word = std::string(report::area_word(area));
     if (!is_bit_area(area)) {
@@ -70,10 +73,14 @@ std::optional<std::uint16_t> coil_meant(const Texts& texts, wire::Area area, std
     return std::nullopt;
 }
 
-bool is_for_registers(const Texts& texts, wire::Area area, bool given) {
-    if (!given || !is_bit_area(area)) return false;
+}  // namespace
+
+std::optional<std::uint16_t> start_meant(const Texts& texts, wire::Area area, std::uint16_t start,
+                                         const ItemOptions& options) {
+    if (options.as_bool) return coil_meant(texts, area, start);
+    if (!options.registers_only || !is_bit_area(area)) return start;
     print_error(texts("app.registers_only", {{"area", std::string(report::area_word(area))}}));
-    return true;
+    return std::nullopt;
 }
 
 bool is_beyond(const Texts& texts, std::uint64_t start, std::uint64_t items) {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "commands/client_options.hpp"
+#include "commands/client_commands.hpp"
 #include "exit_code.hpp"
 #include "takt/client/client.hpp"
 #include "takt/report/client_report.hpp"
@@ -39,14 +39,11 @@ private:
 /// Reports arguments that cannot be sent. @returns the exit code
 ExitCode bad_arguments(const Texts& texts, const Error& error);
 
-/// `--type bool`: tables number bools by registers, so START may be a coil, or bit 0 of a register.
-/// Asks on a terminal which one is meant; elsewhere reports both.
-/// @returns the first coil; nothing, after a report: it is not known, or the area has registers
-[[nodiscard]] std::optional<std::uint16_t> coil_meant(const Texts& texts, wire::Area area,
-                                                      std::uint16_t start);
-
-/// @returns true, and reports it, when options of registers were given for bits
-bool is_for_registers(const Texts& texts, wire::Area area, bool given);
+/// The first item that START means. With `--type bool` tables number bools by registers, so START may be a
+/// coil, or bit 0 of a register: asks on a terminal which one is meant; elsewhere reports both.
+/// @returns nothing, after a report: it is not known which, or an option does not fit the area
+[[nodiscard]] std::optional<std::uint16_t> start_meant(const Texts& texts, wire::Area area,
+                                                       std::uint16_t start, const ItemOptions& options);
 
 /// @returns true, and reports it, when the items from `start` on go beyond the last address
 bool is_beyond(const Texts& texts, std::uint64_t start, std::uint64_t items);

@@ -75,13 +75,9 @@ ExitCode read(const CommonOptions& common, const ReadOptions& given) {
     const Texts texts(common.language);
     auto options = given;
     auto& spec = options.spec;
-    if (options.as_bool) {
-        const auto coil = coil_meant(texts, spec.area, spec.start);
-        if (!coil) return ExitCode::usage;
-        spec.start = *coil;
-    } else if (is_for_registers(texts, spec.area, options.registers_only)) {
-        return ExitCode::usage;
-    }
+    const auto start = start_meant(texts, spec.area, spec.start, options);
+    if (!start) return ExitCode::usage;
+    spec.start = *start;
     if (options.all_types) return read_all_types(texts, options);
     if (is_beyond(texts, spec.start, spec.items())) return ExitCode::usage;
     if (options.watch) return watch(common, options);

@@ -29,13 +29,9 @@ ExitCode write(const CommonOptions& common, const WriteOptions& options) {
         print_error(texts("app.read_only_area"));
         return ExitCode::usage;
     }
-    if (options.as_bool) {
-        const auto coil = coil_meant(texts, spec.area, spec.start);
-        if (!coil) return ExitCode::usage;
-        spec.start = *coil;
-    } else if (is_for_registers(texts, spec.area, options.registers_only)) {
-        return ExitCode::usage;
-    }
+    const auto start = start_meant(texts, spec.area, spec.start, options);
+    if (!start) return ExitCode::usage;
+    spec.start = *start;
     const auto parts = client::write_parts(spec);
     if (!parts) return bad_arguments(texts, parts.error());
     const std::size_t items = parts->back().end;
