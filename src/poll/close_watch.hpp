@@ -35,7 +35,8 @@ public:
     /// A request that was sent has ended.
     void ended(const bus::Outcome& outcome) {
         if (outcome.status == bus::Status::closed) row_.set(outcome.unit.value);
-        if (!outcome.response.empty()) row_.reset();
+        // A response that may be that to an earlier request shows that the line works, too.
+        if (!outcome.response.empty() || outcome.status == bus::Status::ambiguous) row_.reset();
         if (alone_ > 0 && outcome.status != bus::Status::link_lost) --alone_;
     }
     void reset() { row_.reset(); }

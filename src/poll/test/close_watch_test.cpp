@@ -51,6 +51,9 @@ TEST(CloseWatch, TheRowEndsWithAResponse) {
     answered.response = *wire::decode_response(asked->shape(), asked->pdu(), exception);
     watch.ended(answered);
     EXPECT_FALSE(watch.met_by(UnitId{1}));
+    watch.ended(ended(1, bus::Status::closed));
+    watch.ended(ended(2, bus::Status::ambiguous));
+    EXPECT_FALSE(watch.met_by(UnitId{1})) << "its request is in doubt, the line is not";
 }
 
 }  // namespace close_watch_test
