@@ -140,7 +140,8 @@ void LineJudge::settle(Transaction& transaction, Instant t) {
         answers_ = true;
         closes_.clear();
         const Duration took = transaction.heard_at - transaction.start;
-        device.fastest = std::min(device.fastest.value_or(took), took);
+        // The time of a response that may be that to an earlier request is not known.
+        if (!in_doubt(transaction)) device.fastest = std::min(device.fastest.value_or(took), took);
     }
     if (closed && !of_several)
         note_trouble(device, t);
@@ -171,7 +172,9 @@ void LineJudge::settle_request(Transaction& transaction, Instant t) {
     if (transaction.purpose == Purpose::trigger)
         request.trigger_failed = failed || refused || transaction.partial;
     const bool learns = devices_[transaction.device].model->gaps == model::Gaps::learn;
-    const bool closed = transaction.close != Close::none && transaction.deadline > t;
+    // After bytes that are no answer the master ends the connection itself: the attempt failed by them.
+    const bool closed =
+        transaction.close != Close::none && transaction.deadline > t && !transaction.heard_something;
     if (!failed) request.cuts = 0;
     if (closed && transaction.purpose != Purpose::trigger) ++request.cuts;
     // A read that the link was lost with is sent again at once, but not twice in a row.
