@@ -345,7 +345,14 @@ private:
     [[nodiscard]] std::optional<Duration> bound(VariableNumber v, Instant t) const;
     [[nodiscard]] Duration beyond(const Transaction& transaction, Duration occupied) const;
     [[nodiscard]] Transaction* source_of(VariableNumber v, const value::Slot& slot);
+    [[nodiscard]] bool was_held(const value::Slot& slot) const;
+    [[nodiscard]] Transaction* held_source_of(Instant t, VariableNumber v, const value::Slot& slot);
+    [[nodiscard]] bool may_be_doubted(Instant t, std::size_t device) const;
+    [[nodiscard]] std::vector<FalseHistory> false_histories(Instant t, const Transaction& transaction) const;
+    void keep_false_histories(Instant t);
     [[nodiscard]] bool shows_false_history(Instant t, VariableNumber v, const value::Slot& slot);
+    [[nodiscard]] bool shows(Instant t, Transaction& transaction, const FalseHistory& history,
+                             VariableNumber v, const value::Slot& slot);
     [[nodiscard]] bool takes(const Transaction& transaction, VariableNumber v) const;
     void note_found(Transaction& transaction);
     [[nodiscard]] std::optional<Words> items_in(const Transaction& transaction, VariableNumber v,

@@ -7,7 +7,7 @@
 namespace takt::judge {
 namespace {
 
-constexpr std::size_t kKept = 48;
+constexpr std::size_t kKept = 256;
 constexpr Duration kStandstill = std::chrono::milliseconds(1);
 constexpr Duration kFrameBreak = std::chrono::milliseconds(25);  // shorter ones part no frame
 
@@ -211,6 +211,7 @@ void LineJudge::on_sent(Instant t, std::span<const std::uint8_t> bytes, const st
     check_silence(t);
     auto asked = parse_request(line_.framing, bytes);
     const auto device = asked ? device_of(asked->unit) : std::nullopt;
+    keep_false_histories(t);
     last_start_ = t;
     busy_until_ = t + arithmetic_.characters(bytes.size());
     heard_since_ = false;
@@ -281,6 +282,7 @@ void LineJudge::on_relayed(Instant t, std::span<const std::uint8_t> bytes) {
                      "the read from " + std::to_string(poll->plan->start) + " before a relayed request, " +
                          std::to_string((t - relayed_end_).count()) + " ns after the last one",
                      "a relayed request");
+    keep_false_histories(t);
     last_start_ = t;
     busy_until_ = t + arithmetic_.characters(bytes.size());
     heard_since_ = false;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <set>
+#include <string_view>
 #include <vector>
 
 #include "frames.hpp"
@@ -28,6 +29,13 @@ enum class Close : std::uint8_t {
     of_several,   ///< it is a failure of no device
     perhaps_own,  ///< of several, or its own
     own,          ///< it is a failure of its device
+};
+
+/// Values that the device did not give in answer to the request, though the bytes show a history in which it
+/// did. See ledger.hpp.
+struct FalseHistory {
+    Words values;
+    std::string_view exemption;
 };
 
 struct Transaction {
@@ -60,6 +68,7 @@ struct Transaction {
     Close close = Close::none;
     bool heard_something = false;
     Received received;
+    std::vector<FalseHistory> false_histories;  ///< when the next request is sent
     std::vector<Words> further;  ///< the values of frames behind the first one that could be its answer
     Instant heard_at;
 

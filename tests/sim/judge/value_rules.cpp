@@ -11,6 +11,8 @@ constexpr Duration kSweep = std::chrono::seconds(1);
 constexpr std::size_t kServed = 256;
 constexpr Duration kLookBack = std::chrono::seconds(2);
 constexpr Duration kTransaction = std::chrono::seconds(1);  // an age counts from its start
+constexpr Duration kMostHeld = std::chrono::seconds(1);     // docs/guarantees.md, "Values in doubt"
+constexpr Duration kDoubted = std::chrono::minutes(5);
 
 double ratio(Duration part, Duration whole) {
     return static_cast<double>(part.count()) / static_cast<double>(whole.count());
@@ -218,26 +220,79 @@ Transaction* LineJudge::source_of(VariableNumber v, const value::Slot& slot) {
     return find(any);
 }
 
-// The value is wrong, and the bytes show a history in which it is true. See ledger.hpp.
-bool LineJudge::shows_false_history(Instant t, VariableNumber v, const value::Slot& slot) {
-    if (transactions_.empty() || !one_at_a_time()) return false;
+// The device has failed, or has answered once too often. For how long that is doubted depends on its times.
+bool LineJudge::may_be_doubted(Instant t, std::size_t device) const {
+    const auto& state = devices_[device];
+    return one_at_a_time() &&
+           (t <= after(state.clean_from, kDoubted) || ledger_.may_check(t, state.model->address.value));
+}
+
+// The master says that it was read before the last request.
+bool LineJudge::was_held(const value::Slot& slot) const {
+    return one_at_a_time() && !transactions_.empty() && slot.good_at <= transactions_.back().start;
+}
+
+// The transaction before the last one, whose values were held back: that which was answered when the master
+// says that the value was read.
+Transaction* LineJudge::held_source_of(Instant t, VariableNumber v, const value::Slot& slot) {
+    if (!may_be_doubted(t, variables_[v].device) || t - slot.good_at.value_or(t) > kMostHeld) return nullptr;
+    for (auto i = transactions_.rbegin(); i != transactions_.rend(); ++i) {
+        if (i->start >= slot.good_at || i->device != variables_[v].device) continue;
+        const auto items = items_of(*i, v);
+        if (items && i->received.answer == Answer::good && i->served_at >= variables_[v].sampled_at &&
+            takes(*i, v) && holds(*variables_[v].model, *items, slot.value, false))
+            return &*i;
+        for (const FalseHistory& history : i->false_histories)
+            if (shows(t, *i, history, v, slot)) return &*i;
+        return nullptr;
+    }
+    return nullptr;
+}
+
+// Before another request is sent.
+void LineJudge::keep_false_histories(Instant t) {
+    if (transactions_.empty() || transactions_.back().start != last_start_) return;
     Transaction& last = transactions_.back();
-    for (const ByteVector& pdu : ledger_.candidates(last.asked)) {
-        const Words values = values_in(last.asked, pdu);
-        const auto items = items_in(last, v, values);
-        if (!items || !takes(last, v) || !holds(*variables_[v].model, *items, slot.value, false)) continue;
-        const auto exempt = ledger_.exemption(t, last.start, last.asked, pdu);
-        if (!exempt) continue;
-        ++recoveries_[*exempt];
-        ledger_.note_exempt(t, last.asked);
-        last.served = true;
-        last.served_at = std::max(last.end, last.heard_at);  // some time between the two
-        last.values = values;
+    if (may_be_doubted(t, last.device)) last.false_histories = false_histories(t, last);
+}
+
+std::vector<FalseHistory> LineJudge::false_histories(Instant t, const Transaction& transaction) const {
+    std::vector<FalseHistory> found;
+    if (!one_at_a_time() || !transaction.asked.reads) return found;
+    for (const ByteVector& pdu : ledger_.candidates(transaction.asked)) {
+        Words values = values_in(transaction.asked, pdu);
+        if (transaction.served && values == transaction.values) continue;
+        if (const auto exempt = ledger_.exemption(t, transaction.start, transaction.asked, pdu))
+            found.push_back({std::move(values), *exempt});
+    }
+    return found;
+}
+
+// The value is wrong, and the bytes show a history in which it is true.
+bool LineJudge::shows_false_history(Instant t, VariableNumber v, const value::Slot& slot) {
+    if (transactions_.empty()) return false;
+    Transaction& last = transactions_.back();
+    const bool kept = !last.false_histories.empty();  // a relayed request was sent after it
+    for (const FalseHistory& history : kept ? last.false_histories : false_histories(t, last)) {
+        if (!shows(t, last, history, v, slot)) continue;
         note_found(last);
         if (variables_[v].model->read) note_sample(v, last);
         return true;
     }
     return false;
+}
+
+bool LineJudge::shows(Instant t, Transaction& transaction, const FalseHistory& history, VariableNumber v,
+                      const value::Slot& slot) {
+    const auto items = items_in(transaction, v, history.values);
+    if (!items || !takes(transaction, v) || !holds(*variables_[v].model, *items, slot.value, false))
+        return false;
+    ++recoveries_[history.exemption];
+    ledger_.note_exempt(t, transaction.asked);
+    transaction.served = true;
+    transaction.served_at = std::max(transaction.end, transaction.heard_at);  // some time between the two
+    transaction.values = Words(history.values);
+    return true;
 }
 
 // Whether the request is also sent for that variable.
@@ -258,12 +313,11 @@ void LineJudge::check_stale(Instant t, VariableNumber v, const value::Slot& slot
 }
 
 // A good value is no longer good: its device was switched, did not answer, or has refused something, or the
-// line was lost. A late answer in doubt is in the ledger. A response too many shows that values may be those
-// of other requests; the rules of true values judge it.
+// line was lost. A late answer in doubt is in the ledger.
 void LineJudge::check_quality(Instant t, VariableNumber v, const value::Slot& slot) const {
     const auto& variable = variables_[v];
     if (!variable.good || slot.quality == value::Quality::good || slot.reason == value::Reason::stale ||
-        slot.reason == value::Reason::ambiguous)
+        (slot.reason == value::Reason::ambiguous && may_be_doubted(t, variable.device)))
         return;
     if (devices_[variable.device].clean_from >= variable.sampled_at || in_doubt(t, variable.device)) return;
     const auto times_out = [&](const Transaction& each) {
@@ -289,7 +343,8 @@ void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slo
         };
         const bool was =
             std::ranges::any_of(variable.executed, held) || std::ranges::any_of(variable.believed, held);
-        if (!was && !source_of(v, slot) && !shows_false_history(t, v, slot))
+        if (!was && !(was_held(slot) ? held_source_of(t, v, slot) : source_of(v, slot)) &&
+            !shows_false_history(t, v, slot))
             complain("value_own", t, name_of(v) + ", which is not read, shows what was written",
                      text(slot.value));
         return;
@@ -300,8 +355,9 @@ void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slo
                model.start() + unsigned{model.items()} <= unsigned{planned.start} + planned.quantity;
     };
     if (std::ranges::none_of(requests_, whole)) return;  // read in parts
-    Transaction* source = source_of(v, slot);
-    if (!source && shows_false_history(t, v, slot)) return;
+    const bool held = was_held(slot);
+    Transaction* source = held ? held_source_of(t, v, slot) : source_of(v, slot);
+    if (!source && !held && shows_false_history(t, v, slot)) return;
     if (!source) {
         const bool any = !transactions_.empty();
         const auto items = any ? items_of(transactions_.back(), v) : std::nullopt;
@@ -315,7 +371,8 @@ void LineJudge::check_sample(Instant t, VariableNumber v, const value::Slot& slo
                 (any ? ledger_.describe(t, transactions_.back().start, transactions_.back().asked) : ""));
         return;
     }
-    if (source->received.answer != Answer::good || source->received.among_others) note_found(*source);
+    const bool unsure = source->received.answer != Answer::good || source->received.among_others;
+    if (unsure && !held) note_found(*source);
     note_sample(v, *source);
 }
 
