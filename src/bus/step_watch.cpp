@@ -13,10 +13,12 @@ std::uint32_t frame_hash(Bytes pdu) {
 
 // An exception does not show the shape of its request. A response of another shape shows that those before it
 // were the own ones; it may itself be a copy of the past, so it is not named as one that is in step.
-void StepWatch::on_outcome(const Outcome& outcome) {
+void StepWatch::on_outcome(const Outcome& outcome, bool in_order) {
     const bool came = outcome.status == Status::ok || outcome.status == Status::exception ||
                       outcome.status == Status::ambiguous;
-    if (!came || outcome.unit == kBroadcast) return;
+    if (!outcome.sent || outcome.unit == kBroadcast) return;
+    judge(outcome, came, in_order);
+    if (!came) return;
     if (outcome.sent_at >= quiet_at_) {
         in_step_at_ = outcome.sent_at;
         drained_ = true;
@@ -30,7 +32,60 @@ void StepWatch::on_outcome(const Outcome& outcome) {
     shape_ = shape;
 }
 
+void StepWatch::judge(const Outcome& outcome, bool came, bool in_order) {
+    const AnswerShape shape = answer_shape(outcome.request);
+    wait_ = outcome.wait;
+    if (!came) missing_since_ = std::min(missing_since_, outcome.ended_at);
+    if (heard_at_ == Instant::min()) heard_at_ = outcome.sent_at;
+    const bool paused = outcome.sent_at >= after(heard_at_, doubt_time(outcome.sent_at));
+    if (came) heard_at_ = std::max(heard_at_, outcome.ended_at);
+    const bool ok = outcome.status == Status::ok;
+    const bool other = ok && in_order && (outcome.request.repeated || !in_doubt(shape));
+    const bool in_step = paused || (other && outcome.sent_at >= trouble_at_);
+    if (in_step) doubted_until_ = Instant::min();
+    if (!came || (!ok && !in_step && outcome.sent_at < doubted_until_)) note_trouble(outcome.ended_at, shape);
+}
+
+bool StepWatch::in_doubt(const AnswerShape& shape) const {
+    return any_doubtful_ ||
+           (shape.function == doubtful_.function &&
+            (shape.pdu_length == doubtful_.pdu_length || shape.pdu_length == 0 || doubtful_.pdu_length == 0));
+}
+
+StepWatch::Proof StepWatch::proof(Instant t, const Outcome& read) const {
+    if (read.ended_at <= trouble_at_) return Proof::refuted;
+    return t < doubted_until(read) ? Proof::waits : Proof::proved;
+}
+
+bool StepWatch::behind(const Outcome& read) const {
+    return read.ended_at < alert_until_ && read.sent_at > in_step_at_;
+}
+
+Instant StepWatch::doubted_until(const Outcome& read) const {
+    const Instant doubted = in_doubt(answer_shape(read.request)) ? doubted_until_ : Instant::min();
+    return behind(read) ? std::max(doubted, quiet_at_) : doubted;
+}
+
+void StepWatch::note_trouble(Instant t, const AnswerShape& shape) {
+    if (t >= doubted_until_) {
+        doubtful_ = shape;
+        any_doubtful_ = false;
+    } else if (!in_doubt(shape)) {
+        any_doubtful_ = true;
+    }
+    trouble_at_ = std::max(trouble_at_, t);
+    doubted_until_ = std::max(doubted_until_, after(t, doubt_time(t)));
+}
+
+Duration StepWatch::doubt_time(Instant t) const {
+    const Duration longest = OutstandingResponses::confirmation_time(wait_);
+    const bool may_be_late = t < after(missing_since_, 2 * longest) || t < after(late_at_, kAlert);
+    return may_be_late ? longest : std::min(longest, kInterval);
+}
+
 void StepWatch::on_late(Instant t, const AnswerShape& shape) {
+    late_at_ = heard_at_ = t;
+    note_trouble(t, shape);
     if (shape != shape_) in_step_at_ = t;
     shape_ = shape;
     quiet_at_ = std::max(quiet_at_, t + pause_);
@@ -39,6 +94,8 @@ void StepWatch::on_late(Instant t, const AnswerShape& shape) {
 // More of them may follow. A unit that is behind may repeat its last response, too: only a frame that names
 // what was read before ends the doubt about it.
 std::optional<Instant> StepWatch::on_surplus(const SurplusFrame& frame) {
+    if (frame.at < doubted_until_) note_trouble(frame.at, frame.shape);
+    trouble_at_ = heard_at_ = frame.at;
     in_a_row_ = frame.at <= after(surplus_at_, kInterval) ? in_a_row_ + 1 : 0;
     surplus_at_ = frame.at;
     drained_ = false;

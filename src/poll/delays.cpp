@@ -18,6 +18,7 @@ void LinePoller::Run::on_late(const bus::LateResponse& late) {
     auto& device = devices_[*index];
     ++device.statistics.late;
     device.times.on_late(late);
+    settle_held(late.at, *index);
     report_delay(late.at, *index, device.delay_learner.on_late(late.least_delay, late.wait));
     if (late.out_of_order_since) degrade_shifted(late.at, device, late.shape, *late.out_of_order_since);
 }

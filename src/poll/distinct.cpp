@@ -6,6 +6,7 @@
 
 namespace takt::poll {
 
+using Proof = bus::StepWatch::Proof;
 using value::Quality;
 using value::Reason;
 
@@ -15,10 +16,7 @@ bool LinePoller::Run::on_part(const bus::Outcome& outcome, const OutcomeClass& o
     using Ended = DistinctReads::Ended;
     const Ended ended = distinct_reads_.ended(index, outcome_class);
     if (ended == Ended::planned) return false;
-    if (ended == Ended::part) {
-        publisher_.take(outcome, index, outcome.request);
-        ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
-    }
+    if (ended == Ended::part) take_values(outcome, index, outcome.request, false);
     reads_.again(outcome.ended_at, index);
     return true;
 }
@@ -30,7 +28,11 @@ void LinePoller::Run::set_times(const DeviceRun& device, bus::Transaction& trans
 
 void LinePoller::Run::note_in_step(const bus::Outcome& outcome) {
     if (engine_.config().framing == wire::Framing::tcp) return;
-    if (const auto index = device_at(outcome.unit)) devices_[*index].times.step.on_outcome(outcome);
+    const auto index = device_at(outcome.unit);
+    if (!index) return;
+    auto& times = devices_[*index].times;
+    times.step.on_outcome(outcome, times.in_order);
+    settle_held(outcome.ended_at, *index);
 }
 
 void LinePoller::Run::on_surplus(const bus::SurplusFrame& frame) {
@@ -39,6 +41,7 @@ void LinePoller::Run::on_surplus(const bus::SurplusFrame& frame) {
     auto& device = devices_[*index];
     ++device.statistics.surplus;
     const auto since = device.times.step.on_surplus(frame);
+    settle_held(frame.at, *index);
     if (!since) return;
     degrade_shifted(frame.at, device, frame.shape, *since);
     if (!std::exchange(device.statistics.shifted, true) && observer_)
@@ -54,6 +57,81 @@ void LinePoller::Run::degrade_shifted(Instant t, const DeviceRun& device, const 
         if (shape.pdu_length != 0 && read->shape() != shape) continue;
         publisher_.degrade(t, requests_[r].variables, Quality::uncertain, Reason::ambiguous, Shown::last);
     }
+}
+
+// While the unit is in doubt, the values are held back, and shown as uncertain.
+void LinePoller::Run::take_values(const bus::Outcome& outcome, std::size_t index,
+                                  const wire::RequestShape& sent, bool whole) {
+    const std::size_t device = requests_[index].device;
+    auto& held = devices_[device].held;
+    const HeldRead read{.request = index, .sent = sent, .whole = whole, .outcome = outcome, .response = {}};
+    const auto quality = quality_of(outcome.ended_at, device, outcome);
+    if (held.empty() && quality) return publish_read(read, *quality);
+    publisher_.degrade(outcome.ended_at, requests_[index].variables, Quality::uncertain, Reason::ambiguous,
+                       Shown::last);
+    if (held.full()) {
+        publish_read(held.front(), Quality::uncertain);
+        held.pop();
+    }
+    held.add(read);
+}
+
+void LinePoller::Run::publish_read(const HeldRead& read, Quality quality) {
+    const auto& outcome = read.outcome;
+    publisher_.take(outcome, read.request, read.sent, quality);
+    if (quality != Quality::good) return;
+    if (read.whole)
+        ages_->note_read(requests_[read.request].variables, outcome.sent_at, outcome.ended_at);
+    else
+        ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
+}
+
+// Nothing: it is not decided. If it is not decided for a check interval, the values are uncertain.
+std::optional<Quality> LinePoller::Run::quality_of(Instant t, std::size_t device,
+                                                   const bus::Outcome& read) const {
+    if (engine_.config().framing == wire::Framing::tcp) return Quality::good;
+    const Proof proof = devices_[device].times.step.proof(t, read);
+    const bool too_long = t > after(read.ended_at, bus::StepWatch::kInterval);
+    if (proof == Proof::proved && !too_long) return Quality::good;
+    if (proof != Proof::waits || too_long || held_) return Quality::uncertain;
+    return std::nullopt;
+}
+
+void LinePoller::Run::settle_held(Instant t, std::size_t device) {
+    auto& held = devices_[device].held;
+    if (held.empty()) return;
+    while (!held.empty()) {
+        const auto quality = quality_of(t, device, held.front().outcome);
+        if (!quality) break;
+        publish_read(held.front(), *quality);
+        held.pop();
+    }
+    expire_ages(t);  // of those that are too old by now
+}
+
+void LinePoller::Run::settle_held(Instant t) {
+    for (std::size_t d = 0; d < devices_.size(); ++d) settle_held(t, d);
+}
+
+// Before other values of the device follow.
+void LinePoller::Run::give_up_held(std::size_t device) {
+    for (auto& held = devices_[device].held; !held.empty(); held.pop())
+        publish_read(held.front(), Quality::uncertain);
+}
+
+void LinePoller::Run::give_up_held() {
+    for (std::size_t d = 0; d < devices_.size(); ++d) give_up_held(d);
+}
+
+Instant LinePoller::Run::held_until() const {
+    Instant until = kNever;
+    for (const auto& device : devices_) {
+        if (device.held.empty()) continue;
+        const auto& outcome = device.held.front().outcome;
+        until = std::min({until, device.times.step.doubted_until(outcome),
+                          after(outcome.ended_at, bus::StepWatch::kInterval + Duration(1))});
+    }
+    return until;
 }
 
 }  // namespace takt::poll

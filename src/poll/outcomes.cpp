@@ -115,13 +115,12 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     if (on_part(outcome, outcome_class, index)) return;
     if (outcome_class.reason == Reason::ok) {
         read.refusals = 0;
-        publisher_.take(outcome, index, outcome.request);
-        ages_->note_read(request.variables, outcome.sent_at, outcome.ended_at);
+        take_values(outcome, index, outcome.request, true);
     } else if (outcome_class.reason == Reason::ambiguous) {
-        publisher_.degrade(t, request.variables, Quality::uncertain, Reason::ambiguous, Shown::last);
+        degrade_read(t, index, Quality::uncertain, Reason::ambiguous, Shown::last);
         reads_.again(t, index);
     } else if (!refused_with_gaps(outcome, index, outcome_class.reason)) {
-        publisher_.degrade(t, request.variables, Quality::bad, outcome_class.reason, Shown::last);
+        degrade_read(t, index, Quality::bad, outcome_class.reason, Shown::last);
     }
     statuses_.read_ended(t, index, outcome_class.reason);
 }
@@ -131,12 +130,11 @@ void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeCla
                                    std::size_t index) {
     const auto& request = requests_[index];
     if (outcome_class.reason == Reason::ok) {
-        publisher_.take(outcome, index, request.read->request.shape());
-        ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
+        take_values(outcome, index, request.read->request.shape(), false);
     } else if (outcome_class.reason != Reason::link_lost) {
         const bool refused = outcome_class.answered && outcome_class.reason != Reason::ambiguous;
         const auto quality = refused ? Quality::bad : Quality::uncertain;
-        publisher_.degrade(outcome.ended_at, request.variables, quality, outcome_class.reason, Shown::last);
+        degrade_read(outcome.ended_at, index, quality, outcome_class.reason, Shown::last);
     }
 }
 
@@ -149,15 +147,23 @@ void LinePoller::Run::fail_read(Instant t, std::size_t index, Reason reason) {
     if (!devices_[request.device].health.answering()) return;
     if (slowed) {
         periods_.interrupt(index);
-        publisher_.degrade(t, request.variables, Quality::bad, reason, Shown::initial);
+        degrade_read(t, index, Quality::bad, reason, Shown::initial);
     } else {
-        publisher_.degrade(t, request.variables, Quality::uncertain, reason, Shown::last);
+        degrade_read(t, index, Quality::uncertain, reason, Shown::last);
         if (repeats) reads_.again(t, index);
     }
     statuses_.read_ended(t, index, reason);
 }
 
+// The values of earlier reads come before that.
+void LinePoller::Run::degrade_read(Instant t, std::size_t index, Quality quality, Reason reason,
+                                   Shown shown) {
+    give_up_held(requests_[index].device);
+    publisher_.degrade(t, requests_[index].variables, quality, reason, shown);
+}
+
 void LinePoller::Run::degrade_device(Instant t, std::size_t index, Reason reason, Shown shown) {
+    give_up_held(index);
     std::vector<std::size_t> variables;
     for (std::size_t v = 0; v < variables_.size(); ++v) {
         if (variables_[v].device != index) continue;

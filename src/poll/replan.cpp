@@ -42,6 +42,7 @@ void LinePoller::Run::end_overruns(Instant t, const plan::LinePlan& next) {
 }
 
 void LinePoller::Run::swap_plan(Instant t) {
+    give_up_held();
     end_overruns(t, *learner_->next_plan());
     ++plan_revision_;
     const auto old_plan = learner_->swap_plan();  // the old requests are in it

@@ -234,6 +234,7 @@ void LinePoller::Run::on_tick(Instant t) {
     if (const Instant due = next_wakeup(); due <= t) exchange_times_.on_wakeup(t - due);
     engine_.on_tick(t);
     take_outcomes();
+    settle_held(t);
     commands_.expire(t);
     expire_ages(t);
     report_overruns(t);

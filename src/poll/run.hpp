@@ -189,6 +189,20 @@ private:
     /// The values that may come from late responses, because the device does not answer in order.
     void note_in_step(const bus::Outcome& outcome);
     void on_surplus(const bus::SurplusFrame& frame);
+    void take_values(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent,
+                     bool whole);
+    void publish_read(const HeldRead& read, value::Quality quality);
+    [[nodiscard]] std::optional<value::Quality> quality_of(Instant t, std::size_t device,
+                                                           const bus::Outcome& read) const;
+    void settle_held(Instant t, std::size_t device);
+    void settle_held(Instant t);
+    void give_up_held(std::size_t device);
+    void give_up_held();
+    /// When settle_held() is due.
+    [[nodiscard]] Instant held_until() const;
+    /// The read of the request has brought no values.
+    void degrade_read(Instant t, std::size_t request, value::Quality quality, value::Reason reason,
+                      Shown shown);
     void degrade_shifted(Instant t, const DeviceRun& device, const bus::AnswerShape& shape, Instant since);
 
     // outcomes.cpp

@@ -22,7 +22,7 @@ Bytes LinePoller::Run::transmit(Instant t) {
 
 Instant LinePoller::Run::next_wakeup() const {
     Instant wakeup = std::min(engine_.next_wakeup(), ages_->next());
-    wakeup = std::min(wakeup, periods_.next_overrun());
+    wakeup = std::min({wakeup, periods_.next_overrun(), held_until()});
     if (may_submit()) wakeup = std::min({wakeup, arbiter_.wakeup(), link_.closes_at()});
     if (link_.state() == LinkState::closed) wakeup = std::min(wakeup, arbiter_.wakeup());
     return std::min(wakeup, commands_.next_expiry());

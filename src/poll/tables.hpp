@@ -11,6 +11,7 @@
 #include "delay_learner.hpp"
 #include "device_health.hpp"
 #include "heap_optional.hpp"
+#include "held_reads.hpp"
 #include "noise_meter.hpp"
 #include "read_job.hpp"
 #include "takt/bus/unit_times.hpp"
@@ -61,6 +62,7 @@ struct DeviceRun {
     std::uint16_t most_in_flight = 1;
     bool writing = false;       // one of them writes; writes keep their order
     bool relayed_last = false;  // a relayed request was sent to it after the last polled one
+    HeldReads held;             // whose values are not published yet
     DeviceTraffic statistics;
 };
 

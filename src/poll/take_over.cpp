@@ -9,6 +9,7 @@ using value::Reason;
 
 void LinePoller::Run::hold() {
     held_ = true;
+    give_up_held();
 }
 
 bool LinePoller::Run::idle() const {
@@ -25,6 +26,7 @@ bool LinePoller::Run::quiet() const {
 }
 
 void LinePoller::Run::end_writes(Instant t) {
+    give_up_held();
     for (std::size_t d = 0; d < devices_.size(); ++d) drop_read_backs(t, d, Reason::ok);
     commands_.end_all(t);
 }

@@ -124,7 +124,7 @@ bool LinePoller::Run::refused_with_gaps(const bus::Outcome& outcome, std::size_t
     if (gaps.empty()) return false;
     const Instant t = outcome.ended_at;
     auto& read = *request.read;
-    publisher_.degrade(t, request.variables, Quality::uncertain, reason, Shown::last);
+    degrade_read(t, index, Quality::uncertain, reason, Shown::last);
     reads_.again(t, index);
     if (++read.refusals < kRefusalsToDoubt) return true;
     read.refusals = 0;

@@ -41,8 +41,9 @@ void ValuePublisher::forget_parts(std::span<const std::size_t> variables) {
 
 // ---- responses
 
-void ValuePublisher::take(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent) {
-    begin(outcome.sent_at);
+void ValuePublisher::take(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent,
+                          Quality quality) {
+    begin(outcome.sent_at, quality);
     for (const auto v : tables_.requests[request].variables) take_value(request, sent, outcome.response, v);
     publish(outcome.ended_at);
 }
@@ -66,6 +67,7 @@ void ValuePublisher::take_part(std::size_t request, DataAddress start, const wir
                                std::size_t v) {
     const auto& model = *variable(v).model;
     auto& split = *splits_.find(v);
+    if (quality_ != Quality::good) return split.forget();
     const auto* part = split.part_of(request);
     if (!part) return;
     const auto first = static_cast<std::uint16_t>(model.start() + part->first);
@@ -79,7 +81,12 @@ void ValuePublisher::take_part(std::size_t request, DataAddress start, const wir
 }
 
 void ValuePublisher::note_value(std::size_t v, const Result<value::Value>& value, Instant sampled_at) {
-    if (value) {
+    if (quality_ != Quality::good) {
+        updates_.push_back({.slot = variable(v).slot,
+                            .value = value ? std::optional(*value) : std::nullopt,
+                            .quality = quality_,
+                            .reason = Reason::ambiguous});
+    } else if (value) {
         written_.note_read(v, *value);
         updates_.push_back({.slot = variable(v).slot, .value = *value, .sampled_at = sampled_at});
     } else {
@@ -95,6 +102,8 @@ void ValuePublisher::read_back(std::size_t v, wire::Function function, const Res
     if (!model.read)
         updates_.push_back({.slot = variable(v).slot,
                             .value = value ? std::optional(*value) : std::nullopt,
+                            .quality = quality_,
+                            .reason = quality_ == Quality::good ? Reason::ok : Reason::ambiguous,
                             .sampled_at = sampled_at_});
     else if (model.read == function && !splits_.has(v))
         note_value(v, value, sampled_at_);

@@ -46,15 +46,20 @@ public:
     /// The request has got a response. Of its variables those that the response carries are published.
     /// @param outcome  of the read: the planned one, a wider one, or a part of it
     /// @param sent     what it reads
-    void take(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent);
+    /// @param quality  uncertain: the response may be that to another request. Parts are dropped, and nothing
+    ///                 is written that depends on the values
+    void take(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent,
+              value::Quality quality = value::Quality::good);
 
     /// A value was read back after its write. publish() follows, for all values of the write.
     /// @param function  of the read
     void read_back(std::size_t variable, wire::Function function, const Result<value::Value>& value);
     /// @param sampled_at  the begin of the read whose values follow
-    void begin(Instant sampled_at) {
+    /// @param quality     as of take()
+    void begin(Instant sampled_at, value::Quality quality = value::Quality::good) {
         updates_.clear();
         sampled_at_ = sampled_at;
+        quality_ = quality;
     }
     void publish(Instant t) { store_.apply(t, updates_); }
 
@@ -83,6 +88,7 @@ private:
     WrittenValues& written_;
     value::Store& store_;
     SplitValues splits_;
+    value::Quality quality_ = value::Quality::good;
     Instant sampled_at_;                  // the begin of the read that is taken
     std::vector<value::Update> updates_;  // scratch, so that a response allocates nothing
 };

@@ -9,7 +9,9 @@ using value::Reason;
 bool LinePoller::Run::take_read_back(const bus::Outcome& outcome, const WriteJob& write) {
     const auto& back = *write.read_back();
     const std::size_t device = write.device();
-    publisher_.begin(outcome.sent_at);
+    give_up_held(device);
+    publisher_.begin(outcome.sent_at,
+                     quality_of(outcome.ended_at, device, outcome).value_or(value::Quality::uncertain));
     bool same = true;
     for (const auto v : write.written()) {
         const auto& model = *variables_[v].model;

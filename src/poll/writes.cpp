@@ -84,6 +84,7 @@ void LinePoller::Run::settle_write(Instant t, WriteJob write, const OutcomeClass
                                    const WriteResult& what) {
     const auto& device = devices_[write.device()];
     if (what.again && reachable(device) && write.retry(t, outcome_class, device.model->attempts)) return;
+    give_up_held(write.device());  // they were read before it
     if (what.result == CommandResult::done) publisher_.show_written(t, write.written());
     finish_write(t, write, what.result, outcome_class.reason);
 }

@@ -22,7 +22,8 @@ bus::OutcomeStatus Executor::note_outcome(const bus::Outcome& outcome, std::uint
     auto& state = devices_[index];
     state.in_flight = false;
     const bool early_probe = std::exchange(state.probed_early, false);
-    if (engine_.config().framing != wire::Framing::tcp) state.times.step.on_outcome(outcome);
+    if (engine_.config().framing != wire::Framing::tcp)
+        state.times.step.on_outcome(outcome, state.times.in_order);
     if (outcome.status == bus::Status::timeout) state.times.on_missing();
     if (!state.enabled || ended.status == StatusCode::link_lost) return ended;
     if (ended.answered) note_delay(outcome, state);

@@ -6,6 +6,7 @@
 
 #include "takt/base/numbers.hpp"
 #include "takt/base/time.hpp"
+#include "takt/bus/outstanding_responses.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/wire/line_timing.hpp"
 
@@ -34,7 +35,19 @@ struct SurplusFrame {
 /// - when its response repeats the request.
 ///
 /// When none of these happened for kInterval, the next read asks for another shape, or waits until the unit
-/// has had that pause. Other units are asked meanwhile. One owner, one thread.
+/// has had that pause. Other units are asked meanwhile.
+///
+/// A request without its response, and each further sign of trouble, puts the unit in doubt: a response of
+/// that shape may be the one that is missing, though nothing shows it. Signs of trouble are a response that
+/// is ambiguous, late or surplus, and an exception. The doubt ends
+/// - with a response of another shape, or one that repeats its request, of a unit that keeps the order;
+/// - with a request before which nothing came for a doubt time: every earlier response has come, or is lost;
+/// - a doubt time after the last sign of trouble.
+/// The doubt time is eight time-outs. It is at most kInterval for a unit that is known to lose responses and
+/// not to be late: sixteen time-outs have passed since the first missing response, and kAlert since a late
+/// one. For kAlert after a surplus frame, a response is in doubt until the unit is in step again.
+///
+/// One owner, one thread.
 class StepWatch {
 public:
     static constexpr Duration kInterval = wire::kStepCheckInterval;
@@ -45,11 +58,22 @@ public:
     static constexpr Duration kAlert = std::chrono::minutes(5);
 
     /// Any outcome of the unit. Those with a response count: Status::ok, exception or ambiguous, and no
-    /// broadcast.
-    void on_outcome(const Outcome& outcome);
+    /// broadcast. Those that were sent and have none begin the doubt.
+    /// @param in_order  the unit answers in order, as far as is known
+    void on_outcome(const Outcome& outcome, bool in_order = true);
 
     /// A response to an earlier request, of that shape, was received at t. A further one may follow it, too.
     void on_late(Instant t, const AnswerShape& shape);
+
+    enum class Proof : std::uint8_t {
+        proved,   ///< its response is that to this request, as far as can be known
+        waits,    ///< it may be that to an earlier request; nothing shows it yet
+        refuted,  ///< a sign of trouble followed
+    };
+    /// @param read  an outcome of Status::ok, that on_outcome() was called with
+    [[nodiscard]] Proof proof(Instant t, const Outcome& read) const;
+    /// When proof() of a read that waits changes if nothing happens.
+    [[nodiscard]] Instant doubted_until(const Outcome& read) const;
 
     /// @returns since when responses of that shape may have been those to earlier requests; nothing if the
     ///          frame repeats the last response
@@ -66,6 +90,11 @@ public:
 
 private:
     [[nodiscard]] Instant earliest(Instant t, const AnswerShape& shape, Duration interval) const;
+    void judge(const Outcome& outcome, bool came, bool in_order);
+    void note_trouble(Instant t, const AnswerShape& shape);
+    [[nodiscard]] Duration doubt_time(Instant t) const;
+    [[nodiscard]] bool in_doubt(const AnswerShape& shape) const;
+    [[nodiscard]] bool behind(const Outcome& read) const;
 
     AnswerShape shape_;       // of the last response but exceptions, late or not
     std::uint32_t hash_ = 0;  // of the last response
@@ -76,6 +105,14 @@ private:
     Instant quiet_at_ = Instant::min();
     Instant in_step_at_ = Instant::min();
     Instant alert_until_ = Instant::min();
+    AnswerShape doubtful_;               // the shape in doubt
+    bool any_doubtful_ = false;          // several shapes are
+    Duration wait_{};                    // of the last request
+    Instant late_at_ = Instant::min();   // the last late response
+    Instant missing_since_ = kNever;     // the first one
+    Instant heard_at_ = Instant::min();  // the last response, or the first request
+    Instant trouble_at_ = Instant::min();
+    Instant doubted_until_ = Instant::min();
 };
 
 }  // namespace takt::bus
