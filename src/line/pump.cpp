@@ -1,5 +1,6 @@
 // Order of the calls: read -> on_bytes() -> transmit() until empty -> next_wakeup(). Bytes that the stream
-// does not accept are stored, and transmit() is not called until they are written.
+// does not accept are stored, and transmit() is not called until they are written. At a wake-up the available
+// bytes are read before on_tick(): a response that the system has received in time does not time out.
 #include "takt/line/pump.hpp"
 
 #include <algorithm>
@@ -47,21 +48,27 @@ void Pump::poke() {
 
 void Pump::readable() {
     read_.clear();
-    const std::size_t wanted = running_ ? readable_bytes() : 0;
-    if (wanted == 0) return;
+    if (running_ && readable_bytes() > 0 && receive()) service();
+}
+
+// Returns false if the stream failed; the pump may then be destroyed.
+bool Pump::receive() {
     std::array<std::uint8_t, kReadAtOnce> buffer;  // NOLINT(*-member-init): filled by read()
-    const auto got = stream_.read(std::span(buffer).first(wanted));
+    const auto got = stream_.read(std::span(buffer).first(readable_bytes()));
     const Instant t = now();
-    if (!got && !is_half_closed(got.error())) return end(got.error());
+    if (!got && !is_half_closed(got.error())) {
+        end(got.error());
+        return false;
+    }
     if (!got) {
         input_end_ = got.error();
         if (options_.input_ended) options_.input_ended();
-        return service();
+        return true;
     }
     counters_.bytes_read += *got;
     read_.assign(Bytes(buffer.data(), std::min(*got, kShown)));
     if (*got > 0) engine_.on_bytes(t, Bytes(buffer.data(), *got));
-    service();
+    return true;
 }
 
 // The end of the stream without an error: the peer may still read.
@@ -82,6 +89,12 @@ void Pump::tick(Instant t) {
     read_.clear();
     if (!running_) return;
     while (t < wakeup_) t = now();
+    // The event of these bytes may come after the timer: the thread was stopped between the two, or more
+    // descriptors were ready than one epoll_wait() returns. `t` is from before the read, so bytes that arrive
+    // after it are late.
+    const auto before = counters_.bytes_read;
+    if (readable_bytes() > 0 && !receive()) return;
+    if (counters_.bytes_read != before) t = now();
     engine_.on_tick(t);
     service();
 }

@@ -239,6 +239,17 @@ TEST(SerialDriver, WakesTheEngineNotBeforeItsTime) {
     }
 }
 
+TEST(SerialDriver, ReadsWhatIsThereBeforeItWakesTheEngine) {
+    const auto loop = make_loop();
+    const Pty pty;
+    ScriptEngine engine;
+    const auto driver = open_serial(*loop, settings_of(pty.path), engine);
+    ASSERT_TRUE(driver);
+    ASSERT_TRUE(loop->run_until([&] { return engine.up(); }, kDeadline));
+    send_while_stopped(*loop, engine, **driver, [&] { pty.write("in time"); });
+    EXPECT_EQ(engine.input_at_tick, "in time");
+}
+
 TEST(SerialDriver, WritesInPartsAndAsksForNothingMeanwhile) {
     const auto loop = make_loop();
     const Pty pty;

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <pty.h>
+#include <sys/eventfd.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -12,9 +13,11 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "takt/base/engine.hpp"
+#include "takt/line/driver.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/os/descriptor.hpp"
 
@@ -50,6 +53,7 @@ public:
     }
     void on_tick(Instant t) override {
         ticks.push_back(t);
+        input_at_tick = input;
         wakeup = kNever;
     }
     Bytes transmit(Instant) override {
@@ -68,8 +72,24 @@ public:
     std::string sending;
     std::function<std::string(std::string)> reply;
     std::vector<Instant> ticks;
+    std::string input_at_tick;
     Instant wakeup = kNever;
 };
+
+/// Blocks the loop within its descriptor events until the engine's wake-up is due. `send` runs meanwhile: the
+/// loop learns of its bytes after the timer.
+inline void send_while_stopped(Loop& loop, ScriptEngine& engine, Driver& driver,
+                               const std::function<void()>& send) {
+    const os::Descriptor other(::eventfd(1, EFD_CLOEXEC));
+    Watch stop(loop, other.get(), [&] {
+        engine.wakeup = now() + 1ms;
+        driver.poke();
+        send();
+        std::this_thread::sleep_for(20ms);
+    });
+    stop.want_read();
+    ASSERT_TRUE(loop.run_until([&] { return !engine.ticks.empty(); }, kDeadline));
+}
 
 /// A pseudo-terminal: the program opens `path`, the test holds the other end.
 struct Pty {

@@ -372,6 +372,49 @@ TEST(TcpDriver, ComesBackByItself) {
     EXPECT_EQ(driver->counters().links, 2u);
 }
 
+struct PlainListener {
+    PlainListener() : fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+        auto address = resolve("127.0.0.1", 0, true).value().front();
+        EXPECT_EQ(::bind(fd.get(), address.get(), address.length), 0);
+        EXPECT_EQ(::listen(fd.get(), 8), 0);
+        EXPECT_EQ(::getsockname(fd.get(), address.get(), &address.length), 0);
+        port = address.port();
+    }
+    os::Descriptor fd;
+    std::uint16_t port = 0;
+};
+
+TEST(TcpDriver, ReadsWhatIsThereBeforeItWakesTheEngine) {
+    const auto loop = make_loop();
+    const PlainListener listener;
+    Linked linked;
+    const auto driver = connect_tcp(*loop, "127.0.0.1", listener.port, linked.engine, linked.options);
+    ASSERT_TRUE(loop->run_until([&] { return linked.engine.up(); }, kDeadline));
+    const os::Descriptor peer(::accept(listener.fd.get(), nullptr, nullptr));
+    send_while_stopped(*loop, linked.engine, *driver,
+                       [&] { EXPECT_EQ(::send(peer.get(), "in time", 7, MSG_NOSIGNAL), 7); });
+    EXPECT_EQ(linked.engine.input_at_tick, "in time");
+}
+
+TEST(TcpDriver, EndsWhenThePeerHasClosedBeforeItWakesTheEngine) {
+    const auto loop = make_loop();
+    const PlainListener listener;
+    Linked linked;
+    const auto driver = connect_tcp(*loop, "127.0.0.1", listener.port, linked.engine, linked.options);
+    ASSERT_TRUE(loop->run_until([&] { return linked.engine.up(); }, kDeadline));
+    os::Descriptor peer(::accept(listener.fd.get(), nullptr, nullptr));
+    const os::Descriptor other(::eventfd(1, EFD_CLOEXEC));
+    Watch stop(*loop, other.get(), [&] {
+        linked.engine.wakeup = now() + 1ms;
+        driver->poke();
+        peer.reset();
+        std::this_thread::sleep_for(20ms);
+    });
+    stop.want_read();
+    ASSERT_TRUE(loop->run_until([&] { return !driver->up(); }, kDeadline));
+    EXPECT_TRUE(linked.engine.ticks.empty());
+}
+
 // A listener whose queue is full: the kernel drops further attempts without a word.
 struct Swallower {
     Swallower() : fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {

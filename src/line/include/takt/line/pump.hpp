@@ -50,7 +50,8 @@ struct PumpCounters {
 
 /// Moves bytes and time between an engine and a stream.
 ///
-/// Input: bytes carry the time taken right after they were read.
+/// Input: bytes carry the time taken right after they were read. Available bytes reach the engine before
+/// on_tick().
 /// Output: after every call of the engine its bytes are written. Bytes that the stream does not accept wait
 /// here, and transmit() is not called until they are written. So at most one result of transmit() waits.
 /// Time: one timer follows next_wakeup() and never expires early, so no silence is shortened. The engine
@@ -85,6 +86,7 @@ public:
 
 private:
     void readable();
+    bool receive();
     void writable();
     void tick(Instant t);
     void service();
