@@ -123,12 +123,12 @@ void InstrumentEngine::fail_start(Instant t, WriteResult why) {
 // ---- received bytes
 
 void InstrumentEngine::on_bytes(Instant t, Bytes bytes) {
-    if (wire_ == Wire::awaiting && t >= due_) on_tick(t);
     const bool paused = t - last_bytes_ > settings_.timeout;
     last_bytes_ = t;
     if (phase_ == Phase::down) return;
     for (const auto byte : bytes) take_one(t, byte);
     counters_.strange += answer_.take_strange();
+    if (wire_ == Wire::awaiting && t >= due_) on_tick(t);  // bytes first: they may have waited to be read
     if (wire_ == Wire::settling) due_ = std::min(after(t, settings_.timeout), settled_);  // not silent yet
     if (settings_.is_asked() || phase_ != Phase::ready) return;
     if (paused) {

@@ -100,6 +100,21 @@ TEST(Instrument, AnEchoAndGarbageAreSkipped) {
     EXPECT_EQ(bench.engine.counters().strange, 3u);
 }
 
+// The program was stopped, or busy.
+TEST(Instrument, AnAnswerThatIsReadAfterTheTimeOutCounts) {
+    Bench bench({exchange("a\r", "{a}")});
+    EXPECT_EQ(bench.asks(), "a\r");
+    bench.now = after(bench.now, 400ms);
+    bench.receive("7\r");
+    EXPECT_EQ(bench.value("a"), "7");
+    EXPECT_EQ(bench.engine.counters().timeouts, 0u);
+    bench.pass(600ms);
+    EXPECT_EQ(bench.asked, "a\r");
+    bench.now = after(bench.now, 400ms);
+    bench.receive("8");
+    EXPECT_EQ(bench.engine.counters().timeouts, 1u) << "it is not whole";
+}
+
 TEST(Instrument, ALateAnswerBelongsToNoRequest) {
     Bench bench({exchange("a\r", "{a}"), exchange("b\r", "{b}")});
     EXPECT_EQ(bench.asks(), "a\r");
