@@ -2,7 +2,7 @@
 
 | holding registers | content |
 | --- | --- |
-| 0, 1 | a uint32 that each answer with it increments, high word first |
+| 0, 1 | a uint32 that each answer with both increments, high word first; a part of it is no sample |
 | 2 | FIXED |
 | 100 and above | `constant(unit, register)` |
 """
@@ -55,7 +55,7 @@ class CountingDevice:
         if share < 0.006:
             return b"" if share < 0.003 else None
         with self._lock:
-            if start < 2:
+            if start == 0 and size >= 2:
                 self.answers.append(Answer(asked, time.monotonic()))
             words = [self._word(a) for a in wanted]
         return bytes((3, 2 * size)) + b"".join(word.to_bytes(2, "big") for word in words)

@@ -5,7 +5,6 @@ from field import FIXED
 from journal_files import decode_samples
 from ledger import float32, require, same_value, text_of
 
-STANDSTILL_NS = 300_000_000
 DERIVED = ("quota", "damaged")  # gaps that are not records
 
 
@@ -190,7 +189,7 @@ def check_history(ledger, rows, gaps):
 class Counting:
     """Judges the samples of counting devices: while no gap is between them, the values of a counter follow
     one another, because the device counts each answer and each answer is a sample. A doubtful answer makes
-    the value uncertain instead. A program that stood still for long may have taken an answer as late."""
+    the value uncertain instead."""
 
     def __init__(self, ledger, devices):
         self.ledger, self.devices = ledger, devices
@@ -220,7 +219,7 @@ class Counting:
             require(sample.value == FIXED, "a sample with a value of another register", sample)
             return
         device = self.devices[name]
-        last, last_ns = self._last.get(name, (None, 0))
+        last = self._last.get(name)
         require(0 < sample.value <= device.count, "a sample that the device did not send", sample,
                 device.count)
         if sample.value == last:
@@ -229,9 +228,7 @@ class Counting:
         if last is not None:
             require(sample.value > last, "a value goes back", sample, last)
             missing = [n for n in range(last + 1, sample.value) if not device.was_late(n)]
-            stood_still = sample.time_ns - last_ns > STANDSTILL_NS
-            require(not missing or stood_still or name in self._doubtful, "a response is not sampled", sample,
-                    last)
-        self._last[name] = sample.value, sample.time_ns
+            require(not missing or name in self._doubtful, "a response is not sampled", sample, last)
+        self._last[name] = sample.value
         self._doubtful.discard(name)
         self.counts["counted samples"] += 1

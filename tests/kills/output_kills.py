@@ -48,7 +48,7 @@ def arguments():
     parser.add_argument("--everything", type=float, metavar="SECONDS", help="mean length of a run")
     parser.add_argument("--resume", type=pathlib.Path, metavar="FILE",
                         help="seeds without a violation; they are not run again")
-    parser.add_argument("--kept",
+    parser.add_argument("--kept", type=pathlib.Path,
                         help="folder for plants with a violation; it is created if it does not exist")
     return parser.parse_args()
 
@@ -93,7 +93,8 @@ def work(options, library, folder, plants, results, enough):
 def main():
     options = arguments()
     if options.kept:
-        pathlib.Path(options.kept).mkdir(parents=True, exist_ok=True)
+        options.kept = options.kept.resolve()  # the log of synchronised bytes has absolute paths
+        options.kept.mkdir(parents=True, exist_ok=True)
     folder = pathlib.Path(tempfile.mkdtemp(prefix="takt-kills-", dir=options.kept))
     library = build_kill_points(folder)
     plants, results = multiprocessing.Queue(), multiprocessing.Queue()
