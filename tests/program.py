@@ -121,9 +121,16 @@ class Running:
 
     def catches(self, number):
         """Whether it has a handler of its own for that signal by now."""
+        return self._has_signal("SigCgt:", number)
+
+    def holds(self, number):
+        """Whether its first thread blocks that signal."""
+        return self._has_signal("SigBlk:", number)
+
+    def _has_signal(self, field, number):
         status = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
-        caught = int(next(line for line in status.splitlines() if line.startswith("SigCgt:")).split()[1], 16)
-        return caught >> (number - 1) & 1
+        numbers = int(next(line for line in status.splitlines() if line.startswith(field)).split()[1], 16)
+        return numbers >> (number - 1) & 1
 
     def events(self):
         """The lines of `--json` so far."""

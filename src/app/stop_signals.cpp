@@ -16,6 +16,13 @@ bool is_ignored(int number) {
     return ::sigaction(number, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
+void block_reload(int how) {
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGHUP);
+    ::pthread_sigmask(how, &signals, nullptr);
+}
+
 std::vector<int> open_terminals() {
     std::vector<int> found;
     for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
@@ -48,11 +55,17 @@ Result<void> on_stop(line::Loop& loop, std::function<void()> callback) {
                               : loop.on_signals({SIGINT, SIGTERM, SIGHUP}, stop);
 }
 
+void hold_reload() {
+    block_reload(SIG_BLOCK);
+}
+
 Result<void> on_stop_or_reload(line::Loop& loop, std::function<void()> stop, std::function<void()> reload) {
-    return loop.on_signals({SIGINT, SIGTERM, SIGHUP}, [stop = std::move(stop), reload = std::move(reload),
-                                                       terminals = open_terminals()](int signal) {
+    TAKT_CHECK(loop.on_signals({SIGINT, SIGTERM, SIGHUP}, [stop = std::move(stop), reload = std::move(reload),
+                                                           terminals = open_terminals()](int signal) {
         signal == SIGHUP&& std::ranges::none_of(terminals, is_gone) ? reload() : stop();
-    });
+    }));
+    block_reload(SIG_UNBLOCK);
+    return {};
 }
 
 }  // namespace takt::app

@@ -22,6 +22,10 @@ void accept_stop_signals();
 /// Calls back on each of stop_signals(). @returns what Loop::on_signals() returns
 [[nodiscard]] Result<void> on_stop(line::Loop& loop, std::function<void()> callback);
 
+/// Holds SIGHUP back until on_stop_or_reload(), for a command that reads its files first: the default action
+/// would end it. To be called before a thread is started.
+void hold_reload();
+
 /// SIGHUP, ignored or not, is the wish to read something again. It stops only a command whose terminal was
 /// closed.
 [[nodiscard]] Result<void> on_stop_or_reload(line::Loop& loop, std::function<void()> stop,

@@ -2,6 +2,7 @@
 import os
 import signal
 import subprocess
+import time
 
 import pytest
 
@@ -63,6 +64,34 @@ def test_a_broken_file_changes_nothing(project):
             run.send("get A")
             assert run.wait_event(lambda e: e["event"] == "answer", "it runs on")["value"] == "7"
             assert slave.connections == 1
+            run.interrupt()
+
+
+def hold_a_signal():
+    """The signal waits from before the start until the program accepts it."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP})
+    os.kill(os.getpid(), signal.SIGHUP)
+
+
+def test_a_signal_before_the_run_has_begun_is_a_reload_too(project):
+    with Counting() as slave:
+        path = project(tcp([A], slave.port))
+        with start("run", path, "--json", preexec_fn=hold_a_signal) as run:
+            until(lambda: any("in force" in line for line in run.err), "the project is read again")
+            run.wait_event(good("A"), "a value")
+            run.interrupt()
+
+
+def test_signals_while_the_program_starts(project):
+    """Each comes a little later after the start of the program. The first moments, before the program's own
+    code runs, are left out."""
+    path = project(tcp([A], endpoints.free_port()))
+    for delay in range(30):
+        with start("run", path, "--json", "--quiet") as run:
+            until(lambda r=run: r.holds(signal.SIGHUP) or r.catches(signal.SIGHUP), "the program has begun")
+            time.sleep(delay / 1000)
+            run.process.send_signal(signal.SIGHUP)
+            until(lambda r=run: any("in force" in line for line in r.err), "the project is read again")
             run.interrupt()
 
 

@@ -7,6 +7,7 @@
 #include "commands/run_project.hpp"
 #include "options/option_error.hpp"
 #include "output.hpp"
+#include "stop_signals.hpp"
 #include "takt/line/target.hpp"
 #include "takt/plan/proof.hpp"
 #include "takt/report/table_report.hpp"
@@ -70,6 +71,7 @@ ExitCode run_table(const Texts& texts, const RunOptions& options) {
 }  // namespace
 
 ExitCode run(const CommonOptions& common, const RunOptions& options) {
+    hold_reload();
     const Texts texts(common.language);
     if (options.state.empty()) {
         RunOptions placed = options;

@@ -14,6 +14,7 @@
 #include "commands/input_files.hpp"
 #include "log.hpp"
 #include "output.hpp"
+#include "stop_signals.hpp"
 #include "takt/console/capture_log.hpp"
 #include "takt/console/control_server.hpp"
 #include "takt/console/fault_commands.hpp"
@@ -221,6 +222,7 @@ Result<Specs> specs_of(const ServeOptions& options, const model::Project* projec
 }  // namespace
 
 ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
+    hold_reload();
     const Texts texts(common.language);
     std::optional<host::LoadedProject> loaded;
     if (!options.file.empty() && options.state.empty() == options.blank.retain.empty()) {
