@@ -1,5 +1,5 @@
-# Precompiled headers: takt_use_pch(<target> core|text|hot|test|bare). A kind is compiled once and shared by
-# all its targets; it adds headers of libraries only, so that an edit recompiles what it did before.
+# Precompiled headers: takt_use_pch(<target> core|shell|text|hot|test|bare). A kind is compiled once and
+# shared by all its targets; it adds headers of libraries only, so that an edit recompiles what it did before.
 #
 # A file must not rely on them: it includes what it uses. `./dev check` builds without them (TAKT_PCH=OFF).
 

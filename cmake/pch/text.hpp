@@ -1,4 +1,4 @@
 // Precompiled for the modules that make text: src/modules.json lists fmt among their libraries.
-#include "core.hpp"
+#include "shell.hpp"
 
 #include <fmt/format.h>
