@@ -34,16 +34,25 @@ void StepWatch::on_outcome(const Outcome& outcome, bool in_order) {
 
 void StepWatch::judge(const Outcome& outcome, bool came, bool in_order) {
     const AnswerShape shape = answer_shape(outcome.request);
+    // A damaged response has come, and none comes on a connection that has ended.
+    const bool missing = outcome.status == Status::timeout || outcome.status == Status::unexpected_reply;
     wait_ = outcome.wait;
-    if (!came) missing_since_ = std::min(missing_since_, outcome.ended_at);
+    if (missing) missing_since_ = std::min(missing_since_, outcome.ended_at);
     if (heard_at_ == Instant::min()) heard_at_ = outcome.sent_at;
     const bool paused = outcome.sent_at >= after(heard_at_, doubt_time(outcome.sent_at));
     if (came) heard_at_ = std::max(heard_at_, outcome.ended_at);
     const bool ok = outcome.status == Status::ok;
     const bool other = ok && in_order && (outcome.request.repeated || !in_doubt(shape));
     const bool in_step = paused || (other && outcome.sent_at >= trouble_at_);
-    if (in_step) doubted_until_ = Instant::min();
-    if (!came || (!ok && !in_step && outcome.sent_at < doubted_until_)) note_trouble(outcome.ended_at, shape);
+    if (in_step) end_doubt();
+    const bool doubtful = came && !ok && outcome.sent_at < doubted_until_;
+    if (missing || doubtful) note_trouble(outcome.ended_at, shape);
+    if (missing) ++missing_;
+}
+
+void StepWatch::end_doubt() {
+    missing_ = 0;
+    doubted_until_ = Instant::min();
 }
 
 bool StepWatch::in_doubt(const AnswerShape& shape) const {
@@ -68,6 +77,7 @@ Instant StepWatch::doubted_until(const Outcome& read) const {
 
 void StepWatch::note_trouble(Instant t, const AnswerShape& shape) {
     if (t >= doubted_until_) {
+        missing_ = 0;
         doubtful_ = shape;
         any_doubtful_ = false;
     } else if (!in_doubt(shape)) {
@@ -86,6 +96,7 @@ Duration StepWatch::doubt_time(Instant t) const {
 void StepWatch::on_late(Instant t, const AnswerShape& shape) {
     late_at_ = heard_at_ = t;
     note_trouble(t, shape);
+    if (missing_ == 0 || --missing_ == 0) end_doubt();
     if (shape != shape_) in_step_at_ = t;
     shape_ = shape;
     quiet_at_ = std::max(quiet_at_, t + pause_);
@@ -94,14 +105,15 @@ void StepWatch::on_late(Instant t, const AnswerShape& shape) {
 // More of them may follow. A unit that is behind may repeat its last response, too: only a frame that names
 // what was read before ends the doubt about it.
 std::optional<Instant> StepWatch::on_surplus(const SurplusFrame& frame) {
-    if (frame.at < doubted_until_) note_trouble(frame.at, frame.shape);
-    trouble_at_ = heard_at_ = frame.at;
+    heard_at_ = frame.at;
     in_a_row_ = frame.at <= after(surplus_at_, kInterval) ? in_a_row_ + 1 : 0;
     surplus_at_ = frame.at;
     drained_ = false;
     quiet_at_ = std::max(quiet_at_, frame.at + pause_);
     alert_until_ = frame.at + kAlert;
     if (frame.hash == hash_) return std::nullopt;
+    if (frame.at < doubted_until_) note_trouble(frame.at, frame.shape);
+    trouble_at_ = frame.at;
     return std::exchange(in_step_at_, frame.at);
 }
 

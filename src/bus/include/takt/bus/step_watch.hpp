@@ -37,15 +37,18 @@ struct SurplusFrame {
 /// When none of these happened for kInterval, the next read asks for another shape, or waits until the unit
 /// has had that pause. Other units are asked meanwhile.
 ///
-/// A request without its response, and each further sign of trouble, puts the unit in doubt: a response of
-/// that shape may be the one that is missing, though nothing shows it. Signs of trouble are a response that
-/// is ambiguous, late or surplus, and an exception. The doubt ends
+/// A request without its response puts the unit in doubt: a response of that shape may be the one that is
+/// missing, though nothing shows it. Each further sign of trouble prolongs it: a response that is ambiguous,
+/// late or surplus, and an exception. A damaged response has come, and no response comes on a connection that
+/// has ended. The doubt ends
 /// - with a response of another shape, or one that repeats its request, of a unit that keeps the order;
 /// - with a request before which nothing came for a doubt time: every earlier response has come, or is lost;
+/// - when as many late responses came as are missing;
 /// - a doubt time after the last sign of trouble.
 /// The doubt time is eight time-outs. It is at most kInterval for a unit that is known to lose responses and
 /// not to be late: sixteen time-outs have passed since the first missing response, and kAlert since a late
-/// one. For kAlert after a surplus frame, a response is in doubt until the unit is in step again.
+/// one.
+/// For kAlert after a surplus frame, a response is in doubt until the unit is in step again.
 ///
 /// One owner, one thread.
 class StepWatch {
@@ -58,7 +61,7 @@ public:
     static constexpr Duration kAlert = std::chrono::minutes(5);
 
     /// Any outcome of the unit. Those with a response count: Status::ok, exception or ambiguous, and no
-    /// broadcast. Those that were sent and have none begin the doubt.
+    /// broadcast. Those of Status::timeout and unexpected_reply begin the doubt.
     /// @param in_order  the unit answers in order, as far as is known
     void on_outcome(const Outcome& outcome, bool in_order = true);
 
@@ -91,6 +94,7 @@ public:
 private:
     [[nodiscard]] Instant earliest(Instant t, const AnswerShape& shape, Duration interval) const;
     void judge(const Outcome& outcome, bool came, bool in_order);
+    void end_doubt();
     void note_trouble(Instant t, const AnswerShape& shape);
     [[nodiscard]] Duration doubt_time(Instant t) const;
     [[nodiscard]] bool in_doubt(const AnswerShape& shape) const;
@@ -107,6 +111,7 @@ private:
     Instant alert_until_ = Instant::min();
     AnswerShape doubtful_;               // the shape in doubt
     bool any_doubtful_ = false;          // several shapes are
+    unsigned missing_ = 0;               // since the doubt began, and not come late
     Duration wait_{};                    // of the last request
     Instant late_at_ = Instant::min();   // the last late response
     Instant missing_since_ = kNever;     // the first one
