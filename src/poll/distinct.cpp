@@ -69,11 +69,9 @@ void LinePoller::Run::take_values(const bus::Outcome& outcome, std::size_t index
     if (held.empty() && quality) return publish_read(read, *quality);
     publisher_.degrade(outcome.ended_at, requests_[index].variables, Quality::uncertain, Reason::ambiguous,
                        Shown::last);
-    if (held.full()) {
-        publish_read(held.front(), Quality::uncertain);
-        held.pop();
-    }
+    if (held.full()) pop_held(device, Quality::uncertain);
     held.add(read);
+    ++held_reads_;
 }
 
 void LinePoller::Run::publish_read(const HeldRead& read, Quality quality) {
@@ -84,6 +82,13 @@ void LinePoller::Run::publish_read(const HeldRead& read, Quality quality) {
         ages_->note_read(requests_[read.request].variables, outcome.sent_at, outcome.ended_at);
     else
         ages_->note_updates(publisher_.updates(), outcome.sent_at, outcome.ended_at);
+}
+
+void LinePoller::Run::pop_held(std::size_t device, Quality quality) {
+    auto& held = devices_[device].held;
+    publish_read(held.front(), quality);
+    held.pop();
+    --held_reads_;
 }
 
 // Nothing: it is not decided. If it is not decided for a check interval, the values are uncertain.
@@ -103,20 +108,18 @@ void LinePoller::Run::settle_held(Instant t, std::size_t device) {
     while (!held.empty()) {
         const auto quality = quality_of(t, device, held.front().outcome);
         if (!quality) break;
-        publish_read(held.front(), *quality);
-        held.pop();
+        pop_held(device, *quality);
     }
     expire_ages(t);  // of those that are too old by now
 }
 
 void LinePoller::Run::settle_held(Instant t) {
-    for (std::size_t d = 0; d < devices_.size(); ++d) settle_held(t, d);
+    for (std::size_t d = 0; held_reads_ > 0 && d < devices_.size(); ++d) settle_held(t, d);
 }
 
 // Before other values of the device follow.
 void LinePoller::Run::give_up_held(std::size_t device) {
-    for (auto& held = devices_[device].held; !held.empty(); held.pop())
-        publish_read(held.front(), Quality::uncertain);
+    while (!devices_[device].held.empty()) pop_held(device, Quality::uncertain);
 }
 
 void LinePoller::Run::give_up_held() {
@@ -125,6 +128,7 @@ void LinePoller::Run::give_up_held() {
 
 Instant LinePoller::Run::held_until() const {
     Instant until = kNever;
+    if (held_reads_ == 0) return until;
     for (const auto& device : devices_) {
         if (device.held.empty()) continue;
         const auto& outcome = device.held.front().outcome;

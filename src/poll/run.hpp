@@ -66,6 +66,7 @@ public:
     std::vector<VariableRun> variables_;  // in the order of the project
     std::uint32_t first_slot_ = 0;        // that of the first variable; the others follow it
     std::vector<DeviceRun> devices_;
+    std::size_t held_reads_ = 0;  // of all devices
     std::vector<RequestRun> requests_;
     WrittenValues written_values_;
     CommandQueue commands_;
@@ -194,6 +195,7 @@ private:
     void publish_read(const HeldRead& read, value::Quality quality);
     [[nodiscard]] std::optional<value::Quality> quality_of(Instant t, std::size_t device,
                                                            const bus::Outcome& read) const;
+    void pop_held(std::size_t device, value::Quality quality);
     void settle_held(Instant t, std::size_t device);
     void settle_held(Instant t);
     void give_up_held(std::size_t device);

@@ -86,7 +86,37 @@ void lose_device(Story& story, Duration when) {
     story.look(when + 1200ms);
 }
 
+/// The registers of `v` and `w` are read. Register 0 of device 2 is read 100 ms later. Then `v` is shown.
+void hold_pair(Story& story, Duration when, Duration held) {
+    story.ask(when, 1, {3, 0, 0, 0, 2}, Purpose::repetition);
+    story.serve(wire::Area::holding_register, 0, {100, 200});
+    story.answer({3, 4, 0, 100, 0, 200});
+    const Duration read = story.now();
+    story.read(when + 100ms, 2, 4, 0, "y", 400);
+    story.show_held(read + held, read, "v", 100);
+}
+
 const Case kCases[] = {
+    {"a value that was held back, after a failure", "",
+     [](Story& story) {
+         story.ask(0ms, 1, {3, 0, 0, 0, 2});
+         hold_pair(story, 200ms, 500ms);
+     }},
+    {"a value that was held back for too long", "value_own",
+     [](Story& story) {
+         story.ask(0ms, 1, {3, 0, 0, 0, 2});
+         hold_pair(story, 200ms, 1001ms);
+     }},
+    {"a value that was held back, and another one was read", "value_own",
+     [](Story& story) {
+         story.ask(0ms, 1, {3, 0, 0, 0, 2});
+         story.ask(200ms, 1, {3, 0, 0, 0, 2}, Purpose::repetition);
+         story.serve(wire::Area::holding_register, 0, {101, 200});
+         story.answer({3, 4, 0, 101, 0, 200});
+         const Duration read = story.now();
+         story.read(300ms, 2, 4, 0, "y", 400);
+         story.show_held(read + 500ms, read, "v", 100);
+     }},
     {"polling does not go on", "polling_advances",
      [](Story& story) {
          story.look(300ms);

@@ -122,6 +122,12 @@ void Story::show(const std::string& name, std::int64_t value, value::Quality qua
     look(now_ - Instant{});
 }
 
+void Story::show_held(Duration when, Duration read, const std::string& name, std::int64_t value) {
+    const value::Update update{slot(name), static_cast<std::uint64_t>(value)};
+    store_.apply(at(read), {&update, 1});
+    look(when);
+}
+
 void Story::look(Duration when) {
     judge_->look(at(when), store_, first_slot_,
                  engine_ends ? sent_ : std::vector<std::uint64_t>(sent_.size()));

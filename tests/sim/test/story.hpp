@@ -40,6 +40,10 @@ public:
     /// The answer arrives 5 ms plus its own length after the end of the request.
     void answer(std::vector<std::uint8_t> pdu);
     void show(const std::string& name, std::int64_t value, value::Quality quality = value::Quality::good);
+    /// It was read at `read` and is shown later.
+    void show_held(Duration when, Duration read, const std::string& name, std::int64_t value);
+    /// Since the begin: now.
+    [[nodiscard]] Duration now() const { return now_ - Instant{}; }
     void look(Duration when);
     /// A whole read of one register that went well.
     void read(Duration when, std::uint8_t unit, std::uint8_t function, std::uint16_t start,
