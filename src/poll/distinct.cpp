@@ -64,7 +64,12 @@ void LinePoller::Run::take_values(const bus::Outcome& outcome, std::size_t index
                                   const wire::RequestShape& sent, bool whole) {
     const std::size_t device = requests_[index].device;
     auto& held = devices_[device].held;
-    const HeldRead read{.request = index, .sent = sent, .whole = whole, .outcome = outcome, .response = {}};
+    const HeldRead read{.request = index,
+                        .sent = sent,
+                        .round = reads_.round(index),
+                        .whole = whole,
+                        .outcome = outcome,
+                        .response = {}};
     const auto quality = quality_of(outcome.ended_at, device, outcome);
     if (held.empty() && quality) return publish_read(read, *quality);
     publisher_.degrade(outcome.ended_at, requests_[index].variables, Quality::uncertain, Reason::ambiguous,
@@ -76,7 +81,7 @@ void LinePoller::Run::take_values(const bus::Outcome& outcome, std::size_t index
 
 void LinePoller::Run::publish_read(const HeldRead& read, Quality quality) {
     const auto& outcome = read.outcome;
-    publisher_.take(outcome, read.request, read.sent, quality);
+    publisher_.take(outcome, read.request, read.sent, read.round, quality);
     if (quality != Quality::good) return;
     if (read.whole)
         ages_->note_read(requests_[read.request].variables, outcome.sent_at, outcome.ended_at);

@@ -5,6 +5,7 @@
 #include <list>
 #include <utility>
 
+#include "read_job.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/wire/pdu.hpp"
 
@@ -14,6 +15,7 @@ namespace takt::poll {
 struct HeldRead {
     std::size_t request = 0;
     wire::RequestShape sent;  ///< what it reads
+    ReadRound round;          ///< at the response
     bool whole = false;       ///< all values of the request
     bus::Outcome outcome;     ///< in a queue its response points to `response`
     wire::Pdu response;

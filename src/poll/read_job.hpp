@@ -2,12 +2,20 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 
 #include "takt/base/time.hpp"
 #include "takt/bus/transaction.hpp"
 #include "takt/wire/prepared_request.hpp"
 
 namespace takt::poll {
+
+/// What the values of a response belong to: they were due in a period, or read by a change of a trigger.
+struct ReadRound {
+    Instant due = Instant::min();
+    std::optional<std::int64_t> change;  ///< its number
+};
 
 /// What a read is; ReadSchedule has its schedule.
 struct ReadJob {

@@ -233,12 +233,18 @@ void ReadSchedule::hold_back(Instant t, std::size_t index) {
     read.not_before = after(t, read.busy.next());
 }
 
-std::optional<std::int64_t> ReadSchedule::round_of(std::size_t index, Duration of_value) const {
+ReadRound ReadSchedule::round(std::size_t index) const {
     const auto& read = reads_[index];
-    if (read.by_trigger) return -read.trigger->round;
+    if (read.by_trigger) return {.change = read.trigger->round};
+    return {.due = read.round};
+}
+
+std::optional<std::int64_t> ReadSchedule::number_of(const ReadRound& round, std::size_t index,
+                                                    Duration of_value) const {
+    if (round.change) return -*round.change;
     const Duration own = period(index);
     if (own == Duration::zero()) return std::nullopt;
-    return (read.round - origin_) / (of_value > Duration::zero() ? of_value : own);
+    return (round.due - origin_) / (of_value > Duration::zero() ? of_value : own);
 }
 
 // ---- another plan, another poller

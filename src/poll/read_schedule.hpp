@@ -147,11 +147,14 @@ public:
     [[nodiscard]] bool spared(std::size_t read) const { return reads_[read].spared; }
     /// It is not sent before its next back-off has passed.
     void hold_back(Instant t, std::size_t read);
+    /// That of the response that came last.
+    [[nodiscard]] ReadRound round(std::size_t read) const;
     /// Parts of a value belong together if they have the same number: they were due in the same period of the
     /// value, or read by the same change of a trigger. With period 0 they are read one after the other and
     /// have no number.
     /// @param period  of the value; zero: that of the read
-    [[nodiscard]] std::optional<std::int64_t> round_of(std::size_t read, Duration period) const;
+    [[nodiscard]] std::optional<std::int64_t> number_of(const ReadRound& round, std::size_t read,
+                                                        Duration period) const;
 
     // ---- another plan, another poller
 

@@ -42,8 +42,9 @@ void ValuePublisher::forget_parts(std::span<const std::size_t> variables) {
 // ---- responses
 
 void ValuePublisher::take(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent,
-                          Quality quality) {
+                          const ReadRound& round, Quality quality) {
     begin(outcome.sent_at, quality);
+    round_ = round;
     for (const auto v : tables_.requests[request].variables) take_value(request, sent, outcome.response, v);
     publish(outcome.ended_at);
 }
@@ -73,7 +74,7 @@ void ValuePublisher::take_part(std::size_t request, DataAddress start, const wir
     const auto first = static_cast<std::uint16_t>(model.start() + part->first);
     const auto registers = registers_in(response, start, first, part->count);
     if (!registers) return note_value(v, std::unexpected(registers.error()), sampled_at_);
-    split.take(request, reads_.round_of(request, model.period), registers->span(), sampled_at_);
+    split.take(request, reads_.number_of(round_, request, model.period), registers->span(), sampled_at_);
     const auto whole = split.whole();
     if (!whole) return;
     note_value(v, value::decode(value::layout_of(model), *whole), split.sampled_at());

@@ -46,10 +46,11 @@ public:
     /// The request has got a response. Of its variables those that the response carries are published.
     /// @param outcome  of the read: the planned one, a wider one, or a part of it
     /// @param sent     what it reads
+    /// @param round    ReadSchedule::round() at the response
     /// @param quality  uncertain: the response may be that to another request. Parts are dropped, and nothing
     ///                 is written that depends on the values
     void take(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent,
-              value::Quality quality = value::Quality::good);
+              const ReadRound& round, value::Quality quality = value::Quality::good);
 
     /// A value was read back after its write. publish() follows, for all values of the write.
     /// @param function  of the read
@@ -89,6 +90,7 @@ private:
     value::Store& store_;
     SplitValues splits_;
     value::Quality quality_ = value::Quality::good;
+    ReadRound round_;                     // likewise of take()
     Instant sampled_at_;                  // the begin of the read that is taken
     std::vector<value::Update> updates_;  // scratch, so that a response allocates nothing
 };

@@ -9,6 +9,10 @@
 namespace takt::poll::test {
 namespace read_schedule_test {
 
+std::optional<std::int64_t> round_of(const ReadSchedule& schedule, std::size_t read, Duration period) {
+    return schedule.number_of(schedule.round(read), read, period);
+}
+
 /// A device with attempts 2 and three requests: 0 polls the variable 0 each 100 ms, 1 the variables 0 and 1
 /// each 300 ms, 2 reads the variable 1 by a trigger.
 struct Polled {
@@ -139,7 +143,7 @@ TEST(ReadSchedule, TriggersPassTheirBucketAndAreMerged) {
     EXPECT_TRUE(line.schedule.admit(at(1ms), 2));
     EXPECT_EQ(line.schedule.line_token(2), nullptr) << "it has a bucket of its own";
     EXPECT_EQ(line.start(at(2ms), 2, true), ReadCause::trigger);
-    EXPECT_EQ(line.schedule.round_of(2, 0ms), -1);
+    EXPECT_EQ(round_of(line.schedule, 2, 0ms), -1);
     line.schedule.next_change();
     line.schedule.pull_trigger(at(3ms), 2);
     EXPECT_FALSE(line.schedule.triggered(2)) << "it is in flight";
@@ -166,11 +170,11 @@ TEST(ReadSchedule, PartsOfAValueBelongToThePeriodOfTheValue) {
     for (const auto t : {100ms, 200ms, 300ms}) {
         line.start(at(t), 0);
         line.schedule.ended(0);
-        EXPECT_EQ(line.schedule.round_of(0, 0ms), t / 100ms);
-        EXPECT_EQ(line.schedule.round_of(0, 200ms), t / 200ms);
+        EXPECT_EQ(round_of(line.schedule, 0, 0ms), t / 100ms);
+        EXPECT_EQ(round_of(line.schedule, 0, 200ms), t / 200ms);
     }
     line.start(at(350ms), 2);
-    EXPECT_EQ(line.schedule.round_of(2, 200ms), std::nullopt) << "it has no period";
+    EXPECT_EQ(round_of(line.schedule, 2, 200ms), std::nullopt) << "it has no period";
 }
 
 TEST(ReadSchedule, TheReadThatWasSentLeastRecentlyProbes) {

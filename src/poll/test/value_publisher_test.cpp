@@ -56,7 +56,8 @@ struct Published {
         }
         const auto response = wire::decode_response(sent.shape(), sent.pdu(), pdu);
         ASSERT_TRUE(response);
-        publisher.take({.response = *response, .sent_at = now, .ended_at = now}, request, sent.shape());
+        publisher.take({.response = *response, .sent_at = now, .ended_at = now}, request, sent.shape(),
+                       schedule.round(request));
     }
     /// "10 11? !": good, uncertain, bad; without a value "-".
     [[nodiscard]] std::string shown(std::size_t variable) const {
