@@ -373,10 +373,10 @@ TEST(TcpDriver, ComesBackByItself) {
 }
 
 struct PlainListener {
-    PlainListener() : fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    explicit PlainListener(int queue = 8) : fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
         auto address = resolve("127.0.0.1", 0, true).value().front();
         EXPECT_EQ(::bind(fd.get(), address.get(), address.length), 0);
-        EXPECT_EQ(::listen(fd.get(), 8), 0);
+        EXPECT_EQ(::listen(fd.get(), queue), 0);
         EXPECT_EQ(::getsockname(fd.get(), address.get(), &address.length), 0);
         port = address.port();
     }
@@ -416,17 +416,8 @@ TEST(TcpDriver, EndsWhenThePeerHasClosedBeforeItWakesTheEngine) {
 }
 
 // A listener whose queue is full: the kernel drops further attempts without a word.
-struct Swallower {
-    Swallower() : fd(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-        auto address = resolve("127.0.0.1", 0, true).value().front();
-        EXPECT_EQ(::bind(fd.get(), address.get(), address.length), 0);
-        EXPECT_EQ(::listen(fd.get(), 0), 0);
-        EXPECT_EQ(::getsockname(fd.get(), address.get(), &address.length), 0);
-        port = address.port();
-        waiting = std::make_unique<Client>(port);
-    }
-    os::Descriptor fd;
-    std::uint16_t port = 0;
+struct Swallower : PlainListener {
+    Swallower() : PlainListener(0), waiting(std::make_unique<Client>(port)) {}
     std::unique_ptr<Client> waiting;
 };
 

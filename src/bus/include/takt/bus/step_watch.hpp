@@ -38,9 +38,9 @@ struct SurplusFrame {
 /// has had that pause. Other units are asked meanwhile.
 ///
 /// A request without its response puts the unit in doubt: a response of that shape may be the one that is
-/// missing, though nothing shows it. Each further sign of trouble prolongs it: a response that is ambiguous,
-/// late or surplus, and an exception. A damaged response has come, and no response comes on a connection that
-/// has ended. The doubt ends
+/// missing, though nothing shows it. Each further sign of trouble prolongs it: a response that is ambiguous
+/// or late, a surplus one that does not repeat the last one, and an exception. A damaged response has come,
+/// and no response comes on a connection that has ended. The doubt ends
 /// - with a response of another shape, or one that repeats its request, of a unit that keeps the order;
 /// - with a request before which nothing came for a doubt time: every earlier response has come, or is lost;
 /// - when as many late responses came as are missing;
