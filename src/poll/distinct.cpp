@@ -64,12 +64,8 @@ void LinePoller::Run::take_values(const bus::Outcome& outcome, std::size_t index
                                   const wire::RequestShape& sent, bool whole) {
     const std::size_t device = requests_[index].device;
     auto& held = devices_[device].held;
-    const HeldRead read{.request = index,
-                        .sent = sent,
-                        .round = reads_.round(index),
-                        .whole = whole,
-                        .outcome = outcome,
-                        .response = {}};
+    const HeldRead read{
+        .request = index, .sent = sent, .round = reads_.round(index), .whole = whole, .outcome = outcome};
     const auto quality = quality_of(outcome.ended_at, device, outcome);
     if (held.empty() && quality) return publish_read(read, *quality);
     publisher_.degrade(outcome.ended_at, requests_[index].variables, Quality::uncertain, Reason::ambiguous,

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <list>
-#include <utility>
 
 #include "read_job.hpp"
 #include "takt/bus/transaction.hpp"
@@ -11,14 +10,13 @@
 
 namespace takt::poll {
 
-/// The response to a read.
+/// A read and its response.
 struct HeldRead {
     std::size_t request = 0;
     wire::RequestShape sent;  ///< what it reads
     ReadRound round;          ///< at the response
     bool whole = false;       ///< all values of the request
-    bus::Outcome outcome;     ///< in a queue its response points to `response`
-    wire::Pdu response;
+    bus::Outcome outcome;
 };
 
 /// The reads of a device whose responses may be those to earlier requests (bus::StepWatch::proof()). They
@@ -32,19 +30,24 @@ public:
     [[nodiscard]] bool empty() const { return reads_.empty(); }
     [[nodiscard]] bool full() const { return reads_.size() == kMost; }
     /// @pre !empty()
-    [[nodiscard]] const HeldRead& front() const { return reads_.front(); }
+    [[nodiscard]] const HeldRead& front() const { return reads_.front().read; }
     /// @pre !empty()
     void pop() { reads_.pop_front(); }
     /// Copies the response.
     /// @pre !full()
-    void add(HeldRead read) {
-        auto& held = reads_.emplace_back(std::move(read));
-        held.response.assign(held.outcome.response.pdu());
-        held.outcome.response = held.outcome.response.moved_to(held.response.span());
+    void add(const HeldRead& read) {
+        auto& held = reads_.emplace_back(read);
+        held.response.assign(read.outcome.response.pdu());
+        held.read.outcome.response = read.outcome.response.moved_to(held.response.span());
     }
 
 private:
-    std::list<HeldRead> reads_;  // their addresses stay
+    struct Held {
+        explicit Held(const HeldRead& held) : read(held) {}
+        HeldRead read;
+        wire::Pdu response;  // of `read`
+    };
+    std::list<Held> reads_;  // their addresses stay
 };
 
 }  // namespace takt::poll

@@ -13,7 +13,7 @@ TEST(HeldReads, LeaveInTheirOrderAndKeepTheirResponses) {
     for (std::size_t i = 0; i < HeldReads::kMost; ++i) {
         ASSERT_FALSE(held.full());
         const std::vector<std::uint8_t> bytes{3, 2, 0, static_cast<std::uint8_t>(i)};
-        HeldRead read{.request = i, .sent = asked.shape(), .round = {}, .outcome = {}, .response = {}};
+        HeldRead read{.request = i, .sent = asked.shape(), .round = {}, .outcome = {}};
         read.outcome.response = wire::decode_response(asked.shape(), asked.pdu(), bytes).value();
         held.add(read);
     }
