@@ -134,7 +134,8 @@ def test_a_client_reads_the_health_of_a_line_while_its_device_stops_and_starts(p
         until(lambda: plant.health(client)["state"] in (2, 4), "the device is gone")
         with plant.slave():
             until(lambda: plant.health(client)["state"] == 1, "the device is back")
-            assert plant.health(client)["outages"] > outages
+            # The state is computed each 100 ms, the count of outages each second.
+            until(lambda: plant.health(client)["outages"] > outages, "one more outage")
             until(
                 lambda: takt("read", f"tcp://127.0.0.1:{plant.line}", "--unit", "16", "holding", "6").out ==
                 "6 77\n", "the setting again")
