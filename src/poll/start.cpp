@@ -181,7 +181,8 @@ void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
 
 void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
     report_failure(outcome);
-    if (observer_ && !lengths_reported_ && engine_.counters().lengths_off >= kLengthsToReport) {
+    const bool tolerant = engine_.config().length_tolerance;
+    if (observer_ && !tolerant && !lengths_reported_ && engine_.counters().lengths_off >= kLengthsToReport) {
         lengths_reported_ = true;
         observer_->on_lengths_off(outcome.ended_at, plan_->line);
     }

@@ -25,6 +25,10 @@ std::size_t own_length(Bytes frame) {
     return length == 0 ? 0 : kMbapLengthEnd + length - kRtuCrc;
 }
 
+bool is_off_by_one(std::size_t own, std::size_t promised) {
+    return own + 1 == promised || own == promised + 1;
+}
+
 bool begins_like_header(Bytes bytes) {
     return bytes.size() > 3 && bytes[2] == 0 && bytes[3] == 0;
 }
@@ -151,14 +155,15 @@ std::size_t Framer::mbap_length(std::size_t promised) const {
     if (!config_.length_tolerance || !expected_ || raw.size() < kMbapBeginning) return promised;
     if (word_at(raw, 0) != expected_->transaction || !is_expected(raw.subspan(kMbapPdu - 1))) return promised;
     const std::size_t own = own_length(raw);
-    return own + 1 == promised || own == promised + 1 ? own : promised;
+    return is_off_by_one(own, promised) ? own : promised;
 }
 
 bool Framer::length_is_off() const {
     const Bytes raw = raw_.span();
-    return config_.framing == Framing::tcp && state_ == State::receiving && raw.size() >= kMbapBeginning &&
-           raw.size() == own_length(raw) &&
-           raw.size() + 1 == kMbapLengthEnd + word_at(raw, kMbapLengthEnd - 2);
+    const std::size_t own = own_length(raw);
+    if (config_.framing != Framing::tcp || own == 0) return false;
+    const std::size_t promised = kMbapLengthEnd + word_at(raw, kMbapLengthEnd - 2);
+    return is_off_by_one(own, promised) && (raw.size() == own || raw.size() == promised);
 }
 
 FramerStep Framer::skip(std::size_t there) {

@@ -106,7 +106,8 @@ def test_a_length_that_is_one_too_large_is_accepted_where_the_line_allows_it(pro
         events, _ = run(project, lines(described), polled, [(1, 100), (1, 39000), (1, 45000)])
         assert len(slave.accepted) == 1
         result = takt("read", f"tcp://127.0.0.1:{slave.port}", "holding", "39000", code=5)
-        assert "2" in result.err
+        assert "exception 2" in result.err
+        assert "length_tolerance: true" in result.err
     shown = {e["name"]: e for e in events if e["event"] == "value"}
     assert shown["V1_39000"]["quality"] == "bad" and shown["V1_39000"]["reason"] == "exception 2"
     assert shown["V1_45000"]["quality"] == "good"

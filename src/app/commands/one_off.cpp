@@ -19,9 +19,14 @@ constexpr int kMostQuestions = 3;
 
 }  // namespace
 
+void report_lengths_off(const Texts& texts, const client::Client& device) {
+    if (const auto count = device.lengths_off())
+        print_status(texts("app.lengths_off", {{"count", std::to_string(count)}}) + '\n');
+}
+
 Result<std::unique_ptr<OneOff>> OneOff::open(const Texts& texts, const ClientOptions& options) {
     TAKT_CHECK(line::parse_target(options.target));  // a bad target makes no traffic log
-    auto one_off = std::make_unique<OneOff>();
+    auto one_off = std::make_unique<OneOff>(texts);
     TAKT_CHECK(one_off->loop_.begin(options.traffic, {}, file_reports(texts)));
     auto& loop = one_off->loop_;
     client::Options patient = options;

@@ -15,9 +15,20 @@
 
 namespace takt::app {
 
+/// Reports that the device sends lengths that only a line with `length_tolerance` accepts.
+void report_lengths_off(const Texts& texts, const client::Client& device);
+
 /// A client that a signal interrupts, with the log of its frames.
 class OneOff {
 public:
+    explicit OneOff(const Texts& texts) : texts_(texts) {}
+    OneOff(const OneOff&) = delete;
+    /// Reports what a project needs for that device.
+    ~OneOff() {
+        if (client_) report_lengths_off(texts_, *client_);
+    }
+
+    /// @param texts  outlive it
     /// @returns what Client::open() and WorkLoop::begin() return
     [[nodiscard]] static Result<std::unique_ptr<OneOff>> open(const Texts& texts,
                                                               const ClientOptions& options);
@@ -26,6 +37,7 @@ public:
     [[nodiscard]] line::Loop& loop() { return loop_.loop(); }
 
 private:
+    const Texts& texts_;
     WorkLoop loop_;
     std::unique_ptr<client::Client> client_;
 };

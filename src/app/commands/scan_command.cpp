@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "commands/one_off.hpp"
 #include "output.hpp"
 #include "progress.hpp"
 #include "takt/client/port_scan.hpp"
@@ -174,6 +175,7 @@ private:
                                             .unit = options.unit,
                                             .transmissions = device.transmissions(),
                                             .duration = line::now() - start}));
+        report_lengths_off(texts_, device);
         if (findings.lost) probe_failed(*findings.lost);
         findings_.complete = findings_.complete && findings.complete();
         probes_.emplace(&found, std::move(findings));

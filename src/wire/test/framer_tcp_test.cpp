@@ -133,5 +133,19 @@ TEST_F(OffByOne, IsSeenWhereItIsNotAccepted) {
     EXPECT_FALSE(other.framer().length_is_off()) << "two bytes are missing";
 }
 
+TEST_F(OffByOne, IsSeenInACompleteFrame) {
+    for (const auto& [config, bytes] : {std::pair{kTolerant, "0005 0000 0004 01 83 02 00"},
+                                        std::pair{kTolerant, "0005 0000 0004 01 03 02 0007"},
+                                        std::pair{intolerant(), "0005 0000 0004 01 83 02 00"},
+                                        std::pair{intolerant(), "0005 0000 0004 01 03 02 00"}}) {
+        Master master(config);
+        master.hex(kNow, bytes);
+        EXPECT_TRUE(master.framer().length_is_off()) << bytes;
+    }
+    Master exact;
+    exact.hex(kNow, "0005 0000 0005 01 03 02 0007");
+    EXPECT_FALSE(exact.framer().length_is_off());
+}
+
 }  // namespace framer_tcp_test
 }  // namespace takt::wire

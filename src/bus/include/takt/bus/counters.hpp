@@ -51,7 +51,7 @@ struct LineCounters : TransactionCounters {
     std::uint64_t late_answers = 0;       ///< responses received after their transaction ended
     std::uint64_t faults = 0;             ///< runs of bytes that were dropped
     std::uint64_t unsolicited_bytes = 0;  ///< bytes received while no request was in flight
-    std::uint64_t lengths_off = 0;        ///< tcp: whole responses whose header promised one byte more
+    std::uint64_t lengths_off = 0;        ///< tcp: responses with a length in their header that is off by one
     std::uint64_t echoes = 0;             ///< echoes of own requests, dropped
     std::uint64_t not_sent = 0;           ///< ended before a byte was sent: line_busy, link_lost, cancelled
 };

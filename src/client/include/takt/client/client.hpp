@@ -46,6 +46,8 @@ public:
 
     /// Requests transmitted so far, repetitions included.
     [[nodiscard]] std::uint64_t transmissions() const { return next_id_ - 1; }
+    /// Responses so far whose header has a length that is off by one. They are accepted.
+    [[nodiscard]] std::uint64_t lengths_off() const { return connection_->engine().counters().lengths_off; }
     [[nodiscard]] bool connected() const { return connection_->up(); }
     /// The connection was stopped.
     [[nodiscard]] bool interrupted() const { return connection_->stopped(); }

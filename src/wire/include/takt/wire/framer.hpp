@@ -155,8 +155,8 @@ public:
     /// RTU: the owner stops waiting. Finds the expected response inside a frame that has not ended yet.
     [[nodiscard]] FramerStep find_expected();
 
-    /// MBAP: the received part of a frame is a whole response by its own counts, and its header promises one
-    /// byte more.
+    /// MBAP: what was received of a frame, or the complete frame, begins with a whole response by its own
+    /// counts, and its header promises one byte more or less.
     [[nodiscard]] bool length_is_off() const;
 
     /// Starts over, also after a bad header. For a new connection, and when a master starts a transaction.
