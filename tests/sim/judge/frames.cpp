@@ -206,8 +206,8 @@ Words values_in(const Asked& asked, Span pdu) {
     return judge_pdu(asked, pdu).values;
 }
 
-std::uint16_t crc(Span bytes) {
-    unsigned check = 0xFFFF;
+std::uint16_t crc(Span bytes, std::uint16_t before) {
+    unsigned check = before;
     for (const auto byte : bytes) check = check >> 8U ^ kCrcTable[(check ^ byte) & 0xFFU];
     return static_cast<std::uint16_t>(check);
 }

@@ -77,6 +77,7 @@ struct FoundFrame {
 /// Characters of a frame with a PDU of that length.
 [[nodiscard]] std::size_t frame_characters(wire::Framing framing, std::size_t pdu);
 
-[[nodiscard]] std::uint16_t crc(std::span<const std::uint8_t> bytes);
+/// @param before  the CRC of the bytes before them
+[[nodiscard]] std::uint16_t crc(std::span<const std::uint8_t> bytes, std::uint16_t before = 0xFFFF);
 
 }  // namespace takt::judge

@@ -93,11 +93,11 @@ public:
     /// Whether the request of another shape that was sent to the unit at `t` may check that it is in step:
     /// those before it had one shape for kCheck.
     /// Or a frame of the unit did not answer the last request, in the last kForgotten.
-    [[nodiscard]] bool may_check(Instant t, std::uint8_t unit) const;
+    [[nodiscard]] bool may_check(Instant t, std::uint8_t number) const;
     static constexpr Duration kCheck = std::chrono::milliseconds(200);
 
     /// The longest time after its request at which an answer of the unit came that was owed.
-    [[nodiscard]] Duration lateness(std::uint8_t unit) const;
+    [[nodiscard]] Duration lateness(std::uint8_t number) const;
 
     /// Frames since the last request that could be the answer to `asked`.
     [[nodiscard]] std::vector<ByteVector> candidates(const Asked& asked) const;
@@ -142,72 +142,86 @@ private:
         ByteVector pdu;
     };
 
+    struct Shift {
+        Owed request;         // whose wrong answer was exempt
+        Instant since;        // at least one answer in three is exempt
+        unsigned others = 0;  // requests since the last exempt answer
+    };
+    struct Run {
+        Owed request;                     // the requests of the unit have had its shape
+        Instant since;                    // since then
+        Instant before = Instant::max();  // the run before began
+    };
+    struct Unit {
+        std::deque<Owed> owed;                           // in the order of sending
+        std::deque<std::vector<std::uint64_t>> refused;  // of each: one was refused, by number
+        bool suspects = false;                           // an Owed has suspected_at
+        std::deque<Duration> delays;                     // of its last answers
+        Duration usual_delay = kUnknownDelay;            // their median
+        std::deque<Duration> late_delays;                // of its last late answers
+        Instant late_at = Instant::min();                // the last one
+        Duration lateness{};                             // the longest
+        Duration expected = kConfirmed * kUnknownDelay;  // after it an overtaken request counts as passed
+        std::optional<Shift> shifted;
+        Run run;
+        std::optional<Instant> surplus_at;  // a frame that did not answer the last request
+        bool reordered = false;             // has answered out of order
+
+        void note_delay(Duration delay);
+        void note_late(const Owed& answered, Instant t);
+        [[nodiscard]] bool has_passed(const Owed& each, Instant t) const;
+
+    private:
+        void compute_expected();
+    };
+    static constexpr Duration kUnknownDelay = std::chrono::milliseconds(100);
+    static constexpr int kConfirmed = 8;  // usual delays: at least as long as responses are confirmed
+
     [[nodiscard]] static Owed owed(Instant t, const Asked& asked);
     [[nodiscard]] static bool matches(const Owed& owed, const FoundFrame& frame);
     [[nodiscard]] static bool same_shape(const Owed& a, const Owed& b);
+    [[nodiscard]] const Unit& unit(std::uint8_t number) const;
+    void forget_since();
+    /// @pre last_ is not null
+    [[nodiscard]] Owed& last() const { return last_->owed.back(); }
     void take(Instant t, const FoundFrame& frame, bool behind_others);
     void take_late(Instant t, const FoundFrame& frame, bool certain, bool overtaken);
     void take_strays(bool own_came);
     [[nodiscard]] std::size_t frames_for(const Owed& request) const;
     void take_exception(Instant t, const FoundFrame& frame);
-    [[nodiscard]] bool has_passed(const Owed& each, Instant t) const;
-    [[nodiscard]] Duration expected(std::uint8_t unit) const;
-    void note_late(const Owed& answered, Instant t);
-    void settle_refused();
+    static void settle_refused(Unit& unit);
     void remember(Instant t, const Owed& request, std::size_t came);
-    [[nodiscard]] bool is_of_unknown_length() const;
-    [[nodiscard]] bool begins_like_last() const;
-    [[nodiscard]] bool begins_like(ByteVector begin, std::size_t length) const;
+    [[nodiscard]] bool begins_like_last(std::size_t added) const;
+    [[nodiscard]] bool begins_like(ByteVector begin, std::size_t length, std::size_t added) const;
     void settle_last(Instant t);
     [[nodiscard]] bool seen_before(std::uint8_t unit, const ByteVector& pdu) const;
     [[nodiscard]] bool seen_before(const Owed& request) const;
-    void settle(Owed& request, bool doubtful);
-    void pass_others(const Owed& answered);
+    static void settle(Unit& unit, Owed& request, bool doubtful);
+    static void pass_others(Unit& unit, const Owed& answered);
     [[nodiscard]] bool last_is_answered(Instant t) const;
     void settle_suspected(Instant t, const Owed& next);
-    [[nodiscard]] Duration usual_delay(std::uint8_t unit) const;
-    [[nodiscard]] bool reordered(std::uint8_t unit) const {
-        return (reordered_[unit / 64] >> (unit % 64) & 1) != 0;
-    }
 
     wire::Framing framing_;
-    std::deque<Owed> owed_;  // in the order of sending
-    ByteVector bytes_;       // not yet parsed
-    ByteVector since_;       // since the last request and the last pause
+    std::map<std::uint8_t, Unit> units_;  // by address. They stay where they are
+    Unit* last_ = nullptr;                // of the last request
+    ByteVector bytes_;                    // not yet parsed
+    ByteVector since_;                    // since the last request and the last pause
+    std::uint16_t crc_since_;             // of since_
     Instant heard_at_ = Instant::min();
-    Instant left_at_ = Instant::min();                // bytes were received that belong to no frame so far
-    std::size_t received_ = 0;                        // bytes since the last request
-    bool paused_ = false;                             // between them
-    bool damaged_ = false;                            // bytes like the answer to the last request came
-    std::deque<std::vector<std::uint64_t>> refused_;  // of each: one was refused, by number
+    Instant left_at_ = Instant::min();  // bytes were received that belong to no frame so far
+    std::size_t received_ = 0;          // bytes since the last request
+    bool paused_ = false;               // between them
+    bool damaged_ = false;              // bytes like the answer to the last request came
     std::uint64_t last_number_ = 0;
     struct Doubt {
         Instant until = Instant::min();  // a request had no answer: it is remembered until then
         bool several = false;            // answers to the last request
     };
     std::map<Shape, Doubt> doubts_;
-    std::deque<Heard> heard_;   // since the last request; not yet settled
-    std::deque<Heard> strays_;  // of them, with the function of the last request and another length
-    std::map<std::uint8_t, std::deque<Duration>> delays_;  // by unit: of its last answers
-    struct Shift {
-        Owed request;         // whose wrong answer was exempt
-        Instant since;        // at least one answer in three is exempt
-        unsigned others = 0;  // requests since the last exempt answer
-    };
-    std::map<std::uint8_t, Shift> shifted_;  // by unit
-    struct Run {
-        Owed request;                     // the requests of the unit have had its shape
-        Instant since;                    // since then
-        Instant before = Instant::max();  // the run before began
-    };
-    std::map<std::uint8_t, Instant> surplus_at_;  // by unit: a frame that did not answer the last request
-    std::map<std::uint8_t, Run> runs_;            // by unit
-    std::map<std::uint8_t, Duration> lateness_;   // by unit
-    std::map<std::uint8_t, Instant> late_at_;     // by unit: its last late answer
-    std::map<std::uint8_t, std::deque<Duration>> last_late_;  // by unit: the delays of the last ones
-    std::vector<std::uint64_t> past_;                         // hashes of the last frames
+    std::deque<Heard> heard_;          // since the last request; not yet settled
+    std::deque<Heard> strays_;         // of them, with the function of the last request and another length
+    std::vector<std::uint64_t> past_;  // hashes of the last frames
     std::size_t next_past_ = 0;
-    std::uint64_t reordered_[4] = {};  // bits by unit: has answered out of order
 };
 
 }  // namespace takt::judge
