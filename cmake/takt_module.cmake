@@ -226,7 +226,7 @@ function(takt_test name)
     takt_use_pch(${name} test)
   endif()
   add_test(NAME ${name} COMMAND ${name})
-  set_tests_properties(${name} PROPERTIES TIMEOUT 120 PROCESSORS 2)
+  set_tests_properties(${name} PROPERTIES TIMEOUT 600 PROCESSORS 2)
 endfunction()
 
 # The module once more as for a microcontroller: no exceptions, no RTTI, and no heap in its symbols.

@@ -77,6 +77,13 @@ def takt(*arguments, code=0, stdin="", deadline=DEADLINE, **env):
     return result
 
 
+def has_signal(pid, field, number):
+    """Whether a set of signals of a process, a field of /proc/PID/status, holds that one."""
+    status = pathlib.Path(f"/proc/{pid}/status").read_text()
+    numbers = int(next(line for line in status.splitlines() if line.startswith(field)).split()[1], 16)
+    return numbers >> (number - 1) & 1
+
+
 class Running:
     """A program in the background; its output is collected by line while it runs. Use as a context: it is
     killed at the end."""
@@ -121,16 +128,11 @@ class Running:
 
     def catches(self, number):
         """Whether it has a handler of its own for that signal by now."""
-        return self._has_signal("SigCgt:", number)
+        return has_signal(self.process.pid, "SigCgt:", number)
 
     def holds(self, number):
         """Whether its first thread blocks that signal."""
-        return self._has_signal("SigBlk:", number)
-
-    def _has_signal(self, field, number):
-        status = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
-        numbers = int(next(line for line in status.splitlines() if line.startswith(field)).split()[1], 16)
-        return numbers >> (number - 1) & 1
+        return has_signal(self.process.pid, "SigBlk:", number)
 
     def events(self):
         """The lines of `--json` so far."""

@@ -10,7 +10,7 @@ import pytest
 
 from fake_slave import TcpSlave
 from mqtt_plant import Broker
-from program import TAKT, WITHOUT_WAITING, environment, start, until
+from program import TAKT, WITHOUT_WAITING, environment, has_signal, start, until
 
 SOURCE = pathlib.Path(__file__).parent.parent / "support" / "stalled_calls.cpp"
 SIMULATED = "{name: sim, transport: simulated, devices: [%s]}"
@@ -80,6 +80,7 @@ def test_a_peer(tmp_path, silent, stalled, slower, waits_for):
                               {"line": over_tcp(host, silent.port)}))
     with start("run", path, "--json", env=stalled | {"TAKT_STALL_NAME": "slow.example"}) as running:
         if "name" in waits_for:
+            until(lambda: running.catches(signal.SIGTERM), "the handler of signals")
             time.sleep(0.5)
         else:
             until(lambda: silent.accepted, "a connection")
@@ -132,6 +133,7 @@ def test_a_reader_of_the_output_that_stops(tmp_path, slower, form):
     process = subprocess.Popen([TAKT, "run", plant(tmp_path), *form], stdout=writing, stderr=subprocess.PIPE,
                                env=environment())
     try:
+        until(lambda: has_signal(process.pid, "SigCgt:", signal.SIGTERM), "the handler of signals")
         time.sleep(0.5)
         took, code = ended_after(process)
         err = process.stderr.read().decode()

@@ -1,11 +1,11 @@
 """The journal of an output on a small disk, and with files that another program changed between two runs."""
 import os
 import subprocess
-import time
 
 import pytest
 
 from mqtt_plant import PLANT, Broker, Subscriber, end, gaps, run, samples, wait_until
+from program import start, until
 
 
 @pytest.fixture
@@ -96,9 +96,10 @@ def test_a_full_disk_is_used_to_its_end_and_loses_no_count(plant, disk):
     first = end(program)
     assert first["journal"]["failure"] is None and first["journal"]["buffer_samples"] == 0
     ballast = fill(disk)
-    program = run(project)
-    time.sleep(0.5)
-    second = end(program)
+    with start("run", project, "--json") as running:
+        until(lambda: sum(e["event"] == "value" for e in running.events()) > 10, "values")
+        running.interrupt(code=None)
+        second = running.events()[-1]["outputs"][0]
     assert second["journal"]["failure"] and second["journal"]["buffer_samples"] > 0
     assert second["waiting"] == second["sampled"]
     ballast.unlink()

@@ -279,7 +279,8 @@ TEST_F(OutputsTest, ADirectoryThatCannotBeUsedIsReportedAndSamplesWait) {
     folder_.write("journal", "a file, no directory");
     start();
     OutputStatus seen;
-    for (int i = 0; i < 3000 && (seen = status()).samples.waiting < 5; ++i) std::this_thread::sleep_for(10ms);
+    for (int i = 0; i < 3000 && (seen = status()).samples.waiting < 5 || !seen.journal_failure; ++i)
+        std::this_thread::sleep_for(10ms);
     EXPECT_GE(seen.samples.waiting, 5U);
     ASSERT_TRUE(seen.journal_failure);
     EXPECT_EQ(seen.journal_failure->code, Code::cannot_open);
