@@ -14,7 +14,6 @@ constexpr std::size_t kLateOnes = 3;
 constexpr Duration kSilence = std::chrono::milliseconds(50);  // that ends bytes without a frame for a master
 constexpr Duration kLedgerPause = std::chrono::milliseconds(5);  // between two frames, or pieces of one
 constexpr std::size_t kMostRefused = 64;
-constexpr std::size_t kPast = 16384;                 // frames of minutes
 constexpr unsigned kMostOthers = 3;                  // requests between two exempt answers of one shift
 constexpr Duration kHeld = std::chrono::minutes(1);  // the longest that a request may wait and be held
 
@@ -49,9 +48,7 @@ bool AnswerLedger::same_shape(const Owed& a, const Owed& b) {
     return a.unit == b.unit && a.function == b.function && a.length == b.length && a.echo == b.echo;
 }
 
-AnswerLedger::AnswerLedger(wire::Framing framing) : framing_(framing), crc_since_(crc({})) {
-    if (framing != wire::Framing::tcp) past_.reserve(kPast);
-}
+AnswerLedger::AnswerLedger(wire::Framing framing) : framing_(framing), crc_since_(crc({})) {}
 
 const AnswerLedger::Unit& AnswerLedger::unit(std::uint8_t number) const {
     static const Unit kUnknown;
@@ -138,10 +135,7 @@ void AnswerLedger::on_heard(Instant t, std::span<const std::uint8_t> bytes) {
 // @param behind_others  other bytes came directly before it: the master may have missed it
 void AnswerLedger::take(Instant t, const FoundFrame& frame, bool behind_others) {
     heard_.push_back({t, frame.unit, frame.pdu});
-    if (past_.size() < kPast)
-        past_.push_back(hash_of(frame.unit, frame.pdu));
-    else
-        past_[next_past_++ % kPast] = hash_of(frame.unit, frame.pdu);
+    past_.add(hash_of(frame.unit, frame.pdu));
     if (!last_) return;
     const Owed& request = last();
     if (!matches(request, frame) || frames_for(request) > 1) units_[frame.unit].surplus_at = t;
@@ -326,7 +320,7 @@ bool AnswerLedger::begins_like(ByteVector begin, std::size_t length, std::size_t
 }
 
 bool AnswerLedger::seen_before(std::uint8_t unit, const ByteVector& pdu) const {
-    return std::ranges::count(past_, hash_of(unit, pdu)) > 1;
+    return past_.count(hash_of(unit, pdu)) > 1;
 }
 
 // A copy of an earlier frame instead of its answer, which may follow.
@@ -473,8 +467,8 @@ std::optional<std::string_view> AnswerLedger::exemption(Instant t, Instant sent,
     }
     if (passed) return "exempt_passed";
     if (expired) return "exempt_expired";
-    const auto heard_before = std::ranges::count(past_, hash_of(own.unit, published));
-    const auto heard_now = std::ranges::count(came, published);
+    const auto heard_before = past_.count(hash_of(own.unit, published));
+    const auto heard_now = static_cast<std::size_t>(std::ranges::count(came, published));
     if (heard_before > heard_now) return "exempt_copy";
     return one_behind ? std::optional<std::string_view>("exempt_shifted") : std::nullopt;
 }

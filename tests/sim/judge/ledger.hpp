@@ -48,12 +48,37 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "frames.hpp"
 #include "takt/base/time.hpp"
 
 namespace takt::judge {
+
+/// How often each of the last frames of a line came, by hash. Allocates.
+class RecentFrames {
+public:
+    void add(std::uint64_t hash) {
+        if (hashes_.size() == kMost) {
+            const auto oldest = counts_.find(hashes_.front());
+            if (--oldest->second == 0) counts_.erase(oldest);
+            hashes_.pop_front();
+        }
+        hashes_.push_back(hash);
+        ++counts_[hash];
+    }
+    [[nodiscard]] std::size_t count(std::uint64_t hash) const {
+        const auto found = counts_.find(hash);
+        return found == counts_.end() ? 0 : found->second;
+    }
+
+private:
+    static constexpr std::size_t kMost = 16384;  // frames of minutes
+
+    std::deque<std::uint64_t> hashes_;
+    std::unordered_map<std::uint64_t, std::size_t> counts_;
+};
 
 /// The answers that are owed on one line, and the exemptions above. Over Modbus TCP nothing is owed: the
 /// transaction id tells answers apart. Events must come in the order of their time. One owner, one thread;
@@ -218,10 +243,9 @@ private:
         bool several = false;            // answers to the last request
     };
     std::map<Shape, Doubt> doubts_;
-    std::deque<Heard> heard_;          // since the last request; not yet settled
-    std::deque<Heard> strays_;         // of them, with the function of the last request and another length
-    std::vector<std::uint64_t> past_;  // hashes of the last frames
-    std::size_t next_past_ = 0;
+    std::deque<Heard> heard_;   // since the last request; not yet settled
+    std::deque<Heard> strays_;  // of them, with the function of the last request and another length
+    RecentFrames past_;
 };
 
 }  // namespace takt::judge
