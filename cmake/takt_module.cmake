@@ -212,11 +212,15 @@ endfunction()
 # TAKT_TEST_FLAGS, the libraries with all sanitizers. Each source has a namespace of its own, so eight at a
 # time are read as one file.
 function(takt_test name)
+  if(NOT TARGET takt_test_skips)
+    add_library(takt_test_skips OBJECT ${CMAKE_SOURCE_DIR}/tests/support/skips.cpp)
+    target_link_libraries(takt_test_skips PRIVATE takt_options takt_test_options GTest::gtest)
+  endif()
   cmake_parse_arguments(TEST "ALL_SANITIZERS" "" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
   set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 8)
   target_link_libraries(${name} PRIVATE ${TEST_LIBRARIES} takt_options ${RAPIDCHECK_LIBRARY}
-    GTest::gtest_main)
+    takt_test_skips GTest::gtest_main)
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests/support)
   target_compile_options(${name} PRIVATE -Wno-sign-conversion -Wno-conversion)
   if(TEST_ALL_SANITIZERS)
