@@ -278,9 +278,11 @@ TEST_F(OutputsTest, ADiskThatHangsIsReportedWhileItHangs) {
 TEST_F(OutputsTest, ADirectoryThatCannotBeUsedIsReportedAndSamplesWait) {
     folder_.write("journal", "a file, no directory");
     start();
-    OutputStatus seen;
-    for (int i = 0; i < 3000 && (seen = status()).samples.waiting < 5 || !seen.journal_failure; ++i)
+    OutputStatus seen = status();
+    for (int i = 0; i < 3000 && (seen.samples.waiting < 5 || !seen.journal_failure); ++i) {
         std::this_thread::sleep_for(10ms);
+        seen = status();
+    }
     EXPECT_GE(seen.samples.waiting, 5U);
     ASSERT_TRUE(seen.journal_failure);
     EXPECT_EQ(seen.journal_failure->code, Code::cannot_open);
