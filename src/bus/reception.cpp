@@ -157,7 +157,13 @@ TransactionCore::Slot* TransactionCore::addressee(const wire::Frame& frame) {
 void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
     if (frame.pdu.empty()) return;
     if (Slot* slot = addressee(frame)) {
-        if (framer_.length_is_off()) ++counters_.lengths_off;
+        if (framer_.length_is_off()) {
+            ++counters_.lengths_off;
+            if (!config_.length_tolerance) {  // it is not known where the next frame begins
+                must_reconnect_ = true;
+                return give_up(t, *slot, Status::unexpected_reply);
+            }
+        }
         if (std::ranges::equal(frame.pdu, slot->content()) && echo_.take_repetition(t))
             ++counters_.echoes;
         else

@@ -250,11 +250,11 @@ void TransactionCore::on_close(Instant t) {
 
 void TransactionCore::link_down(Instant t, Status of_one_that_waits) {
     const Status status = responses_awaited() == 1 ? of_one_that_waits : Status::link_lost;
+    for (auto& slot : slots_)
+        if (slot.open()) give_up(t, slot, slot.awaits_response() ? status : Status::link_lost);
     link_up_ = must_reconnect_ = false;
     framer_.reset();
     bytes_since_gap_ = 0;
-    for (auto& slot : slots_)
-        if (slot.open()) give_up(t, slot, slot.awaits_response() ? status : Status::link_lost);
 }
 
 void TransactionCore::cancel_all(Instant t) {
@@ -301,6 +301,7 @@ void TransactionCore::expect_response(Instant t, const Slot& slot, Instant hold_
 // The response is copied out of the framer's buffer, which the next bytes overwrite.
 void TransactionCore::finish(Instant t, Slot& slot, Status status, const wire::ResponseView& response) {
     slot.status = status;
+    slot.out_of_step = must_reconnect_;
     slot.ended_at = t;
     if (!slot.sent_once) slot.sent_at = slot.request_end = t;
     slot.fill(response.pdu());
@@ -320,6 +321,7 @@ Outcome TransactionCore::outcome_of(const Slot& slot) {
             .status = slot.status,
             .exception = slot.response.exception(),
             .sent = slot.sent_once,
+            .out_of_step = slot.out_of_step,
             .wire_id = slot.wire_id,
             .other_unit = slot.other_unit,
             .noise = slot.noise,

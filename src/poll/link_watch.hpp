@@ -54,7 +54,7 @@ public:
         if (state_ != LinkState::none) state_ = LinkState::lost;
         up_since_.reset();
         single_ = 0;
-        given_up_ = done_ = false;
+        given_up_ = done_ = speaks_modbus_ = false;
     }
     /// Of an open connection. @param named  it is a failure of the request that waited
     void closed(Instant t, bool named) {
@@ -75,6 +75,7 @@ public:
         if (!answered) return;
         useless_.reset();
         ++answers_;
+        speaks_modbus_ = true;
         answered_at_ = t;
     }
     /// No device answers. The connection is given up if it was silent for long enough.
@@ -112,6 +113,8 @@ public:
     [[nodiscard]] Instant last_end() const { return last_end_at_; }
     /// Responses on this connection.
     [[nodiscard]] unsigned answers() const { return answers_; }
+    /// A response came since the link was lost.
+    [[nodiscard]] bool speaks_modbus() const { return speaks_modbus_; }
     /// From when on it is to be closed if nothing is due.
     [[nodiscard]] Instant closes_at() const {
         if (state_ != LinkState::up) return kNever;
@@ -142,6 +145,7 @@ private:
     bool given_up_ = false;
     bool useful_ = false;  // a request has ended on this connection
     bool done_ = false;
+    bool speaks_modbus_ = false;
     bool needed_ = false;
     unsigned answers_ = 0;  // on this connection
     unsigned single_ = 0;   // connections in a row that the peer closed directly after their only response

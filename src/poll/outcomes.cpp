@@ -108,7 +108,7 @@ void LinePoller::Run::on_read(const bus::Outcome& outcome, std::size_t index) {
     }
     if (!devices_[request.device].health.enabled()) return;
     if (!outcome_class.answered) {
-        fail_read(t, index, outcome_class.reason);
+        fail_read(outcome, index, outcome_class.reason);
         return;
     }
     reads_.answered(t, index, outcome_class.busy);
@@ -138,10 +138,11 @@ void LinePoller::Run::on_exchanged(const bus::Outcome& outcome, const OutcomeCla
     }
 }
 
-void LinePoller::Run::fail_read(Instant t, std::size_t index, Reason reason) {
+void LinePoller::Run::fail_read(const bus::Outcome& outcome, std::size_t index, Reason reason) {
     const auto& request = requests_[index];
+    const Instant t = outcome.ended_at;
     const bool slowed = reads_.failed(t, index);
-    const bool closes = reason == Reason::closed || engine_.must_reconnect();
+    const bool closes = reason == Reason::closed || outcome.out_of_step;
     const bool repeats = !closes || reads_.lost_by_close(index);
     statuses_.note_failed(index, reason);
     if (!devices_[request.device].health.answering()) return;
@@ -149,7 +150,8 @@ void LinePoller::Run::fail_read(Instant t, std::size_t index, Reason reason) {
         periods_.interrupt(index);
         degrade_read(t, index, Quality::bad, reason, Shown::initial);
     } else {
-        degrade_read(t, index, Quality::uncertain, reason, Shown::last);
+        // On the next connection it is repeated at once: the values change only if that fails, too.
+        if (!closes || !repeats) degrade_read(t, index, Quality::uncertain, reason, Shown::last);
         if (repeats) reads_.again(t, index);
     }
     statuses_.read_ended(t, index, reason);

@@ -102,7 +102,8 @@ void LinePoller::Run::link_lost(Instant t) {
 // A peer that closes after each response does so before it receives the next request: no response ever came
 // as soon after a request. Such a close is not held against a read, once in a row.
 bool LinePoller::Run::spare(Instant t, const bus::TransactionCore::Awaited& waiting) {
-    if (kind_of(waiting.id) != JobKind::read || link_.answers() == 0) return false;
+    if (kind_of(waiting.id) != JobKind::read || link_.answers() == 0 || engine_.must_reconnect())
+        return false;
     const auto read = index_of(waiting.id);
     const auto& times = devices_[requests_[read].device].statistics.counters.time;
     if (reads_.spared(read) || (times.count() > 0 && t - waiting.sent_at >= times.min())) return false;
@@ -114,7 +115,7 @@ bool LinePoller::Run::spare(Instant t, const bus::TransactionCore::Awaited& wait
 // one that ended meanwhile.
 void LinePoller::Run::on_close(Instant t) {
     if (line_.is_serial() || link_.state() != LinkState::up) return on_link(t, false);
-    if (engine_.bad_header() && link_.answers() == 0) return on_link(t, false);  // it does not speak Modbus
+    if (engine_.bad_header() && !link_.speaks_modbus()) return on_link(t, false);
     const auto waiting = engine_.awaited();
     const std::size_t count = engine_.responses_awaited();
     const bool several = count > 1 || (waiting && link_.last_end() > waiting->sent_at);

@@ -192,6 +192,7 @@ private:
     void on_surplus(const bus::SurplusFrame& frame);
     void take_values(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent,
                      bool whole);
+    void show_doubt(const HeldRead& read);
     void publish_read(const HeldRead& read, value::Quality quality);
     [[nodiscard]] std::optional<value::Quality> quality_of(Instant t, std::size_t device,
                                                            const bus::Outcome& read) const;
@@ -213,7 +214,7 @@ private:
     void note_busy(const bus::Outcome& outcome);
     void on_read(const bus::Outcome& outcome, std::size_t request);
     void on_exchanged(const bus::Outcome& outcome, const OutcomeClass& outcome_class, std::size_t request);
-    void fail_read(Instant t, std::size_t request, value::Reason reason);
+    void fail_read(const bus::Outcome& outcome, std::size_t request, value::Reason reason);
     void degrade_device(Instant t, std::size_t device, value::Reason reason, Shown shown);
 
     // delays.cpp

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <functional>
 #include <set>
 
 #include "takt/plan/plan.hpp"
@@ -16,12 +17,13 @@ using namespace test;
 constexpr Duration kWay = 1ms;  // of a segment
 constexpr Duration kRun = 30s;
 
-enum class Closes { never, after_each, with_several };
+enum class Closes { never, after_each, after_third, with_several };
 
 struct Peer {
     Closes closes = Closes::never;
     std::set<int> dead;  ///< units: closes for each request
     Duration thinks = 5ms;
+    std::function<void(Frame&)> spoils{};  ///< the response to unit 1, register 100
 };
 
 /// A line to that peer, and what it did.
@@ -65,10 +67,11 @@ private:
     void settle() {
         for (Bytes bytes = line().transmit(now_); !bytes.empty(); bytes = line().transmit(now_)) {
             const Frame frame(bytes.begin(), bytes.end());
-            tries[{frame[6], frame[8] << 8 | frame[9]}].push_back({now_});
+        tries[{frame[6], frame[8] << 8 | frame[9]}].push_back({now_});
             if (!gone_) to_peer_.emplace_back(now_ + kWay, frame);
         }
-        if (connected_ && line().must_reconnect()) return lose();
+        if (connected_ && line().must_reconnect()) lose();
+        if (!connected_) (void)line().transmit(now_);  // chooses what comes next
         if (!connected_ && opens_at_ == kNever) {
             const auto wanted = line().opens_at();
             ASSERT_TRUE(wanted) << "the line is at fault";
@@ -126,10 +129,12 @@ private:
         const auto count = static_cast<std::uint8_t>(2 * frame[11]);
         Frame pdu{3, count};
         pdu.resize(pdu.size() + count);
-        const auto answer = tcp_response(frame, pdu);
+        auto answer = tcp_response(frame, pdu);
+        if (peer_.spoils && asked == std::pair(1, 100)) peer_.spoils(answer);
         to_master_.emplace_back(std::max(now_ + peer_.thinks + kWay, last_answer_), answer);
         last_answer_ = to_master_.back().first;
-        if (peer_.closes == Closes::after_each) close(peer_.thinks);
+        const bool third = ++answers_ % 3 == 0 && peer_.closes == Closes::after_third;
+        if (third || peer_.closes == Closes::after_each) close(peer_.thinks);
     }
 
     void close(Duration later) {
@@ -151,6 +156,7 @@ private:
     plan::Plan plan_;
     Master master_;
     Peer peer_;
+    int answers_ = 0;
     Instant now_ = at(1s);
     bool connected_ = false;
     bool gone_ = false;  // the peer has closed its side
@@ -223,6 +229,42 @@ TEST(ClosingPeer, OneThatClosesAfterEachResponseIsAskedOnceAConnection) {
     }
     EXPECT_LE(world.connections, 64u);
     EXPECT_TRUE(world.not_good.empty());
+}
+
+// The close comes while the next request waits, later than any response did. That one is repeated at once.
+TEST(ClosingPeer, ACloseThatIsFollowedByAResponseChangesNoValue) {
+    World world(described(1, 4, 1s, 1), {.closes = Closes::after_third, .thinks = 20ms});
+    world.run(kRun);
+    expect_served(world, 1s);
+}
+
+// No other read is charged, and none is sent less often. The connection ends, because it is not known where
+// the next response begins.
+TEST(ClosingPeer, AReadWithAWrongHeaderCostsOnlyItself) {
+    const std::pair<const char*, std::function<void(Frame&)>> kSpoils[] = {
+        {"protocol", [](Frame& frame) { frame[3] = 1; }},
+        {"length too small", [](Frame& frame) { --frame[5]; }},
+        {"length too large", [](Frame& frame) { ++frame[5]; }},
+        {"length too large, with that byte",
+         [](Frame& frame) {
+             ++frame[5];
+             frame.push_back(0);
+         }},
+        {"length of an exception too small",
+         [](Frame& frame) { frame = {frame[0], frame[1], 0, 0, 0, 2, frame[6], 0x83, 2}; }},
+    };
+    for (const auto& [kind, spoils] : kSpoils) {
+        SCOPED_TRACE(kind);
+        auto project = described(2, 3, 1s, 1);
+        project.lines[0].devices[0].response_timeout = 100ms;  // that the missing byte takes
+        World world(project, {.spoils = spoils});
+        world.run(kRun);
+        EXPECT_LE(world.tries[std::pair(1, 100)].size(), 35u);
+        world.tries.erase(std::pair(1, 100));
+        world.not_good.erase("V1_1");
+        expect_served(world, 1s);
+        EXPECT_EQ(world.line().device(1).counters.link_lost, 0u);
+    }
 }
 
 TEST(ClosingPeer, TheWayOfConnectingIsKept) {

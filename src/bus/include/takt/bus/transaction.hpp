@@ -104,6 +104,8 @@ struct Outcome {
     Status status = Status::ok;
     std::uint8_t exception = 0;  ///< the code as received, any byte
     bool sent = false;  ///< its bytes were given to the line; without a response a write may have executed
+    /// Framing::tcp: the connection ends with it: it is not known where the next response begins.
+    bool out_of_step = false;
     std::uint16_t wire_id = 0;  ///< Framing::tcp: its transaction id on the wire, if it was sent; else 0
     /// Serial line: a response of this unit to a request of this function was received instead.
     std::optional<UnitId> other_unit;

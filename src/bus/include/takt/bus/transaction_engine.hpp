@@ -33,6 +33,7 @@ class TransactionSlot {
     Status status = Status::ok;
     UnitId unit;
     bool sent_once = false;
+    bool out_of_step = false;
     bool broadcast = false;
     bool garbled = false;  // bytes with a wrong checksum were received
     bool in_order = true;
