@@ -68,11 +68,15 @@ void LinePoller::Run::take_values(const bus::Outcome& outcome, std::size_t index
         .request = index, .sent = sent, .round = reads_.round(index), .whole = whole, .outcome = outcome};
     const auto quality = quality_of(outcome.ended_at, device, outcome);
     if (held.empty() && quality) return publish_read(read, *quality);
-    publisher_.degrade(outcome.ended_at, requests_[index].variables, Quality::uncertain, Reason::ambiguous,
-                       Shown::last);
+    show_doubt(read);
     if (held.full()) pop_held(device, Quality::uncertain);
     held.add(read);
     ++held_reads_;
+}
+
+void LinePoller::Run::show_doubt(const HeldRead& read) {
+    publisher_.degrade(read.outcome.ended_at, requests_[read.request].variables, Quality::uncertain,
+                       Reason::ambiguous, Shown::last);
 }
 
 void LinePoller::Run::publish_read(const HeldRead& read, Quality quality) {
@@ -111,6 +115,9 @@ void LinePoller::Run::settle_held(Instant t, std::size_t device) {
         if (!quality) break;
         pop_held(device, *quality);
     }
+    // A value that was good just now is in doubt again since the next read of it: no later mark, of its age
+    // or of a further read, may go before that read.
+    for (const auto& read : held.all()) show_doubt(read);
     expire_ages(t);  // of those that are too old by now
 }
 

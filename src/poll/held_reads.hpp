@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <list>
+#include <ranges>
 
 #include "read_job.hpp"
 #include "takt/bus/transaction.hpp"
@@ -24,9 +25,17 @@ struct HeldRead {
 ///
 /// Holds at most kMost reads. Allocates with each one. One owner, one thread.
 class HeldReads {
+    struct Held {
+        explicit Held(const HeldRead& held) : read(held) {}
+        HeldRead read;
+        wire::Pdu response;  // of `read`
+    };
+
 public:
     static constexpr std::size_t kMost = 128;
 
+    /// In their order.
+    [[nodiscard]] auto all() const { return std::views::transform(reads_, &Held::read); }
     [[nodiscard]] bool empty() const { return reads_.empty(); }
     [[nodiscard]] bool full() const { return reads_.size() == kMost; }
     /// @pre !empty()
@@ -42,11 +51,6 @@ public:
     }
 
 private:
-    struct Held {
-        explicit Held(const HeldRead& held) : read(held) {}
-        HeldRead read;
-        wire::Pdu response;  // of `read`
-    };
     std::list<Held> reads_;  // their addresses stay
 };
 

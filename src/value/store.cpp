@@ -39,7 +39,7 @@ Store::Store(std::vector<SlotInfo> slots, std::size_t event_capacity)
       events_(event_capacity) {
     TAKT_ASSERT(event_capacity > 0);
     for (std::size_t i = 0; i < slots_.size(); ++i) {
-        slots_[i].value = reported_[i] = infos_[i].initial;
+        slots_[i].value = reported_[i].value = infos_[i].initial;
         if (infos_[i].local && !infos_[i].service) slots_[i].quality = Quality::good;
     }
     std::iota(by_name_.begin(), by_name_.end(), 0U);
@@ -79,7 +79,8 @@ void Store::apply(Instant t, std::span<const Update> updates) {
             slot.good_at = t;
             slot.sampled_at = update.sampled_at.value_or(t);
         }
-        if (graded || moved(reported_[update.slot.value], slot.value, infos_[update.slot.value].dead_band))
+        if (graded ||
+            moved(reported_[update.slot.value].value, slot.value, infos_[update.slot.value].dead_band))
             report(t, update.slot, good_before);
     }
 }
@@ -88,7 +89,7 @@ void Store::carry_over(SlotId id, const Slot& slot) {
     TAKT_ASSERT(id.value < slots_.size());
     slots_[id.value] = slot;
     slots_[id.value].batch = 0;
-    reported_[id.value] = slot.value;
+    reported_[id.value].value = slot.value;
 }
 
 void Store::want(SlotId id, const Value& value) {
@@ -101,9 +102,11 @@ void Store::report(Instant t, SlotId id, std::optional<Instant> good_before) {
     auto& event = events_[last_sequence_ % events_.size()];
     event.sequence = ++last_sequence_;
     event.batch = slot.batch;
-    event.t = t;
+    auto& before = reported_[id.value];
+    before = {slot.value, std::max(before.t, t)};
+    event.t = before.t;
     event.slot = id;
-    event.value = reported_[id.value] = slot.value;
+    event.value = slot.value;
     event.quality = slot.quality;
     event.reason = slot.reason;
     event.good_at = slot.good_at;

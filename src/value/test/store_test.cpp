@@ -101,6 +101,20 @@ TEST(Store, ABadReadKeepsTheTimeOfTheGoodOne) {
     EXPECT_EQ(store[SlotId{1}].reason, Reason::timeout);
 }
 
+TEST(Store, TheEventsOfASlotNeverGoBackInTime) {
+    auto store = small_store();
+    const std::array<Update, 1> stale{Update{SlotId{0}, std::nullopt, Quality::uncertain, Reason::stale}};
+    const std::array<Update, 1> read{Update{SlotId{0}, 2.0}};
+    store.apply(at(20ms), stale);
+    store.apply(at(15ms), read);  // it was confirmed after the mark
+    EventCursor cursor;
+    EXPECT_EQ(store.next_event(cursor)->t, at(20ms));
+    const auto* event = store.next_event(cursor);
+    ASSERT_NE(event, nullptr);
+    EXPECT_EQ(event->t, at(20ms));
+    EXPECT_EQ(event->good_at, at(15ms)) << "its age stays true";
+}
+
 TEST(Store, WantedDoesNotChangeTheActualValue) {
     auto store = small_store();
     store.want(SlotId{0}, 7.0);

@@ -91,7 +91,8 @@ public:
     [[nodiscard]] std::optional<SlotId> find(std::string_view name) const;
 
     /// Changes all slots of `updates` at once and adds the events. `t` becomes good_at where the quality is
-    /// good.
+    /// good. A read may be known to be good only after a later mark of its slot: its event then has the time
+    /// of the event before it, so that the events of a slot never go back in time.
     void apply(Instant t, std::span<const Update> updates);
 
     /// Stores the value that the project wants in the slot. The actual value does not change.
@@ -113,7 +114,11 @@ private:
 
     std::vector<SlotInfo> infos_;
     std::vector<Slot> slots_;
-    std::vector<Value> reported_;         // the value of the last event of each slot, for the dead band
+    struct Reported {
+        Value value;  // for the dead band
+        Instant t = Instant::min();
+    };
+    std::vector<Reported> reported_;      // the last event of each slot
     std::vector<std::uint32_t> by_name_;  // ids in the order of their names
     std::vector<Event> events_;           // event n is at index (n - 1) % size
     std::uint64_t last_sequence_ = 0;
