@@ -103,7 +103,7 @@ std::optional<Quality> LinePoller::Run::quality_of(Instant t, std::size_t device
     const Proof proof = devices_[device].times.step.proof(t, read);
     const bool too_long = t > after(read.ended_at, bus::StepWatch::kInterval);
     if (proof == Proof::proved && !too_long) return Quality::good;
-    if (proof != Proof::waits || too_long || held_) return Quality::uncertain;
+    if (proof != Proof::waits || too_long || suspended_) return Quality::uncertain;
     return std::nullopt;
 }
 

@@ -85,7 +85,7 @@ public:
     std::unique_ptr<GapLearner> learner_;  // if the line learns
     std::uint64_t plan_revision_ = 0;      // grows with each swap_plan()
     bool lengths_reported_ = false;        // that headers have lengths that are off by one
-    bool held_ = false;                    // nothing is polled any more
+    bool suspended_ = false;               // nothing is polled any more
     std::unique_ptr<RelaySlot> relay_;     // if the line is shared
 
     void admit_guests();

@@ -57,7 +57,7 @@ void LinePoller::Run::choose(Instant t) {
 }
 
 void LinePoller::Run::offer(Instant t) {
-    if (held_) {
+    if (suspended_) {
         offers_.offer_writes(t);
     } else {
         offers_.offer_requests(t);

@@ -8,7 +8,7 @@ namespace takt::poll {
 using value::Reason;
 
 void LinePoller::Run::hold() {
-    held_ = true;
+    suspended_ = true;
     give_up_held();
 }
 
@@ -32,7 +32,7 @@ void LinePoller::Run::end_writes(Instant t) {
 }
 
 void LinePoller::Run::take_over(Instant t, Run& old) {
-    TAKT_ASSERT(old.held_ && old.idle() && idle());
+    TAKT_ASSERT(old.suspended_ && old.idle() && idle());
     old.end_writes(t);
     engine_.take_over(old.engine_);
     link_.take_over(old.link_);
