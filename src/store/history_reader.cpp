@@ -86,13 +86,46 @@ struct HistoryReader::State {
         rows.clear();
         state = read_state(*database);
         if (state.damaged) note({.part = HistoryPart::state});
-        series = read_series_rows(*database);
-        note_all(damage_of(series, state));
-        std::erase_if(series, [](const SeriesRow& row) { return !row.is_good(); });
+        auto variables = read_series(*database, state);
+        series = std::move(variables.rows);
         auto read = read_gaps(*database, state);
         note_all(read.damage);
         gaps = std::move(read.gaps);
+        note_lost(std::move(variables.damage));
         version = now;
+    }
+    /// Notes damaged rows of variables with the times and the number of their samples.
+    void note_lost(std::vector<HistoryDamage> lost) {
+        std::erase_if(damage, [](const HistoryDamage& its) {
+            return its.part == HistoryPart::series && its.row > 0;  // of an older version of the file
+        });
+        for (auto& its : lost) {
+            if (its.row > 0) add_extent(its);
+            note(its);
+        }
+    }
+    void add_extent(HistoryDamage& lost) {
+        const auto include = [&lost](std::int64_t first, std::int64_t last, std::uint64_t count) {
+            lost.first_ns = std::min(lost.first_ns.value_or(first), first);
+            lost.last_ns = std::max(lost.last_ns.value_or(last), last);
+            lost.samples += count;
+        };
+        const SeriesId id{static_cast<std::uint32_t>(lost.row)};
+        for (const ChunkRow& row : rows_of(id))
+            include(row.summary.begin_ns, row.summary.end_ns, row.summary.samples);
+        const auto log = logged(id);
+        if (!log.empty()) include(log.front().time_ns, log.back().time_ns, log.size());
+    }
+    /// Whether a damaged row may be that of a variable that has no good one.
+    bool is_lost(std::string_view variable) {
+        const auto may_be = [variable](const HistoryDamage& its) {
+            return its.part == HistoryPart::series && (its.variable.empty() || its.variable == variable);
+        };
+        if (std::ranges::none_of(damage, may_be)) return false;
+        const auto named = std::ranges::find(damage, variable, &HistoryDamage::variable);
+        if (named == damage.end() || named->part != HistoryPart::series)
+            note({.part = HistoryPart::series, .variable = std::string(variable)});
+        return true;
     }
     void note(const HistoryDamage& found) {
         if (std::ranges::find(damage, found) == damage.end()) damage.push_back(found);
@@ -256,6 +289,10 @@ Result<std::vector<HistorySeriesInfo>> HistoryReader::series() {
         for (const SeriesRow& row : state_->series) all.push_back(row.info);
         return all;
     });
+}
+
+bool HistoryReader::is_lost(std::string_view variable) {
+    return state_->is_lost(variable);
 }
 
 Result<std::optional<HistoryRange>> HistoryReader::extent(SeriesId series) {

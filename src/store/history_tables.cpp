@@ -1,7 +1,10 @@
 // Reads do not use indexes: a damaged index would hide rows.
 #include "history_tables.hpp"
 
+#include <sqlite3.h>
+
 #include <algorithm>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -61,6 +64,63 @@ SeriesRow series_row(SQLite::Statement& row) {
     series.chunks = digest_at(row, 6);
     series.sum = row.getColumn(8).getInt64();
     return series;
+}
+
+/// Calls `step` until it returns false. @returns false: a damaged page ended the query
+template <class Step>
+bool unless_damaged(Step step) {
+    try {
+        while (step()) {}
+        return true;
+    } catch (const SQLite::Exception& exception) {
+        if ((exception.getErrorCode() & 0xFF) != SQLITE_CORRUPT) throw;
+        return false;
+    }
+}
+
+using SeriesNames = std::map<std::int64_t, std::string>;  // by number
+
+/// As the index of the names has them.
+SeriesNames indexed_names(SQLite::Database& database) {
+    SeriesNames names;
+    std::optional<SQLite::Statement> select;
+    // In a file of version 1 the view has no index.
+    unless_damaged([&] {
+        if (!select)
+            select.emplace(database, "SELECT id, name FROM main.series INDEXED BY sqlite_autoindex_series_1");
+        if (!select->executeStep()) return false;
+        names.emplace(select->getColumn(0).getInt64(), select->getColumn(1).getString());
+        return true;
+    });
+    return names;
+}
+
+/// Gives a damaged row the name of the index, if its sum shows that nothing else is damaged.
+bool restore_name(SeriesRow& row, const SeriesNames& names) {
+    const auto indexed = names.find(row.info.id.value);
+    if (indexed == names.end() || row.is_good()) return false;
+    SeriesRow other = row;
+    other.info.series.name = indexed->second;
+    if (!other.is_good()) return false;
+    row = std::move(other);
+    return true;
+}
+
+/// The variables that the index has and no good row. Where the damaged row of the same number has another
+/// name, either may be wrong, and the name is unknown.
+std::vector<HistoryDamage> lost_series(const SeriesNames& names, const std::vector<SeriesRow>& good,
+                                       const SeriesNames& bad) {
+    std::vector<HistoryDamage> lost;
+    for (const auto& [id, name] : names) {
+        const bool found = std::ranges::any_of(good, [&](const SeriesRow& row) {
+            return row.info.id.value == id || row.info.series.name == name;
+        });
+        if (found) continue;
+        const auto stored = bad.find(id);
+        const bool is_certain = stored == bad.end() || stored->second == name;
+        lost.push_back({.part = HistoryPart::series, .row = id, .variable = is_certain ? name : ""});
+    }
+    return lost;
 }
 
 /// A row of gaps as it is in the file.
@@ -257,6 +317,40 @@ std::vector<HistoryDamage> damage_of(const std::vector<SeriesRow>& rows, const H
     if (damage.empty() && state.series.is_known() && digest != state.series)
         damage.push_back({.part = HistoryPart::series});
     return damage;
+}
+
+ReadSeries read_series(SQLite::Database& database, const HistoryState& state) {
+    std::vector<SeriesRow> all;
+    SQLite::Statement select(database, std::string(kSeriesRows) + " NOT INDEXED");
+    const bool complete = unless_damaged([&] {
+        if (!select.executeStep()) return false;
+        all.push_back(series_row(select));
+        return true;
+    });
+    ReadSeries read{.damage = damage_of(all, state)};
+    if (!complete && read.damage.empty()) read.damage.push_back({.part = HistoryPart::series});
+    const auto names = read.damage.empty() ? SeriesNames() : indexed_names(database);
+    SeriesNames bad;
+    bool restored = false;
+    for (SeriesRow& row : all) {
+        restored = restore_name(row, names) || restored;
+        if (row.is_good())
+            read.rows.push_back(std::move(row));
+        else
+            bad.emplace(row.info.id.value, row.info.series.name);
+    }
+    std::ranges::sort(read.rows, {},
+                      [](const SeriesRow& row) -> const auto& { return row.info.series.name; });
+    const auto lost = lost_series(names, read.rows, bad);
+    // Other damaged rows are remains of these, if they are as many as the state counts.
+    const auto missing = state.series.rows - static_cast<std::int64_t>(read.rows.size());
+    const bool all_lost = state.series.is_known() && std::cmp_equal(missing, lost.size());
+    std::erase_if(read.damage, [&](const HistoryDamage& its) {
+        if (all_lost && (restored || missing > 0)) return true;
+        return its.row > 0 && std::ranges::count(lost, its.row, &HistoryDamage::row) > 0;
+    });
+    read.damage.insert(read.damage.end(), lost.begin(), lost.end());
+    return read;
 }
 
 void write_gap(SQLite::Database& database, HistoryState& state, const HistoryGap& gap) {

@@ -49,6 +49,15 @@ struct SeriesRow {
 [[nodiscard]] std::optional<SeriesRow> read_series_row(SQLite::Database& database, SeriesId id);
 /// Writes properties, digest and sum of a row that exists.
 void write_series_row(SQLite::Database& database, HistoryState& state, const SeriesRow& row);
+/// What a reader takes from the table of variables.
+struct ReadSeries {
+    std::vector<SeriesRow> rows;  ///< good ones, by name
+    /// Of the others, with the number and the name where the index of the names has them.
+    std::vector<HistoryDamage> damage;
+};
+/// Reads what is left of a damaged table. The index of the names is a second copy of numbers and names: a row
+/// whose name alone is damaged gets it from there.
+[[nodiscard]] ReadSeries read_series(SQLite::Database& database, const HistoryState& state);
 /// Adds a variable, or gives it other properties.
 [[nodiscard]] SeriesId write_series(SQLite::Database& database, HistoryState& state,
                                     const HistorySeries& series);

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <expected>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -72,17 +73,18 @@ std::optional<std::int64_t> history_time_in(std::string_view text, std::string_v
     return report::parse_history_time(text, now.count());
 }
 
-std::expected<HistoryQuery, ApiResponse> query_of(const ApiRequest& request, const OpenedHistory& history) {
+std::expected<HistoryQuery, ApiResponse> query_of(const ApiRequest& request, OpenedHistory& history) {
     HistoryQuery query;
     const auto [begin, end] = request.query.equal_range("variable");
     for (auto it = begin; it != end; ++it) {
         const auto known =
             std::ranges::find(history.series, it->second, [](const auto& info) { return info.series.name; });
-        if (known == history.series.end())
+        if (known != history.series.end())
+            query.wanted.push_back(*known);
+        else if (!history.reader.is_lost(it->second))  // else the answer has its damage
             return std::unexpected(history_refusal(request, 404, "unknown", {{"name", it->second}}));
-        query.wanted.push_back(*known);
     }
-    if (query.wanted.empty() || query.wanted.size() > kMostHistoryVariables)
+    if (begin == end || std::cmp_greater(std::distance(begin, end), kMostHistoryVariables))
         return std::unexpected(
             history_refusal(request, 400, "variables", {{"allowed", std::to_string(kMostHistoryVariables)}}));
     const auto from = history_time_in(request.parameter("from"), "-1h");

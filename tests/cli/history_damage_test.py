@@ -9,7 +9,8 @@ from program import takt
 PLANT = """takt: 1
 lines:
   - {name: bus, transport: simulated, devices: [{name: Tank, address: 1, poll_period: 20ms, variables: [
-      {name: Level, type: int16, register: 0, read: 0x03}]}]}
+      {name: Level, type: int16, register: 0, read: 0x03},
+      {name: Flow, type: int16, register: 1, read: 0x03}]}]}
 outputs: [{name: history, transport: history}]
 """
 REPORT = "Damaged parts of the database: 1. Samples of these times may be missing"
@@ -66,3 +67,44 @@ def test_the_list_of_variables(plant):
     for form in ([], ["--json"]):
         result = takt("history", plant, *form, code=7)
         assert "Damaged parts" in result.out + result.err, result
+
+
+def zeroed(plant, table, length):
+    """The last bytes of the first page of a table become zeros. Rows begin at the end of a page."""
+    path = plant.with_suffix(".history.db")
+    with sqlite3.connect(path) as database:
+        database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        (page,) = database.execute("SELECT rootpage FROM sqlite_master WHERE name = ?", (table,)).fetchone()
+    database.close()
+    data = bytearray(path.read_bytes())
+    data[page * 4096 - length:page * 4096] = bytes(length)
+    path.write_bytes(data)
+
+
+def test_a_damaged_variable_is_no_unknown_one(written, tmp_path):
+    shutil.copytree(written, tmp_path, dirs_exist_ok=True)
+    plant = tmp_path / "plant.yaml"
+    with sqlite3.connect(tmp_path / "plant.history.db") as database:
+        database.execute("UPDATE series SET unit = 'm' WHERE name = 'Level'")
+    whole = takt("history", plant, "Flow", "--csv", code=7)
+    whole.lines = [line for line in whole.lines if ",damaged," not in line]
+    csv = takt("history", plant, "Level", "Flow", "--csv", code=7)
+    assert whole.lines[1:] and set(whole.lines) <= set(csv.lines), csv
+    assert [line for line in csv.lines if line.startswith("Level,20") and ",damaged,series until 20" in line]
+    json = takt("history", plant, "Level", "Flow", "--json", code=7).json
+    assert [its["name"] for its in json["variables"]] == ["Flow"]
+    assert [(its["part"], its["variable"]) for its in json["damage"]] == [("series", "Level")]
+    assert json["damage"][0]["samples"] > 0
+    text = takt("history", plant, "Level", "Flow", code=7)
+    assert "nearest" not in text.out + text.err and REPORT in text.out, text
+    assert "the nearest is `Flow`" in takt("history", plant, "Flop", code=2).err
+
+
+@pytest.mark.parametrize("length", (512, 4096))
+def test_no_row_of_a_variable_is_left(written, tmp_path, length):
+    shutil.copytree(written, tmp_path, dirs_exist_ok=True)
+    zeroed(tmp_path / "plant.yaml", "series", length)
+    for form in ([], ["--csv"], ["--json"], ["--svg", "-"]):
+        result = takt("history", tmp_path / "plant.yaml", "Level", "Flow", *form, code=7)
+        report = result.out if not form else result.err
+        assert "Damaged parts of the database: 2" in report and "empty" not in result.err, result

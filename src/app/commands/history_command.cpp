@@ -40,8 +40,9 @@ std::optional<store::HistoryRange> range_of(const Texts& texts, const HistoryOpt
     return store::HistoryRange{*from, *to};
 }
 
-/// Reports each name that is unknown, with the nearest known one.
+/// Reports each name that is unknown, with the nearest known one. Variables with a damaged row are left out.
 std::optional<std::vector<HistorySeriesInfo>> find_series(const Texts& texts, const HistoryOptions& options,
+                                                          HistoryReader& reader,
                                                           const std::vector<HistorySeriesInfo>& all) {
     std::vector<HistorySeriesInfo> found;
     std::vector<std::string_view> names;
@@ -53,6 +54,7 @@ std::optional<std::vector<HistorySeriesInfo>> find_series(const Texts& texts, co
             found.push_back(*known);
             continue;
         }
+        if (reader.is_lost(wanted)) continue;
         complete = false;
         const auto nearest = model::nearest(wanted, names);
         print_error(nearest.empty() ? texts("app.history.unknown", {{"name", wanted}})
@@ -157,7 +159,7 @@ ExitCode history(const CommonOptions& common, const HistoryOptions& options) {
     const auto all = reader->series();
     if (!all) return ended_by(texts, all.error());
     if (options.variables.empty()) return list_variables(texts, options, *reader, *all);
-    const auto wanted = find_series(texts, options, *all);
+    const auto wanted = find_series(texts, options, *reader, *all);
     if (!wanted) return ExitCode::usage;
     if (options.csv) return print_csv(texts, *reader, *wanted, *range);
     return print_views(texts, options, *reader, *wanted, *range);

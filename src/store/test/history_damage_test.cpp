@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <functional>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "history_rig.hpp"
@@ -30,6 +32,30 @@ protected:
     void change(const std::string& statements) {
         SQLite::Database(path_, SQLite::OPEN_READWRITE).exec(statements);
     }
+    /// The first byte of the first page of a table or an index.
+    [[nodiscard]] std::size_t page_of(const std::string& name) const {
+        SQLite::Database database(path_);
+        SQLite::Statement select(database, "SELECT rootpage FROM sqlite_master WHERE name = ?");
+        select.bind(1, name);
+        select.executeStep();
+        return (select.getColumn(0).getUInt() - std::size_t{1}) * kPage;
+    }
+    /// Changes bytes of the closed file.
+    void change_bytes(const std::function<void(std::string&)>& change) const {
+        for (const char* suffix : {"-wal", "-shm"}) std::filesystem::remove(path_ + suffix);
+        auto bytes = bytes_of(path_);
+        change(bytes);
+        overwrite(path_, bytes);
+    }
+    [[nodiscard]] static HistoryDamage lost(std::int64_t row, const std::string& variable) {
+        return {.part = HistoryPart::series,
+                .row = row,
+                .variable = variable,
+                .first_ns = kStart,
+                .last_ns = kStart + 99 * kSecond,
+                .samples = 100};
+    }
+    static constexpr std::size_t kPage = 4096;
 };
 
 TEST_F(HistoryDamageTest, OfTheLogIsReportedWithTheTimesOfItsNeighbours) {
@@ -146,6 +172,54 @@ TEST_F(HistoryDamageTest, OfEachTableIsReported) {
         EXPECT_EQ(damage[0].part, part) << statements;
         EXPECT_EQ(History::open(path_)->damage.size(), 1U) << statements;
     }
+}
+
+TEST_F(HistoryDamageTest, OfAVariableIsReportedWithItsNameAndSamples) {
+    make({.log_commits = 3});
+    change("UPDATE series SET unit = 'cm' WHERE id = 1");
+    EXPECT_EQ(read(kPump).samples.size(), 100U);
+    EXPECT_EQ(read(kPump).damage, std::vector{lost(1, kLevel.name)});
+    auto reader = HistoryReader::open(path_).value();
+    EXPECT_EQ(reader.series()->size(), 1U);
+    EXPECT_TRUE(reader.is_lost(kLevel.name));
+    EXPECT_FALSE(reader.is_lost("another"));
+    EXPECT_EQ(reader.damage().size(), 1U);
+}
+
+TEST_F(HistoryDamageTest, OfTheNameOfAVariableIsUndone) {
+    make({});
+    const auto page = page_of("series");
+    change_bytes([&](std::string& bytes) { bytes[bytes.find(kLevel.name, page)] ^= 1; });
+    EXPECT_EQ(read().samples.size(), 100U);
+    EXPECT_TRUE(read().damage.empty());
+}
+
+TEST_F(HistoryDamageTest, OfAllVariablesIsReportedWithTheirNames) {
+    for (const std::size_t length : {512U, 4096U}) {
+        std::filesystem::remove(path_);
+        make({});
+        const auto end = page_of("series") + kPage;
+        change_bytes([&](std::string& bytes) { bytes.replace(end - length, length, length, '\0'); });
+        EXPECT_EQ(read().damage, (std::vector{lost(1, kLevel.name), lost(2, kPump.name)})) << length;
+        const auto opened = History::open(path_);
+        ASSERT_TRUE(opened);
+        EXPECT_FALSE(opened->damage.empty() && opened->set_aside.empty()) << length;
+    }
+}
+
+TEST_F(HistoryDamageTest, OfVariablesWithoutNamesConcernsEachVariableThatIsMissing) {
+    make({});
+    const auto table = page_of("series");
+    const auto index = page_of("sqlite_autoindex_series_1");
+    change_bytes([&](std::string& bytes) {
+        for (const auto page : {table, index}) bytes.replace(page, kPage, kPage, '\0');
+    });
+    auto reader = HistoryReader::open(path_).value();
+    EXPECT_TRUE(reader.series()->empty());
+    EXPECT_TRUE(reader.is_lost(kLevel.name));
+    ASSERT_EQ(reader.damage().size(), 2U);
+    EXPECT_EQ(reader.damage()[0].variable, "");
+    EXPECT_EQ(reader.damage()[1].variable, kLevel.name);
 }
 
 TEST_F(HistoryDamageTest, AFileOfVersion1IsReadAndUpgraded) {

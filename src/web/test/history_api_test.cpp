@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <SQLiteCpp/SQLiteCpp.h>
+
 #include "folder.hpp"
 #include "takt/host/project_file.hpp"
 #include "takt/publish/project_outputs.hpp"
@@ -79,6 +81,24 @@ TEST_F(HistoryApiTest, RefusesWhatItCannotAnswer) {
     configure("");
     EXPECT_EQ(status({{"variable", "Level"}}), 404);
     EXPECT_EQ(call("/history/series").status, 404);
+}
+
+TEST_F(HistoryApiTest, AnswersWithDamageInPlaceOfAVariable) {
+    {
+        auto opened = store::History::open(publish::history_database(file_)).value();
+        ASSERT_TRUE(opened.history->series({"Flow", "Boiler", DataType::int16, false, "l"}));
+    }
+    SQLite::Database(publish::history_database(file_), SQLite::OPEN_READWRITE)
+        .exec("UPDATE series SET unit = 'cm' WHERE name = 'Level'");
+    const Query query{{"variable", "Level"}, {"variable", "Flow"}, {"from", "2023-11-14T00:00Z"}};
+    const auto picture = call("/history", query);
+    EXPECT_EQ(picture.status, 200);
+    EXPECT_NE(picture.body.find(R"("part":"series","row":1,"variable":"Level")"), std::string::npos)
+        << picture.body;
+    const auto table = call("/history.csv", {{"variable", "Level"}, {"from", "2023-11-14T00:00Z"}});
+    EXPECT_EQ(table.status, 200);
+    EXPECT_NE(table.body.find("\nLevel,2023-11-14T"), std::string::npos) << table.body;
+    EXPECT_EQ(call("/history", {{"variable", "Other"}}).status, 404);
 }
 
 }  // namespace history_api_test

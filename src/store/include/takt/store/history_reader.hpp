@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "takt/base/result.hpp"
@@ -85,6 +86,8 @@ public:
 
     /// All series, by name.
     [[nodiscard]] Result<std::vector<HistorySeriesInfo>> series();
+    /// Whether a variable that series() does not return may be one of a damaged row. Then damage() has it.
+    [[nodiscard]] bool is_lost(std::string_view variable);
     /// The times of the oldest and newest sample of a series; nothing: it has none.
     [[nodiscard]] Result<std::optional<HistoryRange>> extent(SeriesId series);
     /// The newest sample before a time.
