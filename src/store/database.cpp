@@ -48,7 +48,8 @@ Error error_of(const std::string& path, const SQLite::Exception& exception,
     switch (exception.getErrorCode() & 0xFF) {
         case SQLITE_BUSY:
         case SQLITE_LOCKED: return fail(Code::busy, path).error();
-        case SQLITE_ERROR:  // our own statements do not fit the tables
+        case SQLITE_ERROR:       // our own statements do not fit the tables
+        case SQLITE_CONSTRAINT:  // our own values keep to them: other rows are damaged
         case SQLITE_CORRUPT:
         case SQLITE_NOTADB: return fail(Code::malformed, path).error();
         case SQLITE_FULL: return fail(Code::io_failed, path, ENOSPC).error();

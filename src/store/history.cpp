@@ -12,6 +12,8 @@
 #include "history_fold.hpp"
 #include "history_load.hpp"
 #include "history_log.hpp"
+#include "history_loss.hpp"
+#include "history_schema.hpp"
 #include "history_tables.hpp"
 
 namespace takt::store {
@@ -38,6 +40,8 @@ struct History::State {
     Result<void> write(std::int64_t wall_ns);
     Result<void> fold(std::int64_t wall_ns);
     Result<void> drop(std::int64_t wall_ns);
+    /// Ends the work with a file that is damaged.
+    void replace_if_damaged(const Error& error);
     /// Runs `statements` as one transaction.
     template <class Statements>
     Result<void> transaction(Statements statements);
@@ -68,8 +72,17 @@ Result<void> History::State::transaction(Statements statements) {
     });
 }
 
+void History::State::replace_if_damaged(const Error& error) {
+    if (error.code != Code::malformed) return;
+    damaged = error;
+    file.database.reset();
+    if (auto replaced = replace_history(path, options.retention))
+        status.set_aside = std::move(replaced->set_aside);
+}
+
 Result<std::vector<HistoryDamage>> History::State::load() {
     return with_results(path, file.database.get(), [&]() -> Result<std::vector<HistoryDamage>> {
+        repair_indexes(*file.database);
         auto loaded = load_history(*file.database, open);
         committed = loaded.state;
         position = committed.position;
@@ -160,7 +173,10 @@ Result<History::Opened> History::open(const std::string& path, const HistoryOpti
     };
     auto state = load();
     if (!state && state.error().code == Code::malformed) {
-        TAKT_TRY(opened.set_aside, set_history_aside(path));
+        {
+            TAKT_TRY(auto replaced, replace_history(path, options.retention));
+            opened.set_aside = std::move(replaced.set_aside);
+        }
         state = load();
     }
     if (!state) return std::unexpected(state.error());
@@ -176,10 +192,12 @@ Result<SeriesId> History::series(const HistorySeries& properties) {
     if (known != s.all_series.end() && known->series == properties) return known->id;
     SeriesId id;
     HistoryState next = s.committed;
-    TAKT_CHECK(s.transaction([&](SQLite::Database& database) {
+    const auto written = s.transaction([&](SQLite::Database& database) {
         id = write_series(database, next, properties);
         write_state(database, next);
-    }));
+    });
+    if (!written) s.replace_if_damaged(written.error());
+    TAKT_CHECK(written);
     s.committed = next;
     if (known != s.all_series.end())
         known->series = properties;
@@ -222,11 +240,7 @@ Result<void> History::commit(std::int64_t wall_ns) {
         if (!kept) s.status.failure = kept.error();
         if (!kept && kept.error().code == Code::malformed) done = kept;
     }
-    if (!done && done.error().code == Code::malformed) {
-        s.damaged = done.error();
-        s.file.database.reset();
-        static_cast<void>(set_history_aside(s.path));
-    }
+    if (!done) s.replace_if_damaged(done.error());
     return done;
 }
 

@@ -301,6 +301,19 @@ SeriesChunks read_chunks(SQLite::Database& database, const SeriesRow& series, co
     return result;
 }
 
+bool each_chunk(SQLite::Database& database, const std::function<void(const ChunkRow&)>& chunk) {
+    SQLite::Statement select(database, std::string("SELECT ") + kRowColumns + " FROM rollup NOT INDEXED");
+    bool sound = true;
+    while (select.executeStep()) {
+        const auto stored = stored_row(select);
+        if (stored.is_good())
+            chunk(stored.row);
+        else
+            sound = false;
+    }
+    return sound;
+}
+
 std::int64_t last_chunk(SQLite::Database& database) {
     return database.execAndGet("SELECT coalesce(max(id), 0) FROM chunk").getInt64();
 }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <set>
 #include <vector>
@@ -53,6 +54,8 @@ struct SeriesChunks {
 /// @param gaps  all, by their first times
 [[nodiscard]] SeriesChunks read_chunks(SQLite::Database& database, const SeriesRow& series,
                                        const HistoryGaps& gaps);
+/// Calls `chunk` for each sound row of all variables. @returns false: there are damaged rows
+bool each_chunk(SQLite::Database& database, const std::function<void(const ChunkRow&)>& chunk);
 /// The greatest number of a chunk; 0: there is none.
 [[nodiscard]] std::int64_t last_chunk(SQLite::Database& database);
 

@@ -55,7 +55,7 @@ void write_gaps(SQLite::Database& database, LoadedHistory& loaded, OpenChunks& o
 
 void repair(SQLite::Database& database, LoadedHistory& loaded, OpenChunks& open, const Findings& findings) {
     SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
-    if (findings.series) database.exec("REINDEX series");
+    if (findings.series) repair_series(database, findings.rows);
     if (findings.gaps) repair_gaps(database);
     if (findings.rollups) rebuild_rollups(database, findings.rows, findings.known_gaps);
     {
@@ -80,8 +80,11 @@ LoadedHistory load_history(SQLite::Database& database, OpenChunks& open) {
     loaded.state = read_state(database);
     if (loaded.state.damaged) loaded.damage.push_back({.part = HistoryPart::state});
     findings.rows = read_series_rows(database);
-    append(loaded.damage, damage_of(findings.rows, loaded.state));
-    findings.series = loaded.damage.size() > (loaded.state.damaged ? 1U : 0U);
+    auto bad_series = damage_of(findings.rows, loaded.state);
+    findings.series = !bad_series.empty();
+    if (findings.series && restore_names(database, findings.rows))
+        bad_series = damage_of(findings.rows, loaded.state);
+    append(loaded.damage, bad_series);
     auto [gaps, bad_gaps] = read_gaps(database, loaded.state);
     findings.known_gaps = std::move(gaps);
     findings.gaps = !bad_gaps.empty();
@@ -95,7 +98,8 @@ LoadedHistory load_history(SQLite::Database& database, OpenChunks& open) {
     append(loaded.damage, log.damage);
     open.load(log);
     open.load(findings.known_gaps);
-    if (!loaded.damage.empty() || findings.rollups) repair(database, loaded, open, findings);
+    if (!loaded.damage.empty() || findings.rollups || findings.series)
+        repair(database, loaded, open, findings);
     return loaded;
 }
 

@@ -6,8 +6,13 @@
 // upgrade does not read the chunks: those of version 1 keep the default, which is "no sum".
 #include "history_schema.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <string>
+#include <string_view>
 
+#include "history_bytes.hpp"
 #include "history_chunks.hpp"
 #include "history_tables.hpp"
 
@@ -28,15 +33,27 @@ CREATE TABLE rollup (series INTEGER NOT NULL, t0 INTEGER NOT NULL, chunk INTEGER
                      max_t INTEGER, max REAL, last_t INTEGER, last REAL, area REAL, drawn REAL NOT NULL,
                      good REAL NOT NULL,
                      PRIMARY KEY (series, t0, chunk)) WITHOUT ROWID;
-CREATE INDEX rollup_by_end ON rollup (t1);
-CREATE INDEX rollup_open ON rollup (open) WHERE open = 1;
 CREATE TABLE gap (id INTEGER PRIMARY KEY, first INTEGER NOT NULL, last INTEGER NOT NULL,
                   cause INTEGER NOT NULL, samples INTEGER NOT NULL);
-CREATE INDEX gap_by_end ON gap (last);
 CREATE TABLE log (id INTEGER PRIMARY KEY, data BLOB NOT NULL);
 CREATE TABLE state (id INTEGER PRIMARY KEY CHECK (id = 1), journal INTEGER, sequence INTEGER,
                     known_until INTEGER);
 )";
+
+struct Index {
+    const char* name;
+    const char* create;
+    const char* columns;  ///< that an entry has
+    const char* table;
+    const char* condition;      ///< of a partial index
+    const char* row_condition;  ///< the same, in a form that does not use the index
+};
+constexpr Index kIndexes[] = {
+    {"rollup_by_end", "CREATE INDEX rollup_by_end ON rollup (t1)", "t1, series, t0, chunk", "rollup", "", ""},
+    {"rollup_open", "CREATE INDEX rollup_open ON rollup (open) WHERE open = 1", "open, series, t0, chunk",
+     "rollup", " WHERE open = 1", " WHERE +open = 1"},
+    {"gap_by_end", "CREATE INDEX gap_by_end ON gap (last)", "last, id", "gap", "", ""},
+};
 
 // -2 is no sum: a damaged record that lacks the column is not taken for one of version 1 (-1).
 constexpr const char* kSumColumns = R"(
@@ -78,6 +95,55 @@ bool has_sums(SQLite::Database& database) {
                .getInt() > 0;
 }
 
+/// The number of entries, and the sum of each column.
+struct IndexDigest {
+    std::int64_t entries = 0;
+    std::array<std::int64_t, 4> sums{};
+
+    friend bool operator==(const IndexDigest&, const IndexDigest&) = default;
+};
+
+/// @param columns  how many of the query count
+IndexDigest digest_of(SQLite::Database& database, const std::string& query, int columns) {
+    SQLite::Statement select(database, query);
+    IndexDigest digest;
+    while (select.executeStep()) {
+        ++digest.entries;
+        for (int i = 0; i < columns; ++i) {
+            auto& sum = digest.sums[static_cast<std::size_t>(i)];
+            sum = wrapped_sum(sum, select.getColumn(i).getInt64());
+        }
+    }
+    return digest;
+}
+
+// The column `sum` is in no index, so SQLite reads the table.
+bool is_sound(SQLite::Database& database, const Index& index) {
+    const auto columns = 1 + static_cast<int>(std::ranges::count(std::string_view(index.columns), ','));
+    const auto select = std::string("SELECT ") + index.columns;
+    const auto from = std::string(" FROM ") + index.table;
+    const auto rows =
+        digest_of(database, select + ", sum" + from + " NOT INDEXED" + index.row_condition, columns);
+    try {
+        return digest_of(database, select + from + " INDEXED BY " + index.name + index.condition, columns) ==
+               rows;
+    } catch (const SQLite::Exception&) {
+        return false;
+    }
+}
+
+// DROP INDEX and REINDEX walk the old pages, and fail at a damaged one. So the index is taken out of the
+// schema. Its pages are not used again.
+void rebuild(SQLite::Database& database, const Index& index) {
+    SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
+    database.exec("PRAGMA writable_schema = ON");
+    database.exec(std::string("DELETE FROM sqlite_master WHERE type = 'index' AND name = '") + index.name +
+                  "'");
+    database.exec("PRAGMA writable_schema = RESET");
+    database.exec(index.create);
+    transaction.commit();
+}
+
 void set_version(SQLite::Database& database) {
     database.exec("PRAGMA user_version = " + std::to_string(kHistoryVersion));
 }
@@ -87,6 +153,7 @@ void set_version(SQLite::Database& database) {
 void make_history_tables(SQLite::Database& database) {
     SQLite::Transaction transaction(database, SQLite::TransactionBehavior::IMMEDIATE);
     database.exec(kHistoryTables);
+    for (const Index& index : kIndexes) database.exec(index.create);
     database.exec(kSumColumns);
     write_state(database, {});
     database.exec("PRAGMA application_id = " + std::to_string(kHistoryApplication));
@@ -120,6 +187,11 @@ void upgrade_history(SQLite::Database& database) {
     }
     set_version(database);
     transaction.commit();
+}
+
+void repair_indexes(SQLite::Database& database) {
+    for (const Index& index : kIndexes)
+        if (!is_sound(database, index)) rebuild(database, index);
 }
 
 void view_history(SQLite::Database& database) {

@@ -17,6 +17,8 @@ void make_history_tables(SQLite::Database& database);
 
 /// Upgrades a file of version 1 in one transaction: its rows get checksums, as they are. Chunks are not read.
 void upgrade_history(SQLite::Database& database);
+/// Builds each index again that does not have the entries of its table. Reads all entries, and their rows.
+void repair_indexes(SQLite::Database& database);
 /// Gives this connection, which reads, temporary views of a file of version 1: its rows have no sums.
 void view_history(SQLite::Database& database);
 

@@ -1,4 +1,4 @@
-// Reads do not use indexes: a damaged index would hide rows.
+// Reads of rows do not use indexes: a damaged index would hide rows.
 #include "history_tables.hpp"
 
 #include <sqlite3.h>
@@ -353,6 +353,27 @@ ReadSeries read_series(SQLite::Database& database, const HistoryState& state) {
     return read;
 }
 
+bool restore_names(SQLite::Database& database, std::vector<SeriesRow>& rows) {
+    const auto names = indexed_names(database);
+    bool restored = false;
+    for (SeriesRow& row : rows) restored = restore_name(row, names) || restored;
+    return restored;
+}
+
+// With a writable schema an update does not require that the index has the damaged name.
+void repair_series(SQLite::Database& database, const std::vector<SeriesRow>& rows) {
+    database.exec("PRAGMA writable_schema = ON");
+    SQLite::Statement update(database, "UPDATE series SET name = ?1 WHERE id = ?2 AND name <> ?1");
+    for (const SeriesRow& row : rows) {
+        update.bind(1, row.info.series.name);
+        update.bind(2, row.info.id.value);
+        update.exec();
+        update.reset();
+    }
+    database.exec("PRAGMA writable_schema = OFF");
+    database.exec("REINDEX series");
+}
+
 void write_gap(SQLite::Database& database, HistoryState& state, const HistoryGap& gap) {
     SQLite::Statement insert(database,
                              "INSERT INTO gap (first, last, cause, samples, sum) VALUES (?, ?, ?, ?, ?)");
@@ -448,9 +469,14 @@ DecodedLog read_log(SQLite::Database& database, const HistoryState& state,
 }
 
 std::optional<std::int64_t> newest_chunk_end(SQLite::Database& database) {
-    SQLite::Statement select(database, "SELECT max(t1) FROM rollup");
-    if (!select.executeStep() || select.isColumnNull(0)) return {};
-    return nanoseconds(select.getColumn(0).getInt64());
+    std::optional<std::int64_t> end;
+    static_cast<void>(unless_damaged([&] {
+        SQLite::Statement select(database, "SELECT max(t1) FROM rollup");
+        if (select.executeStep() && !select.isColumnNull(0))
+            end = nanoseconds(select.getColumn(0).getInt64());
+        return false;
+    }));
+    return end;
 }
 
 RowsDigest digest_of_log(SQLite::Database& database) {

@@ -58,6 +58,10 @@ struct ReadSeries {
 /// Reads what is left of a damaged table. The index of the names is a second copy of numbers and names: a row
 /// whose name alone is damaged gets it from there.
 [[nodiscard]] ReadSeries read_series(SQLite::Database& database, const HistoryState& state);
+/// Gives rows whose name alone is damaged the name of the index. @returns whether there are any
+bool restore_names(SQLite::Database& database, std::vector<SeriesRow>& rows);
+/// Writes the names of these rows, and builds the index of the names again.
+void repair_series(SQLite::Database& database, const std::vector<SeriesRow>& rows);
 /// Adds a variable, or gives it other properties.
 [[nodiscard]] SeriesId write_series(SQLite::Database& database, HistoryState& state,
                                     const HistorySeries& series);
@@ -85,7 +89,7 @@ void write_log(SQLite::Database& database, HistoryState& state, const std::vecto
 /// @param from_ns  a time before the log; nothing: unknown
 [[nodiscard]] DecodedLog read_log(SQLite::Database& database, const HistoryState& state,
                                   std::optional<std::int64_t> from_ns);
-/// The end of the newest chunk.
+/// The end of the newest chunk; nothing: there is none, or the index that has it is damaged.
 [[nodiscard]] std::optional<std::int64_t> newest_chunk_end(SQLite::Database& database);
 [[nodiscard]] RowsDigest digest_of_log(SQLite::Database& database);
 void clear_log(SQLite::Database& database, HistoryState& state);

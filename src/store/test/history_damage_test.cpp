@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <chrono>
 #include <functional>
 #include <map>
 #include <string>
@@ -189,9 +190,22 @@ TEST_F(HistoryDamageTest, OfAVariableIsReportedWithItsNameAndSamples) {
 TEST_F(HistoryDamageTest, OfTheNameOfAVariableIsUndone) {
     make({});
     const auto page = page_of("series");
-    change_bytes([&](std::string& bytes) { bytes[bytes.find(kLevel.name, page)] ^= 1; });
-    EXPECT_EQ(read().samples.size(), 100U);
-    EXPECT_TRUE(read().damage.empty());
+    auto other = kLevel;
+    other.name.back() ^= 1;
+    ASSERT_TRUE(History::open(path_)->history->series(other));
+    change_bytes(
+        [&](std::string& bytes) { bytes[bytes.find(kLevel.name, page) + kLevel.name.size() - 1] ^= 1; });
+    for (int i = 0; i < 2; ++i) {
+        EXPECT_EQ(read().samples.size(), 100U);
+        EXPECT_TRUE(read(other).samples.empty());
+        EXPECT_TRUE(read().damage.empty());
+        const auto opened = History::open(path_).value();
+        EXPECT_EQ(opened.set_aside, "");
+        EXPECT_TRUE(opened.damage.empty());
+        EXPECT_EQ(opened.history->series(kLevel).value(), SeriesId{1});
+    }
+    SQLite::Database database(path_);
+    EXPECT_EQ(database.execAndGet("SELECT name FROM series WHERE id = 1").getString(), kLevel.name);
 }
 
 TEST_F(HistoryDamageTest, OfAllVariablesIsReportedWithTheirNames) {
@@ -220,6 +234,59 @@ TEST_F(HistoryDamageTest, OfVariablesWithoutNamesConcernsEachVariableThatIsMissi
     ASSERT_EQ(reader.damage().size(), 2U);
     EXPECT_EQ(reader.damage()[0].variable, "");
     EXPECT_EQ(reader.damage()[1].variable, kLevel.name);
+}
+
+TEST_F(HistoryDamageTest, OfAnIndexIsUndone) {
+    const HistoryOptions options{.retention = std::chrono::hours(1), .chunk_samples = 10, .log_commits = 1};
+    for (const char* index : {"rollup_by_end", "rollup_open", "gap_by_end"}) {
+        for (const std::size_t at : {std::size_t{0}, std::size_t{12}, kPage - 1}) {
+            std::filesystem::remove(path_);
+            make(options);
+            std::move(History::open(path_)->history)
+                ->append(HistoryGap{.first_ns = kStart, .last_ns = kStart});
+            const auto page = page_of(index);
+            change_bytes([&](std::string& bytes) { bytes[page + at] ^= 1; });
+            EXPECT_EQ(read().samples.size(), 100U) << index;
+            EXPECT_TRUE(read().damage.empty()) << index;
+            auto opened = History::open(path_, options).value();
+            EXPECT_EQ(opened.set_aside, "") << index << ' ' << at;
+            EXPECT_TRUE(opened.damage.empty()) << index;
+            const auto level = opened.history->series(kLevel).value();
+            opened.history->append(level, {.time_ns = kStart + 100 * kSecond, .value = 1.0});
+            EXPECT_TRUE(opened.history->commit(kStart + 100 * kSecond)) << index << ' ' << at;
+            EXPECT_EQ(read().samples.size(), 101U);
+            EXPECT_TRUE(opened.history->commit(kStart + 3 * kHour)) << index << ' ' << at;
+            EXPECT_GT(opened.history->status().dropped, 0U) << "all but the last hour";
+        }
+    }
+}
+
+// A commit meets damage that opening does not: the list of free pages names a page that does not exist.
+TEST_F(HistoryDamageTest, OfTheFileBecomesAGapOfTheNewOne) {
+    make({.chunk_samples = 10, .log_commits = 1});
+    change_bytes(
+        [](std::string& bytes) { bytes.replace(32, 8, std::string("\xFF\xFF\xFF\xFF\0\0\0\1", 8)); });
+    const auto history = std::move(History::open(path_, {.retention = {}, .log_commits = 1})->history);
+    const auto text = history->series({"text", "", DataType::string, false, ""}).value();
+    history->append(text, {.time_ns = kStart + 100 * kSecond, .value = std::string(50'000, 'x')});
+    EXPECT_EQ(history->commit(kStart + 200 * kSecond).error().code, Code::malformed);
+    EXPECT_EQ(history->status().set_aside, path_ + ".damaged-1");
+    auto reader = HistoryReader::open(path_).value();
+    const HistoryGap gap{kStart, kStart + 99 * kSecond, GapCause::damaged, 0};
+    EXPECT_EQ(reader.gaps(kAll).value(), std::vector{gap});
+    ASSERT_EQ(reader.damage().size(), 1U);
+    EXPECT_EQ(reader.damage()[0].part, HistoryPart::recorded);
+}
+
+// The times of the samples are unknown: those of the retention may be lost.
+TEST_F(HistoryDamageTest, OfAFileWithoutAReadablePageBecomesAGapOfTheRetention) {
+    make({});
+    change_bytes([](std::string& bytes) { bytes.assign(bytes.size(), '\0'); });
+    EXPECT_EQ(History::open(path_, {.retention = std::chrono::hours(1)})->set_aside, path_ + ".damaged-1");
+    const auto gaps = HistoryReader::open(path_)->gaps({0, INT64_MAX}).value();
+    ASSERT_EQ(gaps.size(), 1U);
+    EXPECT_EQ(gaps[0].cause, GapCause::damaged);
+    EXPECT_EQ(gaps[0].last_ns - gaps[0].first_ns, kHour);
 }
 
 TEST_F(HistoryDamageTest, AFileOfVersion1IsReadAndUpgraded) {

@@ -34,6 +34,7 @@ struct HistoryStatus {
     std::size_t pending = 0;       ///< samples that are not committed
     /// Of folding or dropping, after a successful commit: nothing is lost, the next commit tries again.
     std::optional<Error> failure;
+    std::string set_aside;  ///< where commit() moved the damaged file; empty: it did not
 };
 
 /// Writes a history. One owner, one thread. commit() blocks for as long as the disk does.
@@ -44,8 +45,9 @@ public:
     struct Opened;
 
     /// Opens or creates the file. One that SQLite cannot read is moved aside, with its log, to the first free
-    /// of "PATH.damaged-1" to "-999", and a new one begun. Damaged rows of the log and damaged open chunks
-    /// are replaced by gaps; other chunks are not read here (HistoryReader::damage()).
+    /// of "PATH.damaged-1" to "-999", and a new one begun, with a gap `damaged` in the place of the samples.
+    /// Damaged rows of the log and damaged open chunks are replaced by gaps; other chunks are not read here
+    /// (HistoryReader::damage()).
     /// @returns busy (another program writes it); unsupported (not a history, or of a newer version: it is
     ///          left alone); cannot_open, io_failed
     [[nodiscard]] static Result<Opened> open(const std::string& path, const HistoryOptions& options = {});
@@ -70,8 +72,8 @@ public:
     /// acknowledge its journal. Also moves committed samples into chunks and drops old chunks, within bounds.
     /// @param wall_ns  now, for the retention
     /// @returns io_failed (ENOSPC: the disk is full), busy, replaced: nothing was committed; call again
-    ///          later. malformed: the file is damaged and was moved aside. Open the history again, and read
-    ///          the journal again from its last acknowledged record
+    ///          later. malformed: the file is damaged and was moved aside (HistoryStatus::set_aside), as by
+    ///          open(). Open the history again, and read the journal again from its last acknowledged record
     Result<void> commit(std::int64_t wall_ns);
 
     /// Of the last committed record; nothing in a new file.
