@@ -174,8 +174,9 @@ void HostConsole::report_output() {
 void HostConsole::report_outputs(Instant t) {
     if (!environment_.outputs) return;
     for (const auto& status : environment_.outputs()) {
-        const OutputSummary summary{status.state, status.failure, status.journal_failure,
-                                    status.disk_waits > Duration{}, status.gaps > 0};
+        const OutputSummary summary{
+            status.state,    status.failure,   status.journal_failure, status.disk_waits > Duration{},
+            status.gaps > 0, status.set_aside, status.damaged};
         const auto [known, first] = outputs_.try_emplace(status.name);
         auto& shown = known->second;
         const bool grows = status.samples.dropped != shown.dropped && t >= shown.at + kLossesEvery;

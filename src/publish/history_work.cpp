@@ -131,6 +131,8 @@ void HistoryWork::work(Instant now) {
 // What was appended and not committed is forgotten, and read from the journal again.
 void HistoryWork::fail_with(Instant now, const Error& error) {
     failure_ = error;
+    if (const auto aside = history_ ? history_->status().set_aside : std::string(); !aside.empty())
+        set_aside_ = aside;
     history_.reset();
     next_ = now + kTryAgain;
 }

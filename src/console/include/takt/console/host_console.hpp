@@ -70,6 +70,8 @@ private:
         std::optional<Error> journal_failure;
         bool disk_waits = false;
         bool has_gaps = false;
+        std::string set_aside;
+        std::uint64_t damaged = 0;
         friend bool operator==(const OutputSummary&, const OutputSummary&) = default;
     };
     using LinkState = std::pair<bool, std::optional<Error>>;  // up; why not
