@@ -10,6 +10,9 @@
 #include <cstring>
 #include <vector>
 
+#include "file_reason.hpp"
+#include "takt/file/read.hpp"
+
 namespace takt::publish {
 namespace {
 
@@ -91,6 +94,10 @@ void BrokerTls::check_host() {
 
 bool BrokerTls::load(const MqttTls& files) {
     SSL_CTX* context = context_.get();
+    if (!is_readable(files.ca_file, file::kMaxCertificateBytes) ||
+        !is_readable(files.certificate_file, file::kMaxCertificateBytes) ||
+        !is_readable(files.key_file, file::kMaxSecretBytes))
+        return false;
     const bool trusted = files.ca_file.empty()
                              ? SSL_CTX_set_default_verify_paths(context) == 1
                              : SSL_CTX_load_verify_locations(context, files.ca_file.c_str(), nullptr) == 1;
@@ -109,6 +116,15 @@ bool BrokerTls::load(const MqttTls& files) {
     protocols.insert(protocols.end(), files.alpn.begin(), files.alpn.end());
     SSL_CTX_set_alpn_protos(context, protocols.data(), static_cast<unsigned>(protocols.size()));
     return true;
+}
+
+// OpenSSL would wait for the writer of a FIFO.
+bool BrokerTls::is_readable(const std::string& file, std::size_t limit) {
+    if (file.empty()) return true;
+    const auto readable = file::check_readable(file, limit);
+    if (!readable)
+        failure_ = MqttFailure{MqttFailureKind::tls_files, {}, file + ": " + file_reason(readable.error())};
+    return readable.has_value();
 }
 
 void BrokerTls::fail_with_files(const std::string& subject) {

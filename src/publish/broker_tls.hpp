@@ -3,6 +3,7 @@
 
 #include <openssl/types.h>
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,6 +35,7 @@ private:
     };
 
     bool load(const MqttTls& files);
+    bool is_readable(const std::string& file, std::size_t limit);
     void fail_with_files(const std::string& subject);
     void check_host();
     static int on_certificate(int accepted, X509_STORE_CTX* store);

@@ -6,11 +6,11 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <type_traits>
 #include <utility>
 
+#include "file_reason.hpp"
 #include "takt/file/read.hpp"
 #include "takt/model/output.hpp"
 #include "takt/os/rotating_file.hpp"
@@ -36,31 +36,21 @@ std::string path_of(const std::string& project_file, const std::string& path) {
     return path.empty() ? std::string() : (folder_of(project_file) / path).string();
 }
 
-constexpr std::size_t kLongestSecret = 64 << 10;  // of the file that holds it
-
 std::string first_line(std::string_view text) {
     std::string line(text.substr(0, text.find('\n')));
     if (!line.empty() && line.back() == '\r') line.pop_back();
     return line;
 }
 
-// A FIFO or a device would be waited for, or never end.
-std::string why_not_read(const Error& error) {
-    switch (error.code) {
-        case Code::unsupported: return "not a regular file";
-        case Code::too_long: return "longer than " + std::to_string(kLongestSecret) + " bytes";
-        default: return std::strerror(static_cast<int>(error.numbers[0]));
-    }
-}
-
 /// @returns the reason why there is none
 std::expected<std::string, std::string> password_of(const model::MqttSettings& settings,
                                                     const std::string& project_file) {
     if (!settings.password_file.empty()) {
-        const auto text = file::read_file(path_of(project_file, settings.password_file), kLongestSecret);
+        const auto path = path_of(project_file, settings.password_file);
+        const auto text = file::read_file(path, file::kMaxSecretBytes);
         if (!text)
             return std::unexpected("password_file " + settings.password_file + ": " +
-                                   why_not_read(text.error()));
+                                   file_reason(text.error()));
         return first_line(*text);
     }
     if (settings.password_env.empty()) return std::string();
@@ -75,7 +65,7 @@ std::uint64_t fnv1a(std::string_view text, std::uint64_t hash = 0xcbf29ce4842223
 }
 
 std::string machine_id() {
-    const auto text = file::read_file("/etc/machine-id", kLongestSecret);
+    const auto text = file::read_file("/etc/machine-id", file::kMaxSecretBytes);
     return text ? first_line(*text) : std::string();
 }
 

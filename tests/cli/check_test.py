@@ -1,6 +1,7 @@
 """`takt check`: all findings at once, with their locations, in three languages."""
 import functools
 import json
+import os
 import pathlib
 import tempfile
 
@@ -273,3 +274,45 @@ def test_tls_is_an_error_until_it_exists(project, language, part):
     assert (finding["code"], finding["value"], finding["line"]) == ("line.tls", "tls", 2)
     assert finding["allowed"] == "serial, tcp, simulated" and part in finding["message"]
     assert "transport: tcp" in finding["advice"]
+
+
+OUTPUT = """takt: 1
+lines:
+  - name: L
+    transport: simulated
+    devices:
+      - {name: D, address: 1, variables: [{name: A, type: uint16, register: 1, read: 0x03}]}
+outputs:
+  - {name: m, transport: mqtt, brokers: ['mqtts://127.0.0.1:18999'], user: u, password_file: secret,
+     {key}: {path}}
+"""
+
+
+@pytest.mark.parametrize("key", ["password_file", "key_file", "ca_file", "certificate_file"])
+@pytest.mark.parametrize("mode", [0o600, 0o644])
+def test_a_file_of_an_output_that_is_a_fifo_is_a_finding_without_chmod(project, tmp_path, key, mode):
+    text = OUTPUT.replace("{key}", key).replace("{path}", "link")
+    if key == "password_file":
+        text = text.replace("password_file: secret,\n    ", "")
+    elif key == "key_file":
+        text = text.replace("link", "link, certificate_file: secret")
+    elif key == "certificate_file":
+        text = text.replace("link", "link, key_file: secret")
+    path = pathlib.Path(project(text))
+    secret, fifo = path.parent / "secret", path.parent / "fifo"
+    secret.write_text("x\n")
+    secret.chmod(0o600)
+    os.mkfifo(fifo, mode)
+    fifo.chmod(mode)
+    (path.parent / "link").symlink_to("fifo")
+    found = [f for f in findings(path) if f["code"].startswith("output.file_")]
+    assert [(f["code"], f["path"], f["line"])
+            for f in found] == [("output.file_irregular", f"outputs[0].{key}", 8)]
+    assert found[0]["value"].endswith("/link") and "chmod" not in found[0]["advice"]
+    fifo.unlink()
+    fifo.write_text("x" * 4194305)
+    fifo.chmod(0o600)
+    [found] = [f for f in findings(path) if f["code"].startswith("output.file_")]
+    limit = 65536 if key in ("password_file", "key_file") else 4194304
+    assert (found["code"], found["allowed"]) == ("output.file_too_long", f"0..{limit}")
+    assert f"{limit} bytes" in found["advice"]

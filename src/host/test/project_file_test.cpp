@@ -2,12 +2,14 @@
 #include "takt/host/project_file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
 
 #include "folder.hpp"
 #include "takt/file/learnt.hpp"
+#include "takt/file/read.hpp"
 
 namespace takt::host {
 namespace project_file_test {
@@ -68,6 +70,65 @@ TEST(ProjectFile, FilesOfOutputsAreChecked) {
     fs::remove(folder / "ca.pem");
     folder.write("ca.pem", "x\n");
     EXPECT_EQ(findings_of(), "");
+}
+
+struct OutputFileCase {
+    std::string_view key;
+    std::string_view name;
+    std::string_view code;  // empty: no finding
+    std::string_view allowed;
+};
+
+// The program that reads a FIFO would wait, and a device may have no end.
+TEST(ProjectFile, FilesOfOutputsAreRegularAndHaveALimit) {
+    namespace fs = std::filesystem;
+    const takt::test::Folder folder;
+    ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
+    ASSERT_EQ(::mkfifo((folder / "open").c_str(), 0644), 0);
+    fs::permissions(folder / "open", fs::perms::owner_read | fs::perms::others_read);
+    fs::create_symlink("fifo", folder / "link");
+    const auto write = [&](const std::string& name, std::size_t size) {
+        folder.write(name, std::string(size, 'x'));
+        fs::permissions(folder / name, fs::perms::owner_read);
+    };
+    write("largest", file::kMaxSecretBytes);
+    write("long", file::kMaxSecretBytes + 1);
+    write("bundle", file::kMaxCertificateBytes);
+    write("long_bundle", file::kMaxCertificateBytes + 1);
+    constexpr auto kIrregular = "output.file_irregular";
+    constexpr auto kTooLong = "output.file_too_long";
+    const OutputFileCase cases[] = {
+        {"password_file", "fifo", kIrregular, ""},
+        {"password_file", "open", kIrregular, ""},
+        {"password_file", "link", kIrregular, ""},
+        {"password_file", "/dev/zero", kIrregular, ""},
+        {"password_file", "long", kTooLong, "0..65536"},
+        {"password_file", "largest", "", ""},
+        {"key_file", "open", kIrregular, ""},
+        {"key_file", "long", kTooLong, "0..65536"},
+        {"ca_file", "fifo", kIrregular, ""},
+        {"ca_file", "long_bundle", kTooLong, "0..4194304"},
+        {"ca_file", "bundle", "", ""},
+        {"certificate_file", "/dev/null", kIrregular, ""},
+        {"certificate_file", "long_bundle", kTooLong, "0..4194304"},
+    };
+    for (const auto& [key, name, code, allowed] : cases) {
+        LoadedProject loaded;
+        auto& mqtt = loaded.project.outputs.emplace_back().mqtt;
+        (key == "password_file" ? mqtt.password_file
+         : key == "key_file"    ? mqtt.key_file
+         : key == "ca_file"     ? mqtt.ca_file
+                                : mqtt.certificate_file) = name;
+        check_output_files(loaded, folder / "plant.yaml");
+        const auto context = std::string(key) + ' ' + std::string(name);
+        ASSERT_EQ(loaded.findings.size(), code.empty() ? 0U : 1U) << context;
+        if (code.empty()) continue;
+        const auto& finding = loaded.findings.front();
+        EXPECT_EQ(finding.code, code) << context;
+        EXPECT_EQ(finding.path, "outputs[0]." + std::string(key));
+        EXPECT_EQ(finding.value, (fs::path(folder / "") / name).string()) << context;
+        EXPECT_EQ(finding.allowed, allowed) << context;
+    }
 }
 
 TEST(ProjectFile, AnUnsetEnvironmentVariableOfAPasswordIsAWarning) {

@@ -117,6 +117,18 @@ TEST_F(MosquittoTlsBroker, AFileThatCannotBeUsedIsNamed) {
         << "the key of another certificate";
 }
 
+TEST_F(MosquittoTlsBroker, AFifoIsNotWaitedFor) {
+    certificates.issue("good", "DNS:localhost");
+    const auto fifo = certificates.folder / "fifo";
+    ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+    for (const MqttTls& files :
+         {MqttTls{.ca_file = fifo}, MqttTls{.ca_file = ca, .certificate_file = fifo, .key_file = ca},
+          MqttTls{.ca_file = ca, .key_file = fifo}}) {
+        EXPECT_TRUE(connect("good", files).fails_with(MqttFailureKind::tls_files));
+        EXPECT_EQ(live->status().last_failure->text, fifo + ": not a regular file");
+    }
+}
+
 TEST_F(MosquittoTlsBroker, APlainBrokerIsNotOneWithTls) {
     broker.emplace();
     live.emplace(broker->port());
