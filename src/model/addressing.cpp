@@ -137,13 +137,17 @@ private:
         if (type_) reader_.report(Rule::variable_bit_type, "bit", {}, {{"type", std::string(name(*type_))}});
     }
 
+    static Rule coil_rule(Area area) {
+        return area == Area::coil ? Rule::variable_coil_assumed : Rule::variable_discrete_input_assumed;
+    }
+
     void find_bit() {
         variable_.bit = static_cast<std::uint8_t>(reader_.integer("bit").value_or(0));
         const bool direct = reader_.given("coil") || (reference_ && is_bit_area(reference_->area));
         if (direct || reader_.given("bit")) return;
         const auto number = reader_.given("register") ? reader_.integer("register") : std::nullopt;
         if (number && *number > 0 && area_ && is_bit_area(*area_))
-            reader_.report(Rule::variable_coil_assumed, "register", "0..15",
+            reader_.report(coil_rule(*area_), "register", "0..15",
                            {{"number", std::to_string(*number)}, {"coil", std::to_string(*number * 16)}});
         else if (reader_.given("register") || reference_)
             reader_.report(Rule::variable_bit_assumed, reader_.given("register") ? "register" : "reference",

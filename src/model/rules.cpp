@@ -138,6 +138,7 @@ constexpr std::array kRules{
     RuleInfo{Rule::variable_bit_write, "variable.bit_write", Severity::warning},
     RuleInfo{Rule::variable_bit_assumed, "variable.bit_assumed", Severity::warning},
     RuleInfo{Rule::variable_coil_assumed, "variable.coil_assumed", Severity::warning},
+    RuleInfo{Rule::variable_discrete_input_assumed, "variable.discrete_input_assumed", Severity::warning},
     RuleInfo{Rule::variable_bit_type, "variable.bit_type"},
     RuleInfo{Rule::variable_coil_area, "variable.coil_area"},
     RuleInfo{Rule::variable_beyond_end, "variable.beyond_end"},

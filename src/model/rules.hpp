@@ -137,13 +137,14 @@ enum class Rule : std::uint8_t {
     variable_write_single_only,  // {registers}
     variable_bit_write,
     variable_bit_assumed,
-    variable_coil_assumed,  // {number}, {coil}
-    variable_bit_type,      // {type}
-    variable_coil_area,     // {area}
-    variable_beyond_end,    // {items}
-    variable_needs_read,    // {key}
-    variable_needs_write,   // {key}
-    variable_length_type,   // {type}
+    variable_coil_assumed,            // {number}, {coil}
+    variable_discrete_input_assumed,  // {number}, {coil}
+    variable_bit_type,                // {type}
+    variable_coil_area,               // {area}
+    variable_beyond_end,              // {items}
+    variable_needs_read,              // {key}
+    variable_needs_write,             // {key}
+    variable_length_type,             // {type}
     variable_length_missing,
     variable_scale_zero,
     variable_scale_type,  // {key}, {type}

@@ -38,6 +38,7 @@ std::vector<std::string> bad_projects() {
         "takt: 1\nlines:\n- {name: N, host: 10.0.0.5/24, port: 502, parity: E, devices: []}\n",
         "takt: 1\n" + line +
             "{name: A, type: bool, register: 17, read: 1}, {name: B, type: float, register: 1, read: 3},\n"
+            "{name: D, type: bool, register: 5, read: 2},\n"
             "{name: C, type: int, register: 2, read: 3}]}]}\n",
         "takt: 1\n" + line + "{name: A, type: int, register: 1, read: 3}]}], idle_close: 1s}\n" +
             "- {name: O, host: h, devices: [{name: E, address: 1, variables: [{name: B, type: int, register: "

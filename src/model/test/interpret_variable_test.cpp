@@ -147,6 +147,7 @@ TEST(Interpret, Bits) {
         {"{read: 0x01, bit: 16}", "field.out_of_range bit=16 [0..15]"},
         {"{read: 0x01}", "?variable.bit_assumed register=0 [0..15]"},
         {"{read: 0x01, register: 17}", "?variable.coil_assumed register=17 [0..15]"},
+        {"{read: 0x02, register: 5}", "?variable.discrete_input_assumed register=5 [0..15]"},
         {"{read: 0x03}", "?variable.bit_assumed register=0 [0..15]"},
         {"{read: 0x01, register: 4095, bit: 15}", ""},
         {"{read: 0x01, register: 4096, bit: 0}", "variable.beyond_end register=4096 [0..4095]"},
