@@ -72,7 +72,10 @@ void TransactionCore::notice_deadlines(Instant t) {
         // A frame that stays incomplete has a wrong length; it would swallow the next responses.
         if (numbered() && bytes_since_gap_ > 0) {
             must_reconnect_ = true;
-            if (framer_.length_is_off()) ++counters_.lengths_off;
+            if (framer_.length_is_off()) {
+                ++counters_.lengths_off;
+                reject(HeaderFault::one_too_much, framer_.incomplete());
+            }
         }
         if (slot.broadcast)
             finish(t, slot, Status::ok);
@@ -94,7 +97,12 @@ bool TransactionCore::all_came(const Slot& slot) const {
 
 void TransactionCore::read(Instant t, Bytes bytes) {
     while (!bytes.empty() && !must_reconnect_) {
+        const std::size_t before = framer_.incomplete().size();
         const auto step = framer_.push(t, bytes);
+        if (step.fault == FrameFault::bad_header) {
+            const Bytes header = framer_.dropped();
+            reject(header_fault(header), header, bytes.subspan(header.size() - before));
+        }
         bytes = bytes.subspan(step.consumed);
         more_follows_ = bytes.size() >= kShortestFrame;
         bytes_since_gap_ += step.consumed;
@@ -104,9 +112,31 @@ void TransactionCore::read(Instant t, Bytes bytes) {
     }
 }
 
+HeaderFault TransactionCore::header_fault(Bytes header) const {
+    constexpr std::size_t kProtocolEnd = 4;
+    if (length_was_off_) return HeaderFault::after_wrong_length;
+    return header.size() <= kProtocolEnd ? HeaderFault::protocol : HeaderFault::length;
+}
+
+void TransactionCore::reject(HeaderFault fault, Bytes beginning, Bytes rest) {
+    header_fault_ = fault;
+    rejected_.assign(beginning.first(std::min(beginning.size(), kMostRejected)));
+    rejected_.append(rest.first(std::min(rest.size(), kMostRejected - rejected_.size())));
+}
+
+std::optional<Error> TransactionCore::rejection() const {
+    if (rejected_.empty()) return std::nullopt;
+    std::uint64_t number = 0;
+    for (const auto byte : rejected_) number = number << 8U | byte;
+    return fail(Code::not_modbus, static_cast<std::int64_t>(number),
+                static_cast<std::int64_t>(rejected_.size()), static_cast<std::int64_t>(header_fault_))
+        .error();
+}
+
 void TransactionCore::handle(Instant t, const wire::FramerStep& step) {
     if (step.complete) {
         const wire::Frame frame = framer_.frame();
+        length_was_off_ = numbered() && framer_.length_is_off();
         if (observer_)
             observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer_.raw());
         noise_ += bytes_since_gap_ - std::min(bytes_since_gap_, framer_.raw().size());

@@ -93,7 +93,11 @@ Result<bus::Outcome> Client::transmit_once(const wire::PreparedRequest& request,
     };
     connection_->run_until(ended, limit);
     if (outcome) return *outcome;
-    if (engine.must_reconnect()) return fail(Code::not_modbus, options_.target);
+    if (engine.must_reconnect()) {
+        auto error = engine.rejection().value_or(Error{.code = Code::not_modbus});
+        error.subject = std::string_view(options_.target);
+        return std::unexpected(error);
+    }
     return std::unexpected(timed_out());
 }
 

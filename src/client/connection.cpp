@@ -35,6 +35,7 @@ public:
     [[nodiscard]] std::optional<Instant> opens_at() const override {
         return needed_ ? Instant::min() : kNever;
     }
+    [[nodiscard]] std::optional<Error> rejection() const override { return engine_.rejection(); }
     void on_bytes(Instant t, Bytes bytes) override { engine_.on_bytes(t, bytes); }
     void on_tick(Instant t) override { engine_.on_tick(t); }
     [[nodiscard]] Bytes transmit(Instant t) override { return engine_.transmit(t); }

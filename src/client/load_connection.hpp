@@ -40,6 +40,7 @@ public:
     void on_bytes(Instant t, Bytes bytes) override;
     void on_tick(Instant t) override;
     [[nodiscard]] Bytes transmit(Instant t) override { return engine_.transmit(t); }
+    [[nodiscard]] std::optional<Error> rejection() const override { return engine_.rejection(); }
     /// Over Framing::tcp: frames that answered no request, in time or late.
     [[nodiscard]] std::uint64_t unexpected() const;
     [[nodiscard]] Instant next_wakeup() const override { return engine_.next_wakeup(); }

@@ -46,6 +46,12 @@ void FailureLog::on_link_closed(Instant t, std::size_t line, const Error& why) {
     if (filter_.admit(t, kind)) write(kind, {}, 0);
 }
 
+// The first bytes of a header are its transaction id, which differs each time.
+bool FailureLog::same_error(const Error& a, const Error& b) {
+    if (a.code != Code::not_modbus || b.code != Code::not_modbus) return a == b;
+    return a.subject == b.subject && a.numbers[2] == b.numbers[2];
+}
+
 void FailureLog::on_link_up(Instant t, std::size_t line) {
     filter_.end(
         t, [line](const Kind& kind) { return !kind.exchange && kind.line == line; },
@@ -72,7 +78,7 @@ void FailureLog::write(const Kind& kind, Duration time, std::uint64_t repeated) 
     std::vector<LogArgument> arguments{{.name = "line", .text = line.name},
                                        {.name = "count", .text = count},
                                        {.name = "seconds", .text = in}};
-    if (kind.closed)
+    if (kind.closed && kind.error.code != Code::not_modbus)
         return log_.message(LogLevel::info, repeated > 0 ? "log.link_closed_repeated" : "log.link_closed",
                             arguments);
     if (!kind.exchange) {

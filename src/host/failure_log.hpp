@@ -25,7 +25,8 @@ public:
     void on_failed(Instant t, std::size_t line, const poll::FailedExchange& failed);
     /// @param why  nothing: the connection was lost
     void on_link_down(Instant t, std::size_t line, const std::optional<Error>& why);
-    /// The peer closed the connection, which the next request opens again.
+    /// The connection was closed, and the next request opens it again.
+    /// @param why  connection_lost: by the peer; not_modbus: the bytes for which the program closed it
     void on_link_closed(Instant t, std::size_t line, const Error& why);
     /// The next failure of the line is not a repetition.
     void on_link_up(Instant t, std::size_t line);
@@ -40,8 +41,13 @@ private:
         std::optional<poll::FailedExchange> exchange;
         Error error;
         bool closed = false;  // the link is opened with the next request
-        friend bool operator==(const Kind&, const Kind&) = default;
+        friend bool operator==(const Kind& a, const Kind& b) {
+            return a.line == b.line && a.exchange == b.exchange && same_error(a.error, b.error) &&
+                   a.closed == b.closed;
+        }
     };
+
+    [[nodiscard]] static bool same_error(const Error& a, const Error& b);
 
     void write(const Kind& kind, Duration took, std::uint64_t repeated) const;
     void write_omitted(std::uint64_t count, Duration in) const;

@@ -44,6 +44,7 @@ public:
         set_.on_event_(t, line_);
     }
     std::optional<Instant> opens_at() const override { return engine().opens_at(); }
+    std::optional<Error> rejection() const override { return engine().rejection(); }
     void on_bytes(Instant t, Bytes bytes) override {
         engine().on_bytes(t, bytes);
         set_.on_event_(t, line_);

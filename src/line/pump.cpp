@@ -42,12 +42,10 @@ void Pump::start() {
 }
 
 void Pump::poke() {
-    read_.clear();
     if (running_) service();
 }
 
 void Pump::readable() {
-    read_.clear();
     if (running_ && readable_bytes() > 0 && receive()) service();
 }
 
@@ -66,7 +64,6 @@ bool Pump::receive() {
         return true;
     }
     counters_.bytes_read += *got;
-    read_.assign(Bytes(buffer.data(), std::min(*got, kShown)));
     if (*got > 0) engine_.on_bytes(t, Bytes(buffer.data(), *got));
     return true;
 }
@@ -77,7 +74,6 @@ bool Pump::is_half_closed(const Error& error) const {
 }
 
 void Pump::writable() {
-    read_.clear();
     if (!running_) return;
     const auto waiting = std::exchange(pending_, {});
     if (!write(waiting)) return;
@@ -86,7 +82,6 @@ void Pump::writable() {
 }
 
 void Pump::tick(Instant t) {
-    read_.clear();
     if (!running_) return;
     while (t < wakeup_) t = now();
     // The event of these bytes may come after the timer: the thread was stopped between the two, or more

@@ -57,14 +57,6 @@ private:
         sum.bytes_written += pump.counters().bytes_written;
     }
 
-    Error not_modbus(Bytes bytes) const {
-        std::uint64_t number = 0;
-        for (const auto byte : bytes) number = number << 8 | byte;
-        return fail(Code::not_modbus, name_, static_cast<std::int64_t>(number),
-                    static_cast<std::int64_t>(bytes.size()))
-            .error();
-    }
-
     Error cannot_open(int number) const { return fail(Code::cannot_open, name_, number).error(); }
 
     // Created on first use: a connection that stays up needs no timer.
@@ -177,14 +169,20 @@ private:
     // Without an error the engine asked for the end: the peer sends something else, or nothing, or there is
     // nothing to do. A peer that closes early would be asked again and again if its bytes ended the back-off.
     void lost(Instant t, std::optional<Error> why) {
-        const Bytes rejected = why ? Bytes() : pump_->rejected();
+        if (!why) why = rejection();
         if (pump_->counters().bytes_read > 0 && t - connected_at_ >= Backoff::kLongest) backoff_.reset();
-        if (engine_.opens_at()) return closed(t, rejected.empty() ? why : not_modbus(rejected));
-        if (!why) why = rejected.empty() ? fail(Code::timed_out, name_).error() : not_modbus(rejected);
+        if (engine_.opens_at()) return closed(t, why);
+        if (!why) why = fail(Code::timed_out, name_).error();
         add(counters_, *pump_);
         pump_.reset();
         stream_.reset();
         down(t, why);
+    }
+
+    std::optional<Error> rejection() const {
+        auto why = engine_.rejection();
+        if (why) why->subject = std::string_view(name_);
+        return why;
     }
 
     void closed(Instant t, const std::optional<Error>& why) {

@@ -64,6 +64,9 @@ Bytes LinePoller::transmit(Instant t) {
 Instant LinePoller::next_wakeup() const {
     return run_->next_wakeup();
 }
+std::optional<Error> LinePoller::rejection() const {
+    return run_->rejection();
+}
 bool LinePoller::must_reconnect() const {
     return run_->must_reconnect();
 }

@@ -118,6 +118,15 @@ bool is_serial_protocol_over_tcp(const Error& error) {
     return error.subject.view().find("+tcp://") != std::string_view::npos;
 }
 
+HeaderFault header_fault(const Error& error) {
+    return static_cast<HeaderFault>(error.numbers[2]);
+}
+
+bool is_about_length(const Error& error) {
+    const auto fault = header_fault(error);
+    return fault == HeaderFault::after_wrong_length || fault == HeaderFault::one_too_much;
+}
+
 std::string exception_key(const Error& error, std::string_view prefix) {
     return std::string(prefix) + std::to_string(error.numbers[0]);
 }
@@ -130,7 +139,8 @@ std::string advice_key(const Error& error) {
         case Code::replaced: return "advice.replaced";
         case Code::bad_checksum:
             return is_serial_protocol_over_tcp(error) ? "advice.bad_checksum.tcp" : "advice.bad_checksum";
-        case Code::not_modbus: return "advice.not_modbus";
+        case Code::not_modbus:
+            return is_about_length(error) ? "advice.not_modbus.length" : "advice.not_modbus";
         case Code::unexpected_reply: return "advice.unexpected_reply";
         case Code::modbus_exception: return exception_key(error, "advice.exception.");
         default: return {};
@@ -155,6 +165,24 @@ bool has_numbers(const Error& error) {
 
 bool has_system_number(Code code) {
     return code == Code::cannot_open || code == Code::connection_lost || code == Code::io_failed;
+}
+
+// The variant of the text of Code::not_modbus.
+std::string_view header_variant(const Error& error) {
+    switch (header_fault(error)) {
+        case HeaderFault::protocol: return ".protocol";
+        case HeaderFault::length: return ".length";
+        case HeaderFault::after_wrong_length: return ".after_wrong_length";
+        case HeaderFault::one_too_much: return ".one_too_much";
+        case HeaderFault::unknown: break;
+    }
+    return ".numbers";
+}
+
+std::string_view variant_of(const Error& error) {
+    if (came_late(error)) return ".late";
+    if (!has_numbers(error)) return "";
+    return error.code == Code::not_modbus ? header_variant(error) : ".numbers";
 }
 
 // `count` bytes of a number, the first one in its highest place: "53 53 48 2D (SSH-)".
@@ -199,8 +227,7 @@ std::string what(Language language, const Error& error) {
     const auto words = detail(language, error);
     std::vector<Argument> arguments{{"detail", words}};
     for (const auto& [placeholder, index] : kPlaceholders) arguments.push_back({placeholder, numbers[index]});
-    const auto* const variant = came_late(error) ? ".late" : has_numbers(error) ? ".numbers" : "";
-    const auto key = "error." + std::string(name(error.code)) + variant;
+    const auto key = "error." + std::string(name(error.code)).append(variant_of(error));
     std::string text;
     if (!error.subject.empty()) text.append(error.subject.view()).append(": ");
     return text + message(language, key, arguments);

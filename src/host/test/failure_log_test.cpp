@@ -50,6 +50,25 @@ TEST(FailureLog, NamesLineDeviceRequestReasonTimeAndAttempt) {
     EXPECT_EQ(lines.with("state=app.state.not_answering"), 1U);
 }
 
+// The bytes begin with a transaction id.
+TEST(FailureLog, AConnectionThatTheProgramClosedHasItsReason) {
+    const auto project = project_of(kPlant);
+    Lines lines;
+    FailureLog log(lines.log(), project);
+    const auto rejected = [](std::int64_t id, HeaderFault fault) {
+        return Error{Code::not_modbus, "h:502", {id << 48, 8, static_cast<std::int64_t>(fault)}};
+    };
+    log.on_link_closed(Instant{}, 0, rejected(1, HeaderFault::protocol));
+    log.on_link_closed(Instant{1s}, 0, rejected(2, HeaderFault::protocol));
+    log.on_link_closed(Instant{2s}, 0, rejected(3, HeaderFault::after_wrong_length));
+    log.on_link_closed(Instant{3s}, 0, Error{Code::connection_lost, "h:502", {}});
+    EXPECT_EQ(lines.with("log.link_down"), 2U);
+    EXPECT_EQ(lines.with("error=h:502"), 2U);
+    EXPECT_EQ(lines.with("log.link_closed"), 1U);
+    log.finish(Instant{4s});
+    EXPECT_EQ(lines.with("log.link_repeated line=main count=1"), 1U);
+}
+
 TEST(FailureLog, RepeatedFailuresAreSummarised) {
     const auto project = project_of(kPlant);
     Lines lines;

@@ -63,10 +63,12 @@ public:
         return {reinterpret_cast<const std::uint8_t*>(sending.data()), sending.size()};
     }
     Instant next_wakeup() const override { return wakeup; }
+    std::optional<Error> rejection() const override { return reason; }
 
     [[nodiscard]] bool up() const { return !links.empty() && links.back(); }
 
     std::vector<bool> links;
+    std::optional<Error> reason;
     std::string input;
     std::vector<std::string> output;
     std::string sending;

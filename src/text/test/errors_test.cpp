@@ -15,6 +15,10 @@ constexpr Code kCodes[] = {
     Code::replaced,     Code::bad_checksum, Code::modbus_exception, Code::unexpected_reply, Code::not_modbus,
 };
 
+constexpr std::int64_t number(HeaderFault fault) {
+    return static_cast<std::int64_t>(fault);
+}
+
 TEST(Errors, EveryCodeHasATextWithAndWithoutNumbers) {
     for (const auto language : kLanguages)
         for (const auto code : kCodes)
@@ -47,8 +51,19 @@ TEST(Errors, SayWhatHappened) {
          "a:502: the connection is lost: reset by the other end"},
         {{Code::not_modbus, "a:22", {0x5353'482D'0D00}}, "a:22: the peer does not speak Modbus TCP"},
         {{Code::not_modbus, "a:22", {0x5353'482D'0D00, 6}},
-         "a:22: the peer does not speak Modbus TCP: received 53 53 48 2D 0D 00 (SSH-..), expected 00 00 as "
-         "bytes 3 and 4, then a length of 2..254"},
+         "a:22: the peer does not speak Modbus TCP: received 53 53 48 2D 0D 00 (SSH-..)"},
+        {{Code::not_modbus, "a:22", {0x5353'482D'0D00, 6, number(HeaderFault::protocol)}},
+         "a:22: the peer does not speak Modbus TCP: received 53 53 48 2D 0D 00 (SSH-..), expected the "
+         "protocol identifier 00 00 as bytes 3 and 4"},
+        {{Code::not_modbus, "a:22", {0x0001'0000'0001, 6, number(HeaderFault::length)}},
+         "a:22: the peer does not speak Modbus TCP: received 00 01 00 00 00 01 (......), expected a length "
+         "of 2..254 as bytes 5 and 6"},
+        {{Code::not_modbus, "a:22", {0x0228'B800, 4, number(HeaderFault::after_wrong_length)}},
+         "a:22: the length in the header of a response was wrong by one, so no header followed it: received "
+         "02 28 B8 00 (.(..)"},
+        {{Code::not_modbus, "a:22", {0x28B8'0000'0004'0183, 8, number(HeaderFault::one_too_much)}},
+         "a:22: the length in the header of a response, bytes 5 and 6, is greater by one than the response: "
+         "received 28 B8 00 00 00 04 01 83 ((.......)"},
         {{Code::io_failed, "x", {EFBIG}}, "x: reading or writing failed: File too large"},
     };
     for (const auto& [error, english] : cases) EXPECT_EQ(what(Language::english, error), english);
@@ -79,6 +94,7 @@ TEST(Errors, AdviseByWhatTheyAreAbout) {
         {{Code::bad_checksum, "rtu:///dev/ttyS0", {}}, "advice.bad_checksum"},
         {{Code::bad_checksum, "rtu+tcp://gateway:4001", {}}, "advice.bad_checksum.tcp"},
         {{Code::not_modbus, "a:22", {}}, "advice.not_modbus"},
+        {{Code::not_modbus, "a:22", {0, 8, number(HeaderFault::one_too_much)}}, "advice.not_modbus.length"},
     };
     for (const auto& [error, key] : cases) {
         EXPECT_TRUE(has(Language::english, key)) << key;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
 
 namespace takt {
@@ -39,6 +40,9 @@ public:
     virtual void on_close(Instant t) { on_link(t, false); }
     /// kNever: not before a change from outside. Nothing: the driver tries by its own back-off.
     [[nodiscard]] virtual std::optional<Instant> opens_at() const { return std::nullopt; }
+    /// The received bytes for which the engine asked for the end of the connection: not_modbus, without
+    /// subject. Also after on_link(down) and on_close(), until the next on_link(up).
+    [[nodiscard]] virtual std::optional<Error> rejection() const { return std::nullopt; }
 
 protected:
     ~Engine() = default;

@@ -37,7 +37,17 @@ enum class Code : std::uint16_t {
     modbus_exception = 200,  ///< exception code
     bad_checksum,
     unexpected_reply,
-    not_modbus,  ///< subject, the first bytes that came as a number, how many (at most 8; 0: unknown)
+    not_modbus,  ///< subject, the first bytes that came as a number, how many (at most 8; 0: none),
+                 ///< HeaderFault
+};
+
+/// What is wrong with the bytes of Code::not_modbus as an MBAP header.
+enum class HeaderFault : std::uint8_t {
+    unknown,
+    protocol,            ///< bytes 3 and 4, the protocol identifier, are not 0
+    length,              ///< bytes 5 and 6, the length, are not 2..254
+    after_wrong_length,  ///< they follow a response whose length was wrong by one
+    one_too_much,        ///< the length is greater by one than the response, and no further byte came
 };
 
 /// The stable name of a code, as in "out_of_range": key of its text, and what --json shows.

@@ -216,6 +216,7 @@ public:
     [[nodiscard]] bool must_reconnect() const { return must_reconnect_; }
     /// On this connection something else than an MBAP header was received.
     [[nodiscard]] bool bad_header() const { return bad_header_; }
+    [[nodiscard]] std::optional<Error> rejection() const override;
     [[nodiscard]] const LineCounters& counters() const { return counters_; }
     [[nodiscard]] const LineConfig& config() const { return config_; }
     /// The least silence before a request.
@@ -224,6 +225,7 @@ public:
 private:
     using Slot = TransactionSlot;
     using State = TransactionSlot::State;
+    static constexpr std::size_t kMostRejected = 8;
 
     void notice_silence(Instant t);
     void notice_deadlines(Instant t);
@@ -231,6 +233,8 @@ private:
     [[nodiscard]] bool numbered() const { return config_.framing == wire::Framing::tcp; }
     [[nodiscard]] bool all_came(const Slot& slot) const;
     void read(Instant t, Bytes bytes);
+    void reject(HeaderFault fault, Bytes beginning, Bytes rest = {});
+    [[nodiscard]] HeaderFault header_fault(Bytes header) const;
     void handle(Instant t, const wire::FramerStep& step);
     void on_frame(Instant t, const wire::Frame& frame);
     void on_fault(Instant t, const wire::FramerStep& step);
@@ -279,6 +283,11 @@ private:
     bool link_up_ = false;
     bool must_reconnect_ = false;
     bool bad_header_ = false;
+    bool length_was_off_ = false;  // of the last frame on this connection
+    // Why the owner must reconnect.
+    HeaderFault header_fault_ = HeaderFault::unknown;
+    InplaceVector<std::uint8_t, kMostRejected> rejected_;
+
     Duration silence_{};                       // least silence before a request
     Duration busy_limit_{};                    // the longest traffic without a silence
     Duration frame_silence_{};                 // silence that ends a received frame

@@ -92,6 +92,7 @@ public:
     void on_tick(Instant t) override;
     [[nodiscard]] Bytes transmit(Instant t) override;
     [[nodiscard]] Instant next_wakeup() const override;
+    [[nodiscard]] std::optional<Error> rejection() const override { return engine_.rejection(); }
     [[nodiscard]] bool must_reconnect() const { return engine_.must_reconnect(); }
 
     [[nodiscard]] bool finished() const { return finished_; }

@@ -89,6 +89,9 @@ public:
     void on_tick(Instant t) override;
     [[nodiscard]] Bytes transmit(Instant t) override { return scan_->transmit(t); }
     [[nodiscard]] Instant next_wakeup() const override { return scan_->next_wakeup(); }
+    [[nodiscard]] std::optional<Error> rejection() const override {
+        return scan_ ? scan_->rejection() : std::nullopt;
+    }
 
 private:
     void after_engine();

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "takt/base/engine.hpp"
-#include "takt/base/inplace_vector.hpp"
 #include "takt/line/byte_stream.hpp"
 #include "takt/line/loop.hpp"
 
@@ -81,9 +80,6 @@ public:
 
     [[nodiscard]] PumpCounters counters() const { return counters_; }
 
-    /// The beginning of the read after which the engine asked for the end. Empty: it asked at another time.
-    [[nodiscard]] Bytes rejected() const { return read_.span(); }
-
 private:
     void readable();
     bool receive();
@@ -97,8 +93,6 @@ private:
     void limit_waiting(bool waiting);
     void end(const std::optional<Error>& why);
 
-    static constexpr std::size_t kShown = 8;
-
     ByteStream& stream_;
     Engine& engine_;
     PumpOptions options_;
@@ -111,8 +105,7 @@ private:
     PumpCounters counters_;
     Instant wakeup_ = kNever;
     bool running_ = false;
-    std::optional<Error> input_end_;            // the peer sends nothing more
-    InplaceVector<std::uint8_t, kShown> read_;  // the beginning of the read that is being processed
+    std::optional<Error> input_end_;  // the peer sends nothing more
 };
 
 }  // namespace takt::line

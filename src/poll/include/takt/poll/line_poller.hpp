@@ -109,6 +109,7 @@ public:
     void on_link(Instant t, bool up) override;
     void on_close(Instant t) override;
     [[nodiscard]] std::optional<Instant> opens_at() const override;
+    [[nodiscard]] std::optional<Error> rejection() const override;
     void on_bytes(Instant t, Bytes bytes) override;
     void on_tick(Instant t) override;
     [[nodiscard]] Bytes transmit(Instant t) override;

@@ -120,6 +120,7 @@ public:
     void on_tick(Instant t) override;
     [[nodiscard]] Bytes transmit(Instant t) override;
     [[nodiscard]] Instant next_wakeup() const override;
+    [[nodiscard]] std::optional<Error> rejection() const override { return engine_.rejection(); }
     [[nodiscard]] bool must_reconnect() const { return engine_.must_reconnect(); }
 
     /// Sets the wanted value of a variable of this line: words_of() words in the order of the value buffer.

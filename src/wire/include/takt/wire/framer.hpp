@@ -155,6 +155,9 @@ public:
     /// RTU: the owner stops waiting. Finds the expected response inside a frame that has not ended yet.
     [[nodiscard]] FramerStep find_expected();
 
+    /// What was received of a frame that is not complete. Valid until the next push(), on_tick() or reset().
+    [[nodiscard]] Bytes incomplete() const { return inside() ? raw_.span() : Bytes(); }
+
     /// MBAP: what was received of a frame, or the complete frame, begins with a whole response by its own
     /// counts, and its header promises one byte more or less.
     [[nodiscard]] bool length_is_off() const;
