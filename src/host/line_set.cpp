@@ -35,7 +35,13 @@ public:
     [[nodiscard]] std::size_t line() const { return line_; }
     void set_line(std::size_t line) { line_ = line; }
 
+    /// While the connection is open, and after its end.
+    [[nodiscard]] Instant opened_at() const { return opened_at_; }
+    /// @returns whether it is the first call
+    [[nodiscard]] bool report_once() { return !std::exchange(reported_, true); }
+
     void on_link(Instant t, bool up) override {
+        if (up) opened_at_ = t;
         engine().on_link(t, up);
         set_.on_event_(t, line_);
     }
@@ -61,6 +67,8 @@ private:
 
     LineSet& set_;
     std::size_t line_;
+    Instant opened_at_{};
+    bool reported_ = false;
 };
 
 LineSet::LineSet(HostLink& link, line::Loop& loop, std::function<void(std::size_t, sim::Devices&)> prepare,
@@ -148,7 +156,13 @@ Result<void> LineSet::open_line(std::size_t index, bool wait_for_port) {
         on_event_(t, forwarder->line());
     };
     options.on_close = [this, forwarder = line.forwarder.get()](Instant t, const std::optional<Error>& why) {
-        engine_->on_close(t, forwarder->line(), why);
+        const std::size_t closed = forwarder->line();
+        engine_->on_close(t, closed, why);
+        const auto& rules = engine_->configuration()->project().lines[closed].connection;
+        const Duration open_for = t - forwarder->opened_at();
+        if (why && why->code == Code::connection_lost && open_for < rules.pause_after &&
+            forwarder->report_once())
+            engine_->on_closed_in_pause(closed, open_for);
     };
     options.on_latency = [this, port = settings.port](const line::SerialLatency& latency) {
         for (const auto& notice : endpoint::latency_notices(port, latency)) notify_(notice);

@@ -136,6 +136,16 @@ void ProjectEngine::on_close(Instant t, std::size_t line, const std::optional<Er
     if (why) failures_.on_link_closed(t, line, *why);
 }
 
+void ProjectEngine::on_closed_in_pause(std::size_t line, Duration open_for) const {
+    const auto& settings = configuration_->project().lines[line];
+    const auto after = milliseconds_number(open_for);
+    const auto pause = milliseconds_number(settings.connection.pause_after);
+    log_.message(LogLevel::warning, "log.closed_in_pause",
+                 std::array{LogArgument{.name = "line", .text = settings.name},
+                            LogArgument{.name = "milliseconds", .text = after},
+                            LogArgument{.name = "pause", .text = pause}});
+}
+
 bool ProjectEngine::serve(Instant t) {
     while (auto request = link_.requests.take()) {
         auto* const served = request.get();

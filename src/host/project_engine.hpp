@@ -72,6 +72,8 @@ public:
     void on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why);
     /// Likewise: the connection was closed and is opened again when a request is due.
     void on_close(Instant t, std::size_t line, const std::optional<Error>& why);
+    /// The peer closed a connection before pause_after_connect ended.
+    void on_closed_in_pause(std::size_t line, Duration open_for) const;
     [[nodiscard]] bool link_up(std::size_t line) const { return lines_[line].up; }
     /// Why the link is down; nothing: it is up, or nothing has happened yet.
     [[nodiscard]] const std::optional<Error>& link_error(std::size_t line) const { return lines_[line].why; }

@@ -1,8 +1,10 @@
 """The log of a run: one readable line for each failure, repeated ones summarised."""
 import re
+import time
 
 from endpoints import free_port
 from fake_slave import TcpSlave
+from peer_base import TcpPeer
 from program import DEADLINE, start, until
 
 PROJECT = """
@@ -24,9 +26,10 @@ lines:
 """
 
 
-def logged(folder, port, condition, *options, timeout="10s"):
+def logged(folder, port, condition, *options, timeout="10s", keys=""):
     path, log = folder / "plant.yaml", folder / "takt.log"
-    path.write_text(PROJECT.format(port=port, timeout=timeout))
+    text = PROJECT.format(port=port, timeout=timeout)
+    path.write_text(text.replace("    devices:", f"    {keys}\n    devices:"))
     with start("run", path, "--json", "--log", log, *options) as running:
         until(lambda: log.exists() and condition(log.read_text()), "the line in the log")
         running.process.terminate()
@@ -69,6 +72,54 @@ def test_repeated_failures_are_one_line_and_a_count(tmp_path):
     assert re.search(
         r"exception 2: illegal data address, attempt 1 of 3: last message repeated \d+ times in \d+ s$",
         refused[1]), lines
+
+
+def test_a_connection_that_the_program_closes_has_its_reason(tmp_path):
+    asked = []
+
+    def answer(request):
+        asked.append(request)
+        length = 7 if len(asked) % 2 else 6
+        return request[:4] + bytes([0, length]) + request[6:8] + bytes([4, 0, 0, 0, 0])
+
+    with TcpSlave(answer) as slave:
+        lines = logged(tmp_path, slave.port, lambda text: "no header followed" in text)
+    reason = rf"warning host: line plant: 127\.0\.0\.1:{slave.port}: the length in the header of " \
+        r"a response was wrong by one, so no header followed it: received 00( [0-9A-F]{2}){0,7} \(.*\)$"
+    assert any(re.search(reason, line) for line in lines), lines
+
+
+def test_a_header_with_a_wrong_field_is_shown_with_what_was_expected(tmp_path):
+    with TcpSlave(lambda request: request[:2] + b"\x01" + request[3:]) as slave:
+        lines = logged(tmp_path, slave.port, lambda text: "received" in text)
+    assert re.search(
+        r"the peer does not speak Modbus TCP: received (.. ..) 01 00 00 06 10 03 \(.*\), "
+        r"expected the protocol identifier 00 00 as bytes 3 and 4$", lines[0]), lines
+
+
+class Hasty(TcpPeer):
+    """Closes each connection 100 ms after it was made."""
+
+    count = 0
+
+    def _connected(self, peer):
+        self.count += 1
+        self._begin(self._close_soon, peer)
+
+    def _close_soon(self, peer):
+        with peer:
+            time.sleep(0.1)
+
+
+def test_a_peer_that_closes_before_the_first_request_may_be_sent(tmp_path):
+    with Hasty() as peer:
+        lines = logged(tmp_path, peer.port, lambda text: "pause_after" in text and peer.count > 2,
+                       keys="pause_after_connect: 1s")
+    early = [line for line in lines if "pause_after_connect" in line]
+    assert len(early) == 1, lines
+    assert re.search(
+        r"warning host: line plant: the peer closed the connection 1\d\d(\.\d)? ms after it was opened, "
+        r"before `pause_after_connect` \(1000 ms\) had passed: no request was sent\. ", early[0]), lines
 
 
 def test_it_speaks_the_language_of_the_program(tmp_path):
