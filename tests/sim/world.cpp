@@ -248,6 +248,7 @@ void World::look(std::size_t line, Instant t) {
         ended_.push_back(master_.line(line).device(d).counters.sent);
     judges_[line]->look(t, master_.store(), first_slots_[line], ended_);
     while (const auto* event = master_.store().next_event(cursor_)) {
+        for (std::size_t i = 0; i < judges_.size(); ++i) judges_[i]->on_event(t, *event, first_slots_[i]);
         hash_.add(event->t);
         hash_.add(event->value);
         hash_.add(std::uint64_t{event->slot.value} << 16U | static_cast<std::uint64_t>(event->reason));

@@ -76,6 +76,9 @@ public:
     void look(Instant t, const value::Store& store, std::uint32_t first_slot,
               const std::vector<std::uint64_t>& ended);
 
+    /// Each state of a value, as outputs and the history get it: look() sees the last one of a step only.
+    void on_event(Instant t, const value::Event& event, std::uint32_t first_slot);
+
     /// Everything is idle and has been for long enough.
     void finish(Instant t, const value::Store& store, std::uint32_t first_slot);
 
@@ -103,6 +106,7 @@ private:
         std::uint64_t ended = 0;               // of them, by the engine
         bool failed_by_close = false;          // the last time, for certain
         bool has_reads = false;                // else it is not probed
+        Instant good_at = Instant::min();      // of the last event with a good value
         std::optional<Duration> fastest;       // of its answers
         std::optional<Instant> answered_late;  // the last time that its answer came after the deadline
         [[nodiscard]] bool dead() const { return failures >= model->attempts; }

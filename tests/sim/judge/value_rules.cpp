@@ -488,6 +488,19 @@ void LineJudge::look(Instant t, const value::Store& store, std::uint32_t first_s
     if (sweep) check_advance(t);
 }
 
+// No good value of a device overtakes an earlier one. Other events may: a value becomes stale, or its device
+// is switched, while a response is confirmed.
+void LineJudge::on_event(Instant t, const value::Event& event, std::uint32_t first_slot) {
+    const VariableNumber v = event.slot.value - first_slot;
+    if (event.slot.value < first_slot || v >= variables_.size() || event.quality != value::Quality::good)
+        return;
+    auto& last = devices_[variables_[v].device].good_at;
+    if (event.t < last)
+        complain("value_own", t, name_of(v) + ": good not before " + milliseconds(last - Instant{}),
+                 text(event.value) + ", good at " + milliseconds(event.t - Instant{}));
+    last = event.t;
+}
+
 void LineJudge::finish(Instant t, const value::Store& store, std::uint32_t first_slot) {
     for (VariableNumber v = 0; v < variables_.size(); ++v) {
         const auto& variable = variables_[v];
