@@ -74,7 +74,7 @@ void TransactionCore::notice_deadlines(Instant t) {
             must_reconnect_ = true;
             if (framer_.length_is_off()) {
                 ++counters_.lengths_off;
-                reject(HeaderFault::one_too_much, framer_.incomplete());
+                reject(HeaderFault::off_by_one, framer_.incomplete());
             }
         }
         if (slot.broadcast)
@@ -114,7 +114,6 @@ void TransactionCore::read(Instant t, Bytes bytes) {
 
 HeaderFault TransactionCore::header_fault(Bytes header) const {
     constexpr std::size_t kProtocolEnd = 4;
-    if (length_was_off_) return HeaderFault::after_wrong_length;
     return header.size() <= kProtocolEnd ? HeaderFault::protocol : HeaderFault::length;
 }
 
@@ -136,7 +135,6 @@ std::optional<Error> TransactionCore::rejection() const {
 void TransactionCore::handle(Instant t, const wire::FramerStep& step) {
     if (step.complete) {
         const wire::Frame frame = framer_.frame();
-        length_was_off_ = numbered() && framer_.length_is_off();
         if (observer_)
             observer_->on_frame(t, wire::Direction::received, frame.unit, frame.pdu, framer_.raw());
         noise_ += bytes_since_gap_ - std::min(bytes_since_gap_, framer_.raw().size());
@@ -191,6 +189,7 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
             ++counters_.lengths_off;
             if (!config_.length_tolerance) {  // it is not known where the next frame begins
                 must_reconnect_ = true;
+                reject(HeaderFault::off_by_one, framer_.raw());
                 return give_up(t, *slot, Status::unexpected_reply);
             }
         }

@@ -101,7 +101,6 @@ void TransactionCore::take_over(const TransactionCore& other) {
     ids_ = other.ids_;
     link_up_ = other.link_up_;
     must_reconnect_ = other.must_reconnect_;
-    length_was_off_ = other.length_was_off_;
     header_fault_ = other.header_fault_;
     rejected_ = other.rejected_;
     last_activity_ = other.last_activity_;
@@ -239,7 +238,7 @@ void TransactionCore::on_link(Instant t, bool up) {
     if (up == link_up_) return;
     if (!up) return link_down(t, Status::link_lost);
     link_up_ = true;
-    bad_header_ = length_was_off_ = false;
+    bad_header_ = false;
     rejected_.clear();
     last_activity_ = activity_since_ = t;
     blocked_until_ = std::max(blocked_until_, t + config_.pause_after_connect);

@@ -122,11 +122,6 @@ HeaderFault header_fault(const Error& error) {
     return static_cast<HeaderFault>(error.numbers[2]);
 }
 
-bool is_about_length(const Error& error) {
-    const auto fault = header_fault(error);
-    return fault == HeaderFault::after_wrong_length || fault == HeaderFault::one_too_much;
-}
-
 std::string exception_key(const Error& error, std::string_view prefix) {
     return std::string(prefix) + std::to_string(error.numbers[0]);
 }
@@ -140,7 +135,8 @@ std::string advice_key(const Error& error) {
         case Code::bad_checksum:
             return is_serial_protocol_over_tcp(error) ? "advice.bad_checksum.tcp" : "advice.bad_checksum";
         case Code::not_modbus:
-            return is_about_length(error) ? "advice.not_modbus.length" : "advice.not_modbus";
+            return header_fault(error) == HeaderFault::off_by_one ? "advice.not_modbus.length"
+                                                                  : "advice.not_modbus";
         case Code::unexpected_reply: return "advice.unexpected_reply";
         case Code::modbus_exception: return exception_key(error, "advice.exception.");
         default: return {};
@@ -172,8 +168,7 @@ std::string_view header_variant(const Error& error) {
     switch (header_fault(error)) {
         case HeaderFault::protocol: return ".protocol";
         case HeaderFault::length: return ".length";
-        case HeaderFault::after_wrong_length: return ".after_wrong_length";
-        case HeaderFault::one_too_much: return ".one_too_much";
+        case HeaderFault::off_by_one: return ".off_by_one";
         case HeaderFault::unknown: break;
     }
     return ".numbers";

@@ -36,18 +36,15 @@ TEST(Rejection, HasTheBytesAndTheFieldOfAWrongHeader) {
          {"0001 0000 0005 11 03 02 AAAA 0002 1000 0005 11 03"},
          protocol,
          "0002 1000 0005 11 03"},
-        {"after one too little",
-         {"0001 0000 0004 11 03 02 AAAA", "0002 0000 0005 11 03 02 BBBB"},
-         after_wrong_length,
-         "AA 0002 0000 0005 11"},
-        {"after one too little of an exception",
-         {"0001 0000 0002 11 83 02 28B8 0000 0003 11"},
-         after_wrong_length,
-         "02 28B8 0000 0003 11"},
-        {"after one too much, with the next frame",
-         {"0001 0000 0006 11 03 02 AAAA 2802 0000 0005 11 03 02 BBBB"},
-         after_wrong_length,
-         "02 0000 0005 11 03 02"},
+        {"one too little",
+         {"0001 0000 0004 11 03 02 AAAA 0002 0000 0005 11 03 02 BBBB"},
+         off_by_one,
+         "0001 0000 0004 11 03"},
+        {"one too little of an exception", {"0001 0000 0002 11 83 02"}, off_by_one, "0001 0000 0002 11 83"},
+        {"one too much, with that byte",
+         {"0001 0000 0006 11 03 02 AAAA 00"},
+         off_by_one,
+         "0001 0000 0006 11 03"},
     };
     for (const auto& [name, received, fault, bytes] : cases) {
         Rig rig(tcp_line());
@@ -70,7 +67,7 @@ TEST(Rejection, HasTheBytesAndTheFieldOfAWrongHeader) {
     }
 }
 
-TEST(Rejection, NamesALengthThatIsGreaterByOne) {
+TEST(Rejection, NamesALengthWhoseLastByteIsMissing) {
     Rig rig(tcp_line());
     rig.submit(at(0ms), transaction(1, 17, "03 00 6B 00 01", 50ms));
     rig.run_until(at(1ms));
@@ -81,7 +78,7 @@ TEST(Rejection, NamesALengthThatIsGreaterByOne) {
     ASSERT_TRUE(why);
     EXPECT_EQ(why->numbers[0], 0x0001'0000'0004'1183);
     EXPECT_EQ(why->numbers[1], 8);
-    EXPECT_EQ(why->numbers[2], static_cast<std::int64_t>(HeaderFault::one_too_much));
+    EXPECT_EQ(why->numbers[2], static_cast<std::int64_t>(HeaderFault::off_by_one));
 }
 
 }  // namespace rejection_test

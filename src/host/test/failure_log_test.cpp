@@ -60,7 +60,7 @@ TEST(FailureLog, AConnectionThatTheProgramClosedHasItsReason) {
     };
     log.on_link_closed(Instant{}, 0, rejected(1, HeaderFault::protocol));
     log.on_link_closed(Instant{1s}, 0, rejected(2, HeaderFault::protocol));
-    log.on_link_closed(Instant{2s}, 0, rejected(3, HeaderFault::after_wrong_length));
+    log.on_link_closed(Instant{2s}, 0, rejected(3, HeaderFault::off_by_one));
     log.on_link_closed(Instant{3s}, 0, Error{Code::connection_lost, "h:502", {}});
     EXPECT_EQ(lines.with("log.link_down"), 2U);
     EXPECT_EQ(lines.with("error=h:502"), 2U);

@@ -58,11 +58,8 @@ TEST(Errors, SayWhatHappened) {
         {{Code::not_modbus, "a:22", {0x0001'0000'0001, 6, number(HeaderFault::length)}},
          "a:22: the peer does not speak Modbus TCP: received 00 01 00 00 00 01 (......), expected a length "
          "of 2..254 as bytes 5 and 6"},
-        {{Code::not_modbus, "a:22", {0x0228'B800, 4, number(HeaderFault::after_wrong_length)}},
-         "a:22: the length in the header of a response was wrong by one, so no header followed it: received "
-         "02 28 B8 00 (.(..)"},
-        {{Code::not_modbus, "a:22", {0x28B8'0000'0004'0183, 8, number(HeaderFault::one_too_much)}},
-         "a:22: the length in the header of a response, bytes 5 and 6, is greater by one than the response: "
+        {{Code::not_modbus, "a:22", {0x28B8'0000'0004'0183, 8, number(HeaderFault::off_by_one)}},
+         "a:22: the length in the header of a response, bytes 5 and 6, differs by one from the response: "
          "received 28 B8 00 00 00 04 01 83 ((.......)"},
         {{Code::io_failed, "x", {EFBIG}}, "x: reading or writing failed: File too large"},
     };
@@ -94,7 +91,7 @@ TEST(Errors, AdviseByWhatTheyAreAbout) {
         {{Code::bad_checksum, "rtu:///dev/ttyS0", {}}, "advice.bad_checksum"},
         {{Code::bad_checksum, "rtu+tcp://gateway:4001", {}}, "advice.bad_checksum.tcp"},
         {{Code::not_modbus, "a:22", {}}, "advice.not_modbus"},
-        {{Code::not_modbus, "a:22", {0, 8, number(HeaderFault::one_too_much)}}, "advice.not_modbus.length"},
+        {{Code::not_modbus, "a:22", {0, 8, number(HeaderFault::off_by_one)}}, "advice.not_modbus.length"},
     };
     for (const auto& [error, key] : cases) {
         EXPECT_TRUE(has(Language::english, key)) << key;

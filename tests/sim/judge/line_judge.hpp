@@ -136,8 +136,9 @@ private:
         std::deque<Executed> believed;            // that its device confirmed, or that no device answers
         std::optional<Words> read_items;          // as last read well
         std::uint64_t batch = 0;
-        bool good = false;   // by a read
-        Instant sampled_at;  // the moment of what is shown
+        bool good = false;                  // by a read
+        Instant sampled_at;                 // the moment of what is shown
+        Instant event_at = Instant::min();  // the last one
     };
     /// The values of a device and their times.
     struct Served {

@@ -488,17 +488,23 @@ void LineJudge::look(Instant t, const value::Store& store, std::uint32_t first_s
     if (sweep) check_advance(t);
 }
 
-// No good value of a device overtakes an earlier one. Other events may: a value becomes stale, or its device
-// is switched, while a response is confirmed.
+// The events of a value are in the order of their times, and no good value of a device overtakes an earlier
+// one.
 void LineJudge::on_event(Instant t, const value::Event& event, std::uint32_t first_slot) {
     const VariableNumber v = event.slot.value - first_slot;
-    if (event.slot.value < first_slot || v >= variables_.size() || event.quality != value::Quality::good)
-        return;
+    if (event.slot.value < first_slot || v >= variables_.size()) return;
+    auto& last_event = variables_[v].event_at;
+    if (event.t < last_event)
+        complain("value_own", t, name_of(v) + ": an event not before " + milliseconds(last_event - Instant{}),
+                 text(event.value) + ", at " + milliseconds(event.t - Instant{}));
+    last_event = event.t;
+    if (event.quality != value::Quality::good) return;
     auto& last = devices_[variables_[v].device].good_at;
-    if (event.t < last)
+    const Instant good_at = event.good_at.value_or(event.t);
+    if (good_at < last)
         complain("value_own", t, name_of(v) + ": good not before " + milliseconds(last - Instant{}),
-                 text(event.value) + ", good at " + milliseconds(event.t - Instant{}));
-    last = event.t;
+                 text(event.value) + ", good at " + milliseconds(good_at - Instant{}));
+    last = good_at;
 }
 
 void LineJudge::finish(Instant t, const value::Store& store, std::uint32_t first_slot) {

@@ -44,10 +44,9 @@ enum class Code : std::uint16_t {
 /// What is wrong with the bytes of Code::not_modbus as an MBAP header.
 enum class HeaderFault : std::uint8_t {
     unknown,
-    protocol,            ///< bytes 3 and 4, the protocol identifier, are not 0
-    length,              ///< bytes 5 and 6, the length, are not 2..254
-    after_wrong_length,  ///< they follow a response whose length was wrong by one
-    one_too_much,        ///< the length is greater by one than the response, and no further byte came
+    protocol,    ///< bytes 3 and 4, the protocol identifier, are not 0
+    length,      ///< bytes 5 and 6, the length, are not 2..254
+    off_by_one,  ///< the length differs by one from that of the response
 };
 
 /// The stable name of a code, as in "out_of_range": key of its text, and what --json shows.

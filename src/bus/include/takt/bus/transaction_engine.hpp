@@ -283,7 +283,6 @@ private:
     bool link_up_ = false;
     bool must_reconnect_ = false;
     bool bad_header_ = false;
-    bool length_was_off_ = false;  // of the last frame on this connection
     // Why the owner must reconnect.
     HeaderFault header_fault_ = HeaderFault::unknown;
     InplaceVector<std::uint8_t, kMostRejected> rejected_;
