@@ -85,7 +85,8 @@ def test_a_connection_that_the_program_closes_has_its_reason(tmp_path):
     with TcpSlave(answer) as slave:
         lines = logged(tmp_path, slave.port, lambda text: "differs by one" in text)
     reason = rf"warning host: line plant: 127\.0\.0\.1:{slave.port}: the length in the header of " \
-        r"a response, bytes 5 and 6, differs by one from the response: received .. .. 00 00 00 06 10 03 \(.*\)$"
+        r"a response, bytes 5 and 6, differs by one from the response: " \
+        r"received .. .. 00 00 00 06 10 03 \(.*\)$"
     assert any(re.search(reason, line) for line in lines), lines
 
 

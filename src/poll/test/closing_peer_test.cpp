@@ -67,7 +67,7 @@ private:
     void settle() {
         for (Bytes bytes = line().transmit(now_); !bytes.empty(); bytes = line().transmit(now_)) {
             const Frame frame(bytes.begin(), bytes.end());
-        tries[{frame[6], frame[8] << 8 | frame[9]}].push_back({now_});
+            tries[{frame[6], frame[8] << 8 | frame[9]}].push_back({now_});
             if (!gone_) to_peer_.emplace_back(now_ + kWay, frame);
         }
         if (connected_ && line().must_reconnect()) lose();
