@@ -2,6 +2,7 @@
 #pragma once
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <sqlite3.h>
 
 #include <cstdint>
 #include <expected>
@@ -58,6 +59,18 @@ template <class Function>
         return function();
     } catch (const SQLite::Exception& exception) {
         return std::unexpected(error_of(path, exception, database));
+    }
+}
+
+/// Calls `step` until it returns false. @returns false: a damaged page ended the query
+template <class Step>
+bool unless_damaged(Step step) {
+    try {
+        while (step()) {}
+        return true;
+    } catch (const SQLite::Exception& exception) {
+        if ((exception.getErrorCode() & 0xFF) != SQLITE_CORRUPT) throw;
+        return false;
     }
 }
 

@@ -115,7 +115,12 @@ Chunk chunk_of(SQLite::Statement& row) {
 Chunk read_chunk(SQLite::Database& database, std::int64_t id) {
     SQLite::Statement select(database, "SELECT id, series, sum, data FROM chunk WHERE id = ?");
     select.bind(1, id);
-    return select.executeStep() ? chunk_of(select) : Chunk{};
+    Chunk chunk;
+    unless_damaged([&] {
+        if (select.executeStep()) chunk = chunk_of(select);
+        return false;
+    });
+    return chunk;
 }
 
 /// A row of roll-ups as it is in the file.
@@ -188,7 +193,11 @@ public:
         SQLite::Statement select(database_,
                                  std::string("SELECT ") + kRowColumns + " FROM rollup WHERE " + condition);
         select.bind(1, series_.info.id.value);
-        while (select.executeStep()) add(stored_row(select));
+        unless_damaged([&] {
+            if (!select.executeStep()) return false;
+            add(stored_row(select));
+            return true;
+        });
         order();
     }
     /// The chunks that no row names. There may be no more than there were rows.
@@ -198,12 +207,13 @@ public:
         std::set<std::int64_t> known;
         for (const auto& row : result_.rows) known.insert(row.id);
         std::vector<ChunkRow> found;
-        while (select.executeStep()) {
+        unless_damaged([&] {
+            if (!select.executeStep()) return false;
             const Chunk chunk = chunk_of(select);
-            if (known.contains(chunk.id)) continue;
-            const auto samples = chunk.samples();
+            const auto samples = known.contains(chunk.id) ? std::nullopt : chunk.samples();
             if (samples) found.push_back({chunk.id, series_.info.id, false, summary_of(*samples, gaps_)});
-        }
+            return true;
+        });
         if (std::cmp_greater(result_.rows.size() + found.size(), series_.chunks.rows)) return;
         for (const auto& row : found) {
             result_.rows.push_back(row);

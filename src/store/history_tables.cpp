@@ -1,7 +1,6 @@
-// Reads of rows do not use indexes: a damaged index would hide rows.
+// Reads of rows do not use indexes: a damaged index would hide rows. Behind a damaged page a query has no
+// more rows; the digests show that they are missing.
 #include "history_tables.hpp"
-
-#include <sqlite3.h>
 
 #include <algorithm>
 #include <map>
@@ -66,18 +65,6 @@ SeriesRow series_row(SQLite::Statement& row) {
     return series;
 }
 
-/// Calls `step` until it returns false. @returns false: a damaged page ended the query
-template <class Step>
-bool unless_damaged(Step step) {
-    try {
-        while (step()) {}
-        return true;
-    } catch (const SQLite::Exception& exception) {
-        if ((exception.getErrorCode() & 0xFF) != SQLITE_CORRUPT) throw;
-        return false;
-    }
-}
-
 using SeriesNames = std::map<std::int64_t, std::string>;  // by number
 
 /// As the index of the names has them.
@@ -135,13 +122,16 @@ struct StoredGap {
 std::vector<StoredGap> stored_gaps(SQLite::Database& database) {
     SQLite::Statement select(database, "SELECT id, first, last, cause, samples, sum FROM gap NOT INDEXED");
     std::vector<StoredGap> all;
-    while (select.executeStep())
+    unless_damaged([&] {
+        if (!select.executeStep()) return false;
         all.push_back(
             {select.getColumn(0).getInt64(),
              {nanoseconds(select.getColumn(1).getInt64()), nanoseconds(select.getColumn(2).getInt64()),
               static_cast<GapCause>(select.getColumn(3).getInt()),
               static_cast<std::uint64_t>(select.getColumn(4).getInt64())},
              select.getColumn(5).getInt64()});
+        return true;
+    });
     return all;
 }
 
@@ -154,8 +144,11 @@ std::int64_t log_sum(Bytes row) {
 std::vector<LogRow> stored_log(SQLite::Database& database) {
     SQLite::Statement select(database, "SELECT id, data FROM log");
     std::vector<LogRow> rows;
-    while (select.executeStep())
+    unless_damaged([&] {
+        if (!select.executeStep()) return false;
         rows.push_back({select.getColumn(0).getInt64(), bytes_of(select.getColumn(1))});
+        return true;
+    });
     return rows;
 }
 
@@ -470,12 +463,12 @@ DecodedLog read_log(SQLite::Database& database, const HistoryState& state,
 
 std::optional<std::int64_t> newest_chunk_end(SQLite::Database& database) {
     std::optional<std::int64_t> end;
-    static_cast<void>(unless_damaged([&] {
+    unless_damaged([&] {
         SQLite::Statement select(database, "SELECT max(t1) FROM rollup");
         if (select.executeStep() && !select.isColumnNull(0))
             end = nanoseconds(select.getColumn(0).getInt64());
         return false;
-    }));
+    });
     return end;
 }
 

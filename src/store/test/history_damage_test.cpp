@@ -221,6 +221,41 @@ TEST_F(HistoryDamageTest, OfAllVariablesIsReportedWithTheirNames) {
     }
 }
 
+TEST_F(HistoryDamageTest, OfThePageOfATableIsReported) {
+    const struct {
+        const char* table;
+        HistoryPart part;
+        std::size_t samples;
+    } kCases[] = {
+        {"rollup", HistoryPart::rollup, 90},  // what the chunks have
+        {"chunk", HistoryPart::chunk, 0},
+        {"gap", HistoryPart::gap, 100},
+        {"log", HistoryPart::log, 100},
+    };
+    for (const auto& [table, part, samples] : kCases) {
+        std::filesystem::remove(path_);
+        make({.chunk_samples = 10, .log_commits = 9});
+        {
+            const auto history = std::move(History::open(path_, {.log_commits = 2})->history);
+            history->append(HistoryGap{kStart, kStart + kSecond, GapCause::quota, 3});
+            const auto level = history->series(kLevel).value();
+            for (std::int64_t i = 100; i < 102; ++i) {  // the first commit folds
+                history->append(level, {.time_ns = kStart + i * kSecond, .value = 1.0});
+                ASSERT_TRUE(history->commit(kStart + i * kSecond));
+            }
+        }
+        const auto page = page_of(table);
+        change_bytes([&](std::string& bytes) { bytes.replace(page, kPage, kPage, '\0'); });
+        const auto whole = read();
+        EXPECT_GE(whole.samples.size(), samples) << table;
+        ASSERT_FALSE(whole.damage.empty()) << table;
+        EXPECT_EQ(whole.damage[0].part, part) << table;
+        const auto opened = History::open(path_);
+        ASSERT_TRUE(opened) << table;
+        EXPECT_FALSE(opened->damage.empty() && opened->set_aside.empty()) << table;
+    }
+}
+
 TEST_F(HistoryDamageTest, OfVariablesWithoutNamesConcernsEachVariableThatIsMissing) {
     make({});
     const auto table = page_of("series");
