@@ -52,14 +52,21 @@ Result<void> read_extent(SQLite::Database& database, const std::string& path, Ex
     return {};
 }
 
-HistoryGap loss_of(const std::string& path, Duration retention) {
+bool has_tables(SQLite::Database& database) {
+    return database.execAndGet("SELECT count(*) FROM sqlite_master").getInt() > 0;
+}
+
+// A program that was killed while it began the file leaves one without tables. Nothing is lost then.
+std::optional<HistoryGap> loss_of(const std::string& path, Duration retention) {
     Extent extent;
     const auto read = with_results(path, nullptr, [&]() -> Result<void> {
         SQLite::Database database(path, SQLite::OPEN_READONLY | SQLite::OPEN_NOMUTEX, kLockWaitMs);
-        return read_extent(database, path, extent);
+        extent.complete = !has_tables(database);
+        return extent.complete ? Result<void>() : read_extent(database, path, extent);
     });
     HistoryGap gap{.cause = GapCause::damaged};
-    if (read && extent.complete && extent.first_ns) {
+    if (read && extent.complete) {
+        if (!extent.first_ns) return std::nullopt;
         gap.first_ns = *extent.first_ns;
         gap.last_ns = *extent.last_ns;
         return gap;
@@ -71,12 +78,13 @@ HistoryGap loss_of(const std::string& path, Duration retention) {
     return gap;
 }
 
-Result<HistoryFile> begun_with(const HistoryGap& gap, const std::string& path) {
+Result<HistoryFile> begun_with(const std::optional<HistoryGap>& gap, const std::string& path) {
     TAKT_TRY(HistoryFile file, open_history_file(path));
+    if (!gap) return file;
     TAKT_CHECK(with_results(path, file.database.get(), [&]() -> Result<void> {
         SQLite::Transaction transaction(*file.database, SQLite::TransactionBehavior::IMMEDIATE);
         auto state = read_state(*file.database);
-        write_gap(*file.database, state, gap);
+        write_gap(*file.database, state, *gap);
         write_state(*file.database, state);
         transaction.commit();
         return {};

@@ -313,6 +313,13 @@ TEST_F(HistoryDamageTest, OfTheFileBecomesAGapOfTheNewOne) {
     EXPECT_EQ(reader.damage()[0].part, HistoryPart::recorded);
 }
 
+// As a program leaves it that was killed while it began the file.
+TEST_F(HistoryDamageTest, OfAFileWithoutTablesIsNoGap) {
+    std::ofstream(path_).close();
+    EXPECT_EQ(History::open(path_, {})->set_aside, path_ + ".damaged-1");
+    EXPECT_TRUE(HistoryReader::open(path_)->gaps({0, INT64_MAX}).value().empty());
+}
+
 // The times of the samples are unknown: those of the retention may be lost.
 TEST_F(HistoryDamageTest, OfAFileWithoutAReadablePageBecomesAGapOfTheRetention) {
     make({});
