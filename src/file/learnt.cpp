@@ -114,10 +114,22 @@ model::Finding finding(const char* code, std::uint32_t file, std::string value) 
             .arguments = {}};
 }
 
+/// At the line of that name, if it does not accept lengths that are off by one.
+std::optional<model::Finding> lengths_off_finding(const model::Project& project, const std::string& name) {
+    const auto line = std::ranges::find(project.lines, name, &model::Line::name);
+    if (line == project.lines.end() || line->framing != wire::Framing::tcp || line->length_tolerance)
+        return std::nullopt;
+    auto made = finding("learnt.lengths_off", 0, name);
+    made.location = line->location;
+    made.path = fmt::format("lines[{}]", line - project.lines.begin());
+    made.arguments = {{"line", name}};
+    return made;
+}
+
 }  // namespace
 
 std::string learnt_text(const model::Project& project, const LearntOfLines& learnt, const TimesOfLines& times,
-                        Seconds now) {
+                        Seconds now, const LengthsOfLines& lengths_off) {
     const model::LearntTimes nothing;
     auto lines = Json::array();
     for (std::size_t l = 0; l < project.lines.size() && l < learnt.size(); ++l) {
@@ -131,10 +143,12 @@ std::string learnt_text(const model::Project& project, const LearntOfLines& lear
                 any = true;
             }
         }
-        if (!any) continue;
+        const bool off = l < lengths_off.size() && lengths_off[l];
+        if (!any && !off) continue;
         auto line = Json::object();
         line.set("line", project.lines[l].name);
         line.set("devices", std::move(devices));
+        if (off) line.set("lengths_off", true);
         lines.push_back(std::move(line));
     }
     auto root = Json::object();
@@ -163,6 +177,8 @@ Recalled recall(std::string_view text, Seconds now, std::uint32_t file, model::P
             recalled.findings.push_back(std::move(stale));
         }
     }
+    for (const auto& name : reader.lines_with_lengths_off())
+        if (auto found = lengths_off_finding(project, name)) recalled.findings.push_back(*std::move(found));
     return recalled;
 }
 

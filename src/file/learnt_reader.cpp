@@ -68,10 +68,19 @@ bool LearntReader::read(const Json& root) {
         const std::string path = fmt::format("lines[{}]", l);
         const auto* name = text((*lines)[l], path, "line");
         const auto* devices = name ? list((*lines)[l], path, "devices") : nullptr;
-        if (!devices) return false;
+        if (!devices || !read_lengths_off((*lines)[l], *name, path)) return false;
         for (std::size_t d = 0; d < devices->size(); ++d)
             if (!read_device((*devices)[d], *name, fmt::format("{}.devices[{}]", path, d))) return false;
     }
+    return true;
+}
+
+bool LearntReader::read_lengths_off(const Json& json, const std::string& line, const std::string& path) {
+    const Json* found = json.find("lengths_off");
+    if (!found) return true;
+    const auto* off = std::get_if<bool>(&found->value());
+    if (!off) return bad(path + ".lengths_off");
+    if (*off) lengths_off_.push_back(line);
     return true;
 }
 

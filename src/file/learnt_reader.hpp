@@ -33,9 +33,11 @@ public:
     };
     [[nodiscard]] bool read(const Json& root);
     [[nodiscard]] std::vector<Known> take() { return std::move(known_); }
+    [[nodiscard]] const std::vector<std::string>& lines_with_lengths_off() const { return lengths_off_; }
     [[nodiscard]] const std::string& fault() const { return fault_; }
 
 private:
+    bool read_lengths_off(const Json& json, const std::string& line, const std::string& path);
     bool read_device(const Json& json, const std::string& line, const std::string& path);
     bool read_area(const Json& json, const std::string& path, model::Learnt& learnt);
     bool read_times(const Json& json, const std::string& path, model::LearntTimes& times);
@@ -56,6 +58,7 @@ private:
 
     Seconds now_;
     std::vector<Known> known_;
+    std::vector<std::string> lengths_off_;  // names of lines
     std::string fault_;
 };
 

@@ -59,13 +59,16 @@ void LearningPlanner::save(Instant t) {
     if (keeps_times_) save_at_ = after(t, kSaveTimesEvery);
     file::LearntOfLines learnt;
     file::TimesOfLines times;
+    file::LengthsOfLines lengths_off;
     for (std::size_t l = 0; l < master_->line_count(); ++l) {
         learnt.push_back(master_->line(l).learnt(t));
         times.push_back(master_->line(l).learnt_times());
+        lengths_off.push_back(master_->line(l).lengths_are_off());
     }
     (void)worker_.post([this, alive = std::weak_ptr(alive_), configuration = configuration_,
-                        learnt = std::move(learnt), times = std::move(times), now = wall_now()] {
-        const auto text = file::learnt_text(configuration->project(), learnt, times, now);
+                        learnt = std::move(learnt), times = std::move(times),
+                        lengths_off = std::move(lengths_off), now = wall_now()] {
+        const auto text = file::learnt_text(configuration->project(), learnt, times, now, lengths_off);
         const auto written = file::write_file(path_, text, true);
         if (written) return;
         post_([this, alive, error = written.error()] {

@@ -362,7 +362,8 @@ void ProjectEngine::on_measured(Instant t, std::size_t /*line*/, std::size_t /*d
     if (learner_) learner_->on_measured(t);
 }
 
-void ProjectEngine::on_lengths_off(Instant /*t*/, std::size_t line) {
+void ProjectEngine::on_lengths_off(Instant t, std::size_t line) {
+    if (learner_) learner_->on_learnt(t);
     log_.message(LogLevel::warning, "log.lengths_off",
                  std::array{LogArgument{.name = "line", .text = configuration_->project().lines[line].name}});
 }

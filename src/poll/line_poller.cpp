@@ -236,6 +236,10 @@ model::MeasuredTimes LinePoller::measured(std::size_t device) const {
     return run_->devices_[device].delay_learner.measured();
 }
 
+bool LinePoller::lengths_are_off() const {
+    return run_->lengths_are_off();
+}
+
 std::vector<model::LearntTimes> LinePoller::learnt_times() const {
     std::vector<model::LearntTimes> times;
     times.reserve(run_->devices_.size());

@@ -45,6 +45,7 @@ public:
     void on_link(Instant t, bool up);
     void on_close(Instant t);
     [[nodiscard]] bool must_reconnect() const;
+    [[nodiscard]] bool lengths_are_off() const;
     [[nodiscard]] std::optional<Error> rejection() const { return engine_.rejection(); }
     void on_bytes(Instant t, Bytes bytes);
     void on_tick(Instant t);

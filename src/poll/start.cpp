@@ -179,10 +179,13 @@ void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
     observer_->on_failed(outcome.ended_at, plan_->line, failed);
 }
 
+bool LinePoller::Run::lengths_are_off() const {
+    return !engine_.config().length_tolerance && engine_.counters().lengths_off >= kLengthsToReport;
+}
+
 void LinePoller::Run::on_outcome(const bus::Outcome& outcome) {
     report_failure(outcome);
-    const bool tolerant = engine_.config().length_tolerance;
-    if (observer_ && !tolerant && !lengths_reported_ && engine_.counters().lengths_off >= kLengthsToReport) {
+    if (observer_ && !lengths_reported_ && lengths_are_off()) {
         lengths_reported_ = true;
         observer_->on_lengths_off(outcome.ended_at, plan_->line);
     }

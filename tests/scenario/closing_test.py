@@ -129,6 +129,28 @@ def test_other_reads_go_on_beside_one_whose_responses_break_the_stream(project):
     assert shown <= {"V1_900"}
 
 
+@pytest.mark.parametrize("off, surplus", [(-1, b""), (1, b"\0")])
+def test_a_length_that_is_off_costs_only_its_read_and_check_proposes_the_key(project, off, surplus):
+
+    def answer(adu, response):
+        if adu[6] != 1 or int.from_bytes(adu[8:10], "big") != 900:
+            return response
+        wrong = bytearray(response)
+        wrong[5] += off
+        return bytes(wrong) + surplus
+
+    polled = Polled(answer)
+    with TcpSlave(polled) as slave:
+        described = lines(line(slave, {1: [100, 900, 1900], 2: [100]}))
+        events, lasted = run(project, described, polled, [(1, 100), (1, 1900), (2, 100)])
+    assert not fell(events)
+    assert polled.seen[1, 900] <= lasted / PERIOD + 3
+    [found] = takt("check", project(described), "--json").json["findings"]
+    assert (found["code"], found["path"]) == ("learnt.lengths_off", "lines[0]")
+    tolerant = described.replace("    devices:", "    length_tolerance: true\n    devices:", 1)
+    assert not takt("check", project(tolerant), "--json").json["findings"]
+
+
 @pytest.mark.parametrize("keys, least, most",
                          [("connection: per_request", 2 * LEAST, 3 * LEAST + 6),
                           ("connection: per_cycle", LEAST - 1, 2 * LEAST + 6),

@@ -185,5 +185,24 @@ TEST(Learnt, EachFindingHasItsTexts) {
                 EXPECT_TRUE(text::has(language, key)) << key;
 }
 
+// Lines that accept such lengths, and those without a header, are not named.
+TEST(Learnt, NamesLinesWhoseLengthsAreOff) {
+    auto tcp = project();
+    tcp.lines[0].framing = wire::Framing::tcp;
+    const auto text = learnt_text(tcp, known(), {}, kNow, {true});
+    const auto recalled = recall(text, kNow, 0, tcp);
+    EXPECT_TRUE(recalled.whole);
+    ASSERT_EQ(recalled.findings.size(), 1U);
+    EXPECT_EQ(recalled.findings[0].code, "learnt.lengths_off");
+    EXPECT_EQ(recalled.findings[0].path, "lines[0]");
+    tcp.lines[0].length_tolerance = true;
+    EXPECT_TRUE(recall(text, kNow, 0, tcp).findings.empty());
+    auto serial = project();
+    EXPECT_TRUE(recall(text, kNow, 0, serial).findings.empty());
+    auto bad = text;
+    bad.replace(bad.find("\"lengths_off\": true"), 19, "\"lengths_off\": 1");
+    EXPECT_EQ(recall(bad, kNow, 0, tcp).findings[0].value, "lines[0].lengths_off");
+}
+
 }  // namespace learnt_test
 }  // namespace takt::file

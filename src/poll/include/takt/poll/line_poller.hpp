@@ -213,6 +213,8 @@ public:
     [[nodiscard]] model::MeasuredTimes measured(std::size_t device) const;
     /// Of each device, to be kept for the next run.
     [[nodiscard]] std::vector<model::LearntTimes> learnt_times() const;
+    /// Two responses had a header whose length was off by one, and the line does not accept them.
+    [[nodiscard]] bool lengths_are_off() const;
 
     [[nodiscard]] LineStatistics statistics(Instant t) const;
     [[nodiscard]] DeviceStatistics device(std::size_t device) const;

@@ -199,8 +199,7 @@ public:
                            const DelayFinding& /*finding*/) {}
     /// Something was measured of the device that is worth keeping (LinePoller::learnt_times()).
     virtual void on_measured(Instant /*t*/, std::size_t /*line*/, std::size_t /*device*/) {}
-    /// Two responses had a header whose length was off by one, and the line does not accept them
-    /// (model::Line::length_tolerance). Once a run.
+    /// LinePoller::lengths_are_off() is true. Once a run.
     virtual void on_lengths_off(Instant /*t*/, std::size_t /*line*/) {}
     /// Noise comes before the responses of the device. Called once.
     virtual void on_noise(Instant /*t*/, std::size_t /*line*/, std::size_t /*device*/,
