@@ -96,7 +96,8 @@ Duration StepWatch::doubt_time(Instant t) const {
 void StepWatch::on_late(Instant t, const AnswerShape& shape) {
     late_at_ = heard_at_ = t;
     note_trouble(t, shape);
-    if (missing_ == 0 || --missing_ == 0) end_doubt();
+    if (missing_ > 0) --missing_;
+    if (missing_ == 0) end_doubt();
     if (shape != shape_) in_step_at_ = t;
     shape_ = shape;
     quiet_at_ = std::max(quiet_at_, t + pause_);

@@ -77,17 +77,12 @@ void Learning::set_trials(Instant t, std::vector<plan::Trial> trials) {
     cursor_ = 0;
 }
 
-Learning::Run Learning::taken(Run& run) {
-    Run made = std::move(run);
-    run.stack.clear();
-    return made;
-}
-
 // Postponed gaps stay postponed; the gaps on both sides of them become trials of their own.
 void Learning::add_run(Instant t, plan::Trial trial, std::vector<Run>& known) {
     const auto same = std::ranges::find(known, trial, &Run::trial);
     if (same != known.end() && !same->stack.empty()) {
-        runs_.push_back(taken(*same));
+        runs_.push_back(std::move(*same));
+        known.erase(same);
         return;
     }
     plan::Trial piece{.device = trial.device, .read = trial.read, .gaps = {}, .refused = trial.refused};
@@ -105,7 +100,8 @@ void Learning::add_run(Instant t, plan::Trial trial, std::vector<Run>& known) {
             continue;
         }
         finish_piece();
-        runs_.push_back(taken(*postponed));
+        runs_.push_back(std::move(*postponed));
+        known.erase(postponed);
     }
     finish_piece();
 }

@@ -140,7 +140,6 @@ private:
 
     void start(Instant t);
     [[nodiscard]] Run make_run(Instant t, plan::Trial trial);
-    static Run taken(Run& run);
     void add_run(Instant t, plan::Trial trial, std::vector<Run>& known);
     [[nodiscard]] static model::ItemRange range_of(const Run& run, const Node& node);
     [[nodiscard]] Area& area(const plan::Trial& trial);

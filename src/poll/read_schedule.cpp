@@ -15,7 +15,7 @@ void ReadSchedule::add(std::size_t index, Duration period, std::optional<RateLim
     auto& read = reads_[index];
     read.release = bus::PeriodicRelease(period);
     read.health = tables_.devices[request(index).device].health.fresh();
-    if (trigger) read.trigger = HeapOptional(Triggering{.event = std::move(*trigger)});
+    if (trigger) read.trigger = HeapOptional(Triggering{.event = *trigger});
 }
 
 void ReadSchedule::set_queue(std::size_t fewest) {

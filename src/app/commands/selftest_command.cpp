@@ -71,9 +71,9 @@ private:
     // A measurement that was stopped is left out: it is shorter than the others.
     Result<void> measure_into(report::SelftestRun& run) {
         for (const auto subject : selftest::kSubjects) {
-            TAKT_TRY(auto measured, selftest::measure(subject, settings()));
+            TAKT_TRY(const auto measured, selftest::measure(subject, settings()));
             if (stop_) return {};
-            run[static_cast<std::size_t>(subject)] = std::move(measured);
+            run[static_cast<std::size_t>(subject)] = measured;
             ++ended_;
         }
         return {};

@@ -298,14 +298,15 @@ Option Command::flag_or_number(const std::string& name, int without, int& target
     return option.add_range(0, std::numeric_limits<int>::max());
 }
 
-Option Command::text(const std::string& name, std::function<void(const std::string&)> read,
+Option Command::text(const std::string& name, const std::function<void(const std::string&)>& read,
                      const std::string& help) {
-    return Option(app_->add_option_function<std::string>(name, std::move(read), help));
+    return Option(app_->add_option_function<std::string>(name, read, help));
 }
 
-Option Command::texts(const std::string& name, std::function<void(const std::vector<std::string>&)> read,
+Option Command::texts(const std::string& name,
+                      const std::function<void(const std::vector<std::string>&)>& read,
                       const std::string& help) {
-    return Option(app_->add_option_function<std::vector<std::string>>(name, std::move(read), help));
+    return Option(app_->add_option_function<std::vector<std::string>>(name, read, help));
 }
 
 Option Command::number(const std::string& name, std::function<void(int)> read, const std::string& help) {

@@ -79,9 +79,9 @@ public:
     Option flag_or_number(const std::string& name, int without, int& target, const std::string& help);
 
     /// The readers below call reject() for a value that they do not accept.
-    Option text(const std::string& name, std::function<void(const std::string&)> read,
+    Option text(const std::string& name, const std::function<void(const std::string&)>& read,
                 const std::string& help);
-    Option texts(const std::string& name, std::function<void(const std::vector<std::string>&)> read,
+    Option texts(const std::string& name, const std::function<void(const std::vector<std::string>&)>& read,
                  const std::string& help);
     Option number(const std::string& name, std::function<void(int)> read, const std::string& help);
 
