@@ -177,8 +177,10 @@ Recalled recall(std::string_view text, Seconds now, std::uint32_t file, model::P
             recalled.findings.push_back(std::move(stale));
         }
     }
-    for (const auto& name : reader.lines_with_lengths_off())
+    for (const auto& name : reader.lines_with_lengths_off()) {
+        if (recalled.findings.size() >= kMostFindings) break;
         if (auto found = lengths_off_finding(project, name)) recalled.findings.push_back(*std::move(found));
+    }
     return recalled;
 }
 
