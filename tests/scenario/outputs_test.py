@@ -99,17 +99,20 @@ def test_a_killed_program_continues_where_it_was(plant, seed):
         time.sleep(((seed * 7 + kill * 13) % 10) * 0.061)
         program.kill()
         program.communicate()
-    program = run(project)
-    before = len(samples(folder / "sub"))
-    wait_until(lambda: len(samples(folder / "sub")) >= before + 20)
-    output = end(program)
+    for _ in range(5):  # a busy machine may not deliver the last samples before the end
+        program = run(project)
+        before = len(samples(folder / "sub"))
+        wait_until(lambda least=before + 20: len(samples(folder / "sub")) >= least)
+        output = end(program)
+        if output["waiting"] == 0:
+            break
     subscriber.catch_up()
     subscriber.stop()
     highest = 0
     for sample in samples(folder / "sub"):
         assert sample["seq"] <= highest + 1, "a sample is missing"
         highest = max(highest, sample["seq"])
-    assert highest == output["sampled"] - output["waiting"]
+    assert highest == output["sampled"]
     assert output["sampled"] == output["delivered"] + output["waiting"] + output["dropped"]
     assert {gap["cause"] for gap in gaps(folder / "sub")} == {"restart"}
 
