@@ -85,8 +85,7 @@ bool Worker::post_at(Clock::time_point when, Job job) {
     if (state.idle < state.queue.size() && state.threads.size() < options_.threads) {
         try {
             state.start(state_);
-        } catch (const std::system_error&) {
-            // The threads that run take the job.
+        } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch): running threads take the job
         }
     }
     state.changed.notify_one();

@@ -94,7 +94,8 @@ private:
         return std::ranges::any_of(before_, [&](std::size_t i) { return i != task && entries_[i].alone; });
     }
     [[nodiscard]] WideTime held_up(std::size_t task, std::int64_t jobs) const {
-        return WideTime{jobs} * (WideTime{entries_[task].job} + entries_[task].frames * longest_frame_);
+        return WideTime{jobs} *
+               (WideTime{entries_[task].job} + WideTime{entries_[task].frames} * longest_frame_);
     }
 
     std::span<const Task> tasks_;

@@ -119,7 +119,7 @@ std::set<value::SlotId> Master::take_over_values(const Master& old) {
 
 std::optional<value::CommandOutcome> Master::take_outcome() {
     if (!local_outcomes_.empty()) {
-        const auto outcome = local_outcomes_.front();
+        auto outcome = std::move(local_outcomes_.front());
         local_outcomes_.pop_front();
         return outcome;
     }

@@ -160,14 +160,14 @@ void LinePoller::Run::add_read(std::size_t index, const std::optional<plan::Requ
     const Duration period = polled ? polled->period : Duration::zero();
     if (polled) job.deadline = polled->deadline.value_or(period);
     job.rank = 2 * index;
-    run.read = std::move(job);
+    run.read = job;
     run.read_cost = longest_cost(polled ? polled->costs : triggered->costs);
     std::optional<RateLimitedEvent> trigger;
     if (triggered) {
         trigger.emplace(triggered->admission);
         trigger->deadline = triggered->deadline;
     }
-    reads_.add(index, period, std::move(trigger));
+    reads_.add(index, period, trigger);
     device.health.set_reads(true);
 }
 

@@ -232,13 +232,14 @@ bool CommandDesk::on_message(const CommandTime& now, std::string_view broker, co
         if (identified && !duplicate) state.memory.add(request.id, false, {content, std::move(answer)});
         return true;
     }
-    command.tag = ++state.last_tag;
+    const auto tag = ++state.last_tag;
+    command.tag = tag;
     state.memory.add(request.id, true, {content, std::nullopt});
-    state.open.emplace(command.tag, OpenCommand{.request = std::move(request),
-                                                .origin = std::move(origin),
-                                                .reply = reply,
-                                                .configuration = state.rights.configuration,
-                                                .command = std::move(command)});
+    state.open.emplace(tag, OpenCommand{.request = std::move(request),
+                                        .origin = std::move(origin),
+                                        .reply = reply,
+                                        .configuration = state.rights.configuration,
+                                        .command = std::move(command)});
     return true;
 }
 

@@ -173,10 +173,10 @@ public:
     std::optional<int> number(std::size_t digits) {
         int value = 0;
         if (rest_.size() < digits) return std::nullopt;
-        const auto* const end = rest_.data() + digits;
+        const auto* const begin = rest_.data();
         if (!std::ranges::all_of(rest_.substr(0, digits), [](char c) { return c >= '0' && c <= '9'; }))
             return std::nullopt;
-        std::from_chars(rest_.data(), end, value);
+        std::from_chars(begin, begin + digits, value);
         rest_.remove_prefix(digits);
         return value;
     }

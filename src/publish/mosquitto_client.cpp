@@ -367,7 +367,7 @@ void MosquittoClient::on_connack(int code, const mosquitto_property* properties)
         open_ = true;
         auto event = version_ == MqttVersion::v5 ? connack_limits(properties) : MqttConnected{};
         event.connection = connection_;
-        return sink_(std::move(event));
+        return sink_(event);
     }
     const auto reason = version_ == MqttVersion::v5 ? static_cast<MqttReason>(code)
                                                     : from_connack_3_1_1(static_cast<std::uint8_t>(code));

@@ -36,7 +36,7 @@ OutputEngine::Options engine_options(OutputThread::Options options) {
             .open_storage = [directory = std::move(options.directory),
                              segment_bytes] { return open_directory(directory, segment_bytes); },
             .wake_sampler = std::move(options.wake_sampler),
-            .log = std::move(options.log)};
+            .log = options.log};
 }
 
 }  // namespace

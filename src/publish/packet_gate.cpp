@@ -112,7 +112,8 @@ void PacketGate::drop(std::string_view body) {
             identifier_ = static_cast<std::uint16_t>(identifier_ << 8U | byte_of(c));
         else if (topic_.size() <= kLongestTopic)
             topic_ += c;
-        if (++offset_ >= 2 && offset_ == prefix_bytes())
+        ++offset_;
+        if (offset_ >= 2 && offset_ == prefix_bytes())
             dropped_.push_back({shown(std::exchange(topic_, {})), in_.packet_bytes()});
     }
 }

@@ -76,7 +76,7 @@ void MarkWriter::note_damage(const MarkFile::Opened& opened) {
                {{"file", options_.path}, {"count", std::to_string(opened.cut_bytes)}});
 }
 
-void MarkWriter::report(LogLevel level, std::string_view code, report::Texts::Arguments arguments,
+void MarkWriter::report(LogLevel level, std::string_view code, const report::Texts::Arguments& arguments,
                         const std::optional<Error>& failure) {
     std::vector<LogArgument> logged;
     for (const auto& [name, text] : arguments) logged.push_back({.name = name, .text = text});

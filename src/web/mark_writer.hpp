@@ -48,7 +48,7 @@ private:
     void note(const Result<void>& result);
     void note_damage(const MarkFile::Opened& opened);
     /// @param failure  the argument `failure` of the text
-    void report(LogLevel level, std::string_view code, report::Texts::Arguments arguments,
+    void report(LogLevel level, std::string_view code, const report::Texts::Arguments& arguments,
                 const std::optional<Error>& failure = {});
 
     Marks& marks_;

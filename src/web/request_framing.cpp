@@ -102,8 +102,9 @@ private:
     }
 
     int content_length(std::string_view value) {
-        const auto* const end = value.data() + value.size();
-        const auto [rest, error] = std::from_chars(value.data(), end, head.body_bytes);
+        const auto* const begin = value.data();
+        const auto* const end = begin + value.size();
+        const auto [rest, error] = std::from_chars(begin, end, head.body_bytes);
         if (error == std::errc::result_out_of_range) return 413;
         if (error != std::errc() || rest != end) return 400;
         return head.body_bytes > limits_.body_bytes ? 413 : 0;
