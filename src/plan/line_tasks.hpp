@@ -21,16 +21,21 @@ struct LineJob {
     std::optional<Microseconds> deadline;
 };
 
-/// The reads of one unit that may be asked without pause (step_check.hpp).
+/// The reads of one unit, and the pause that shows that it is in step (step_check.hpp).
 struct StepHold {
     std::vector<std::size_t> tasks;
+    /// The tasks whose responses may have the same function and length. A task of several requests is in
+    /// each of theirs.
+    std::vector<std::vector<std::size_t>> by_shape;
+    std::vector<std::size_t> periodic;  ///< tasks of one shape that are polled
+    Microseconds pause = 0;             ///< shows that no further response comes
     Microseconds hold = 0;  ///< they wait so long, once each wire::kStepCheckInterval; others go meanwhile
 };
 
 struct LineTasks {
     std::vector<Task> tasks;
     std::vector<LineJob> jobs;             ///< in the order of the plan's requests
-    std::vector<StepHold> holds;           ///< of few lines
+    std::vector<StepHold> holds;           ///< one for each unit that is read; on TCP none
     std::optional<std::size_t> relayed;    ///< the task of relayed requests
     std::optional<std::size_t> clients;    ///< the task of commands of clients
     std::optional<Connection> connection;  ///< several requests in flight
