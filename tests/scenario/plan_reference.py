@@ -173,25 +173,41 @@ def with_dead_device(tasks, device, backoff):
 CHECK_US = 1_000_000
 
 
-def hold_of(me, tasks):
-    """The time for which the only request of a unit is held back; nothing: it has long enough pauses. In half
-    of the time n transactions leave n + 1 pauses."""
+def needs_hold(me, response):
+    """Whether reads of a unit with one request may go on for the whole time, each less than a cost after the
+    one before. @param response  None: unbounded"""
+    if response is None:
+        return True
     cost = sum(me["c"])
-    n = me["b"] + (CHECK_US // 2 + me["J"]) // me["T"]
-    if CHECK_US // 2 - n * cost >= (n + 1) * cost:
-        return None
-    return cost + max((max(k["c"]) for k in tasks if k is not me), default=0)
+    latest = response - cost  # start after the release
+    starts = lambda time: me["b"] + (time + latest) // me["T"]
+    end = CHECK_US + 2 * cost
+    steps = range((CHECK_US + latest) // me["T"] + 1, (end + latest) // me["T"] + 1)
+    return any(2 * cost * (starts(time) - 1) > time
+               for time in [CHECK_US] + [n * me["T"] - latest for n in steps])
 
 
 def with_holds(tasks, analyse):
     """`analyse`: the responses of tasks. A hold is a task of the highest priority for the request that it
     holds back; for the others that request comes up to so much later."""
-    holds = [hold_of(k, tasks) for k in tasks]
-    later = [dict(k, J=k["J"] + (hold or 0)) for k, hold in zip(tasks, holds)]
-    responses = analyse(later)
-    for i, hold in enumerate(holds):
-        if hold:
+
+    def responses_with(held):
+        holds = [
+            sum(k["c"]) + max((max(o["c"]) for o in tasks if o is not k), default=0) if i in held else 0
+            for i, k in enumerate(tasks)
+        ]
+        later = [dict(k, J=k["J"] + hold) for k, hold in zip(tasks, holds)]
+        responses = analyse(later)
+        for i in held:
             own = [*later[:i], tasks[i], *later[i + 1:]]
-            task = dict(c=[hold], F=0, T=CHECK_US, J=hold, b=1, prio=-1, device=None, attempts=1)
+            task = dict(c=[holds[i]], F=0, T=CHECK_US, J=holds[i], b=1, prio=-1, device=None, attempts=1)
             responses[i] = analyse([*own, task])[i]
-    return responses
+        return responses
+
+    held = set()
+    while True:
+        responses = responses_with(held)
+        needed = held | {i for i, k in enumerate(tasks) if needs_hold(k, responses[i])}
+        if needed == held:
+            return responses
+        held = needed
