@@ -139,7 +139,7 @@ def test_the_framing_is_found(framing):
 def test_silent_devices_and_damage():
     with Bus(["master", "listener"], units=(1, )) as bus, Listening(bus, "--json", "--timeout",
                                                                     "800ms") as listening:
-        with PymodbusMaster(bus.ports["master"], 0.05, [(1, 0, 4), (9, 0, 1), (1, 99, 2)]) as master:
+        with PymodbusMaster(bus.ports["master"], 0.5, [(1, 0, 4), (9, 0, 1), (1, 99, 2)]) as master:
             until(lambda: master.cycles >= 4, "cycles")
         heard = len(bus.answers)
         until(lambda: len(listening.events("exchange")) >= heard, "the last exchange")
