@@ -209,6 +209,7 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
 
 void TransactionCore::note_surplus(Instant t, UnitId unit, Bytes pdu) {
     if (numbered()) return;
+    notify(t, unit, wire::Incident::surplus_response);
     if (surplus_.size() == kMostSurplus) surplus_.drop_front(1);
     surplus_.push_back({unit, frame_shape(pdu), frame_hash(pdu), t});
 }
@@ -239,6 +240,7 @@ void TransactionCore::settle_stray(Slot& slot) {
 
 // The unit may have worked on the earlier request until now.
 void TransactionCore::note_late(Instant t, UnitId unit, Lateness lateness) {
+    notify(t, unit, wire::Incident::late_response);
     for (auto& slot : slots_) {
         if (!slot.in_flight() || slot.unit != unit) continue;
         if (slot.state == State::sent) slot.unit_busy_until = t;

@@ -237,6 +237,7 @@ Instant TransactionCore::next_wakeup() const {
 void TransactionCore::on_link(Instant t, bool up) {
     if (up == link_up_) return;
     if (!up) return link_down(t, Status::link_lost);
+    notify(t, UnitId{0}, wire::Incident::connected);
     link_up_ = true;
     bad_header_ = false;
     rejected_.clear();
@@ -258,6 +259,11 @@ void TransactionCore::link_down(Instant t, Status of_one_that_waits) {
     link_up_ = must_reconnect_ = false;
     framer_.reset();
     bytes_since_gap_ = 0;
+    notify(t, UnitId{0}, wire::Incident::disconnected);
+}
+
+void TransactionCore::notify(Instant t, UnitId unit, wire::Incident incident, Duration after) {
+    if (observer_) observer_->on_incident(t, unit, incident, after);
 }
 
 void TransactionCore::cancel_all(Instant t) {
@@ -268,6 +274,7 @@ void TransactionCore::cancel_all(Instant t) {
 void TransactionCore::give_up(Instant t, Slot& slot, Status status) {
     if (slot.in_flight() && !slot.broadcast)
         expect_response(t, slot, std::max(t, slot.deadline) + slot.late_limit);
+    if (status == Status::timeout) notify(t, slot.unit, wire::Incident::no_response, slot.wait);
     finish(t, slot, status);
 }
 

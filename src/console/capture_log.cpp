@@ -51,6 +51,7 @@ void CaptureLog::take_all() {
         if (const auto missed = source_.missed(); missed > missed_)
             capture_.frames().add_loss(missed - std::exchange(missed_, missed));
         if (!record) return;
+        if (record->incident) continue;
         record->t = capture_.end_of(*record);
         pending_.push_back(*std::move(record));
         if (pending_.size() >= kMostPending) add_settled(kNever);

@@ -326,7 +326,7 @@ void encode(const TrafficView& frame, std::vector<std::uint64_t>& record) {
     WordWriter writer(record);
     auto numbers = frame;  // members are visited as if they were written
     all(writer, numbers.generation, numbers.source.kind, numbers.source.index, numbers.t, numbers.direction,
-        numbers.unit.value, numbers.fault);
+        numbers.unit.value, numbers.fault, numbers.incident, numbers.after);
     writer.bytes(frame.peer);
     for (const auto bytes : {frame.pdu, frame.raw})
         writer.bytes({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
@@ -336,7 +336,7 @@ TrafficRecord decode_traffic(std::span<const std::uint64_t> record) {
     RecordReader reader(record);
     TrafficRecord result;
     all(reader, result.generation, result.source.kind, result.source.index, result.t, result.direction,
-        result.unit.value, result.fault, result.peer, result.pdu, result.raw);
+        result.unit.value, result.fault, result.incident, result.after, result.peer, result.pdu, result.raw);
     return result;
 }
 

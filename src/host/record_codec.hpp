@@ -26,7 +26,9 @@ struct TrafficView {
     Instant t;
     wire::Direction direction = wire::Direction::sent;
     UnitId unit;
-    std::optional<wire::FrameFault> fault;
+    std::optional<wire::FrameFault> fault = {};
+    std::optional<wire::Incident> incident = {};
+    Duration after{};
     std::string_view peer;
     Bytes pdu;
     Bytes raw;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host_link.hpp"
+#include "record_codec.hpp"
 #include "takt/base/inplace_string.hpp"
 #include "takt/host/traffic.hpp"
 #include "takt/wire/traffic.hpp"
@@ -22,6 +23,7 @@ public:
     }
     void on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) override;
     void on_fault(Instant t, wire::FrameFault fault, Bytes raw) override;
+    void on_incident(Instant t, UnitId unit, wire::Incident incident, Duration after) override;
     void on_peer(std::string_view peer) override { peer_.assign(peer); }
 
     void set_generation(std::uint32_t generation) { generation_ = generation; }
@@ -32,8 +34,8 @@ public:
     }
 
 private:
-    void put(Instant t, wire::Direction direction, UnitId unit, std::optional<wire::FrameFault> fault,
-             Bytes pdu, Bytes raw);
+    /// @param view  without generation, source and peer
+    void put(TrafficView view);
 
     HostLink& link_;
     TrafficSource source_;

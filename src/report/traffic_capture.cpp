@@ -67,6 +67,7 @@ bool TrafficCapture::is_request(Source& source, const host::TrafficRecord& recor
 }
 
 void TrafficCapture::add(const host::TrafficRecord& record, std::int64_t wall_ns, std::string& out) {
+    if (record.incident) return;  // the file has frames only
     auto* const source = source_of(record);
     if (!source) return frames_.add_loss(1);
     const bool sent = record.direction == wire::Direction::sent;

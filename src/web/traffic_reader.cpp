@@ -40,6 +40,10 @@ std::optional<TrafficFrame> TrafficReader::next() {
         const auto unit = frame.record.unit;
         if (const auto device = source->devices.find(unit.value); device != source->devices.end())
             frame.device = device->second;
+        if (frame.record.incident) {
+            frame.words = wire::describe_incident(*frame.record.incident, frame.record.after);
+            return frame;
+        }
         const bool of_line = frame.record.source.kind == host::TrafficSource::Kind::line;
         frame.request = of_line == (frame.record.direction == wire::Direction::sent);
         if (frame.record.fault) {
@@ -65,6 +69,13 @@ file::Json TrafficFrame::json(const WallTime& clock) const {
     object.set("line", line);
     if (!device.empty()) object.set("device", device);
     object.set("unit", record.unit.value);
+    if (record.incident) {
+        object.set("incident", wire::name(*record.incident));
+        if (record.after > Duration::zero())
+            object.set("after_ms", record.after / std::chrono::milliseconds(1));
+        object.set("words", words);
+        return object;
+    }
     object.set("direction", record.direction == wire::Direction::sent ? "tx" : "rx");
     if (!record.pdu.empty()) object.set("function", record.pdu[0] & 0x7F);
     object.set("words", words);

@@ -264,6 +264,18 @@ std::string describe_response(UnitId unit, Bytes pdu, const Request* request) {
     return out;
 }
 
+std::string describe_incident(Incident incident, Duration after) {
+    switch (incident) {
+        case Incident::no_response:
+            return fmt::format("no response within {} ms", after / std::chrono::milliseconds(1));
+        case Incident::late_response: return "late response";
+        case Incident::surplus_response: return "surplus response";
+        case Incident::connected: return "connected";
+        case Incident::disconnected: return "disconnected";
+    }
+    return std::string(name(incident));
+}
+
 std::string hex(Bytes bytes) {
     return fmt::format("{:02X}", fmt::join(bytes, " "));
 }

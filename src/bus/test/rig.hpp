@@ -66,7 +66,10 @@ constexpr Duration kRequest = 4166667ns;
 
 /// An engine with its link up at 0, and the outcomes it gave so far.
 struct Rig {
-    explicit Rig(const LineConfig& config = kLine) : engine(config) { engine.on_link(at(0ms), true); }
+    explicit Rig(const LineConfig& config = kLine, wire::TrafficObserver* observer = nullptr)
+        : engine(config, observer) {
+        engine.on_link(at(0ms), true);
+    }
 
     void submit(Instant t, const Transaction& transaction) {
         if (!engine.submit(t, transaction)) refused.push_back(transaction.id);

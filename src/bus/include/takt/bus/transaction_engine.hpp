@@ -237,6 +237,7 @@ private:
     [[nodiscard]] HeaderFault header_fault(Bytes header) const;
     void handle(Instant t, const wire::FramerStep& step);
     void on_frame(Instant t, const wire::Frame& frame);
+    void notify(Instant t, UnitId unit, wire::Incident incident, Duration after = {});
     void on_fault(Instant t, const wire::FramerStep& step);
     [[nodiscard]] bool may_be_echo(Instant t, const Slot& slot, std::size_t bytes) const;
     void find_response(Instant t);

@@ -22,15 +22,17 @@ struct TrafficSource {
     friend bool operator==(const TrafficSource&, const TrafficSource&) = default;
 };
 
-/// A frame, or bytes that were dropped.
+/// A frame, bytes that were dropped, or an incident.
 struct TrafficRecord {
     std::uint32_t generation = 0;
     TrafficSource source;
     Instant t;
     wire::Direction direction = wire::Direction::sent;
     UnitId unit;
-    std::optional<wire::FrameFault> fault;  ///< why bytes were dropped; then there is no frame
-    std::string peer;                       ///< of an endpoint's connection: "192.0.2.7:50100"; else empty
+    std::optional<wire::FrameFault> fault;   ///< why bytes were dropped; then there is no frame
+    std::optional<wire::Incident> incident;  ///< then there is no frame
+    Duration after{};                        ///< of the incident
+    std::string peer;                        ///< of an endpoint's connection: "192.0.2.7:50100"; else empty
     std::vector<std::uint8_t> pdu;
     std::vector<std::uint8_t> raw;  ///< as on the wire; of dropped bytes those that were kept
 };

@@ -13,6 +13,16 @@ namespace takt::wire {
 
 enum class Direction : std::uint8_t { sent, received };
 
+/// What happens on a line besides frames.
+enum class Incident : std::uint8_t {
+    no_response,       ///< a request timed out
+    late_response,     ///< the frame before is the response to a request that has ended
+    surplus_response,  ///< the frame before is the response to no request
+    connected,         ///< the port was opened, or the connection made
+    disconnected,      ///< it was closed, or lost
+};
+std::string_view name(Incident incident);
+
 /// Notified of every frame that an engine sends, and of every good frame that it receives (on a serial line
 /// also those of other units). Called on the engine's thread from inside its members: must not block and must
 /// not call the engine.
@@ -26,6 +36,11 @@ public:
     /// Bytes were received and dropped.
     /// @param raw  the bytes as far as they were kept; may be empty. Valid during the call
     virtual void on_fault(Instant t, FrameFault fault, Bytes raw) = 0;
+
+    /// Masters only.
+    /// @param unit   of a response; 0: of the line
+    /// @param after  no_response: the wait of the request; else zero
+    virtual void on_incident(Instant /*t*/, UnitId /*unit*/, Incident /*incident*/, Duration /*after*/) {}
 
     /// The calls that follow are about the connection with that peer, "192.0.2.7:50100". The connections of a
     /// listener share one observer; masters and serial slaves do not call this.

@@ -6,6 +6,7 @@
 #include "takt/base/engine.hpp"
 #include "takt/wire/frame.hpp"
 #include "takt/wire/pdu.hpp"
+#include "takt/wire/traffic.hpp"
 
 namespace takt::wire {
 
@@ -20,6 +21,9 @@ std::string describe_request(UnitId unit, Bytes pdu, const Result<Request>& requ
 /// "unit 16 read holding registers 500..501 → 2 values: 0 16256". Of many values the first 32. Never fails:
 /// a PDU that cannot be decoded, or does not answer the request, is shown as hex, with the reason.
 std::string describe_response(UnitId unit, Bytes pdu, const Request* request = nullptr);
+
+/// "no response within 500 ms", "late response".
+std::string describe_incident(Incident incident, Duration after);
 
 /// "10 03 00 00" — upper case, separated by blanks.
 std::string hex(Bytes bytes);
