@@ -22,12 +22,18 @@ constexpr std::size_t kMostErrors = 10;
 constexpr std::size_t kMostWarnings = 3;
 constexpr std::size_t kMostNames = 3;
 
-constexpr std::array<std::string_view, 10> kCodes{
-    "guarantee.late",           "guarantee.unbounded",
-    "guarantee.overload",       "guarantee.late_with_fault",
-    "guarantee.late_with_dead", "guarantee.response_unknown",
-    "guarantee.unlimited",      "guarantee.rough",
-    "guarantee.more",           "guarantee.response_measured",
+constexpr std::array<std::string_view, 11> kCodes{
+    "guarantee.late",
+    "guarantee.unbounded",
+    "guarantee.overload",
+    "guarantee.late_with_fault",
+    "guarantee.late_with_dead",
+    "guarantee.response_unknown",
+    "guarantee.unlimited",
+    "guarantee.rough",
+    "guarantee.more",
+    "guarantee.response_measured",
+    "guarantee.response_learning",
 };
 
 /// The late variables of one request, or of requests that take turns. The figures are those of the first one.
@@ -267,7 +273,10 @@ void LineVerdict::add_overload() {
 }
 
 void LineVerdict::add_response_unknown() {
-    Finding finding = line_finding("guarantee.response_unknown", prove_ ? Severity::error : Severity::note);
+    const bool learning = std::ranges::all_of(
+        unknown_, [&](std::size_t device) { return line_.devices[device].learn_turnaround; });
+    const auto* const code = learning ? "guarantee.response_learning" : "guarantee.response_unknown";
+    Finding finding = line_finding(code, prove_ ? Severity::error : Severity::note);
     finding.arguments.emplace_back("devices", device_names(line_, unknown_));
     finding.arguments.emplace_back("utilization", percent(busy(plan_)));
     findings_.push_back(std::move(finding));

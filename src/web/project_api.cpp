@@ -173,7 +173,7 @@ struct ProjectApi::Impl {
             shifted.correct(loaded.findings);
             return report::no_plan_json(request.texts, loaded);
         }
-        const auto proof = host::prove(loaded, true, request.parameter("measures") == "1",
+        const auto proof = host::prove(loaded, false, request.parameter("measures") == "1",
                                        [&](std::size_t, std::size_t) { end_if_superseded(request); });
         host::add_findings(loaded, proof);
         shifted.correct(loaded.findings);

@@ -119,6 +119,12 @@ model::Project without_turnaround() {
     return made;
 }
 
+model::Project learning() {
+    auto made = without_turnaround();
+    for (auto& device : made.lines[0].devices) device.learn_turnaround = true;
+    return made;
+}
+
 model::Project measured() {
     auto made = without_turnaround();
     auto& device = first_device(made);
@@ -191,6 +197,10 @@ std::vector<Advice> advices() {
          each_device([](model::Device& device) { device.response_timeout = 10ms; })},
         {"guarantee.response_unknown", "turnaround", without_turnaround(),
          [](model::Project& project) { first_device(project).turnaround = 20ms; }},
+        {"guarantee.response_learning", "a run", learning(),
+         [](model::Project& project) {
+             first_device(project).times.measured = {.exchanges = 3120, .longest = 10ms, .p999 = 9ms};
+         }},
         {"guarantee.response_measured", "turnaround", measured(),
          [](model::Project& project) { first_device(project).turnaround = 20ms; }},
         {"guarantee.unlimited", "min_interval", on_change,

@@ -41,7 +41,8 @@ enum class Verdict : std::uint8_t {
 ///
 /// Codes: guarantee.late, .unbounded (variable, device, response, deadline, over), .overload (line,
 /// utilization), .late_with_fault, .late_with_dead (variable, device, response, deadline),
-/// .response_unknown (line, devices, utilization), .unlimited, .more (line, count), .rough (line).
+/// .response_unknown, .response_learning (line, devices, utilization), .unlimited, .more (line, count),
+/// .rough (line).
 /// @param guarantees  of that plan
 [[nodiscard]] std::vector<model::Finding> guarantee_findings(const model::Project& project, const Plan& plan,
                                                              std::span<const LineGuarantee> guarantees,
