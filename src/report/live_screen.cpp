@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <utility>
 
 #include "takt/report/event_report.hpp"
 #include "takt/report/formatting.hpp"
+#include "takt/report/problems.hpp"
 #include "takt/report/state_report.hpp"
 #include "takt/report/text_table.hpp"
 
@@ -51,19 +53,20 @@ std::string live_line_text(const Texts& texts, const host::Snapshot& snapshot, s
     return text;
 }
 
-/// "not answering: Pump, Fan; answering: Boiler", trouble first.
+/// "not answering (time-out): Pump, Fan; answering: Boiler", trouble first.
 std::string devices_text(const Texts& texts, const host::Snapshot& snapshot, std::size_t index) {
     const auto& devices = snapshot.configuration->project().lines[index].devices;
     std::string text;
     for (const auto state : {DeviceState::not_answering, DeviceState::link_down, DeviceState::unknown,
                              DeviceState::switched_off, DeviceState::answering}) {
-        std::string names;
-        for (std::size_t d = 0; d < devices.size(); ++d)
-            if (snapshot.lines[index].devices[d].state == state)
-                names += (names.empty() ? "" : ", ") + devices[d].name;
-        if (names.empty()) continue;
-        text += (text.empty() ? "  " : "; ") + texts(fmt::format("app.state.{}", poll::name(state))) + ": " +
-                names;
+        std::map<std::string, std::string> names;  // by what is shown of the state
+        for (std::size_t d = 0; d < devices.size(); ++d) {
+            const auto& device = snapshot.lines[index].devices[d];
+            if (device.state != state) continue;
+            auto& same = names[device_state_text(texts, device)];
+            same += (same.empty() ? "" : ", ") + devices[d].name;
+        }
+        for (const auto& [shown, same] : names) text += (text.empty() ? "  " : "; ") + shown + ": " + same;
     }
     return text;
 }
@@ -116,6 +119,22 @@ std::vector<std::string> header(const Texts& texts, const host::Snapshot& snapsh
         if (auto times = has_times ? live_times_text(texts, snapshot, order[i]) : std::string();
             !times.empty())
             lines.push_back(std::move(times));
+    }
+    return lines;
+}
+
+/// The worst problems, the others counted.
+std::vector<std::string> problem_lines(const Texts& texts, const host::Snapshot& snapshot,
+                                       std::size_t columns) {
+    std::vector<std::string> lines;
+    for (const auto& problem : find_problems(texts, snapshot))
+        if (problem.severity != Problem::Severity::note)
+            lines.push_back(fitted("  " + problem_line(texts, problem_json(problem)), columns));
+    constexpr std::size_t kMost = 4;
+    if (lines.size() > kMost) {
+        const auto left = lines.size() - (kMost - 1);
+        lines.resize(kMost - 1);
+        lines.push_back("  " + texts("problem.more", {{"count", std::to_string(left)}}));
     }
     return lines;
 }
@@ -189,6 +208,8 @@ std::vector<std::string> live_screen(const Texts& texts, const host::Snapshot& s
     using enum TextTable::Align;
     const std::size_t height = std::max(screen.rows, kLeastLiveRows) - kCursorRows - kKeyRows - kHeadingRows;
     auto lines = header(texts, snapshot, std::max<std::size_t>(height / 2, 1));
+    for (auto& problem : problem_lines(texts, snapshot, screen.columns - 1))
+        if (lines.size() < height / 2) lines.push_back(std::move(problem));
     for (const auto& output : selection.outputs)
         if (lines.size() < height / 2) lines.push_back(fitted(output, screen.columns - 1));
     const auto values = selected_values(snapshot, selection);

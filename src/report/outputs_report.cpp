@@ -5,8 +5,10 @@
 #include <string_view>
 #include <variant>
 
+#include "json_members.hpp"
 #include "takt/publish/message_format.hpp"
 #include "takt/report/formatting.hpp"
+#include "takt/report/problems.hpp"
 #include "takt/report/state_report.hpp"
 #include "takt/report/value_json.hpp"
 
@@ -55,15 +57,6 @@ file::Json journal_json(const Texts& texts, const publish::OutputStatus& status)
     return object;
 }
 
-/// @param milliseconds  null: none
-Duration duration_of(const file::Json* milliseconds) {
-    if (milliseconds == nullptr) return {};
-    const auto* const number = std::get_if<double>(&milliseconds->value());
-    if (const auto* const whole = std::get_if<std::int64_t>(&milliseconds->value()))
-        return std::chrono::milliseconds(*whole);
-    return number == nullptr ? Duration{} : Duration(static_cast<std::int64_t>(*number * 1e6));
-}
-
 std::string scalar_text(const file::Json& object, std::string_view key) {
     const auto* const found = object.find(key);
     if (found == nullptr) return {};
@@ -79,7 +72,8 @@ std::string output_line(const Texts& texts, const file::Json& output) {
                                            {"delivered", scalar_text(output, "delivered")},
                                            {"waiting", scalar_text(output, "waiting")}});
     if (const auto* const age = output.find("oldest_waiting_ms"); age != nullptr && !age->is_null())
-        text += texts("app.output.oldest", {{"age", age_text(duration_of(age))}});
+        text += texts("app.output.oldest",
+                      {{"age", age_text(time_member(output, "oldest_waiting_ms").value_or(Duration{}))}});
     if (const auto dropped = scalar_text(output, "dropped"); !dropped.empty() && dropped != "0")
         text += texts("app.output.dropped", {{"count", dropped}});
     if (const auto gaps = scalar_text(output, "gaps"); !gaps.empty() && gaps != "0")
@@ -103,7 +97,8 @@ std::string output_line(const Texts& texts, const file::Json& output) {
     const auto* const journal = output.find("journal");
     const auto torn = journal != nullptr ? scalar_text(*journal, "torn_bytes") : std::string();
     if (!torn.empty() && torn != "0") text += texts("app.output.torn", {{"count", torn}});
-    const auto waits = journal != nullptr ? duration_of(journal->find("disk_waits_ms")) : Duration{};
+    const auto waits =
+        journal != nullptr ? time_member(*journal, "disk_waits_ms").value_or(Duration{}) : Duration{};
     if (waits > Duration{}) text += texts("app.output.disk_waits", {{"age", age_text(waits)}});
     if (const auto aside = journal != nullptr ? scalar_text(*journal, "set_aside") : std::string();
         !aside.empty())
@@ -170,13 +165,22 @@ file::Json output_json(const Texts& texts, const publish::OutputStatus& status, 
 
 void add_outputs(const Texts& texts, file::Json& status, std::span<const publish::OutputStatus> outputs,
                  std::int64_t wall_ns) {
-    const bool trouble = std::ranges::any_of(outputs, [](const publish::OutputStatus& output) {
+    const auto in_trouble = [](const publish::OutputStatus& output) {
         using enum publish::OutputState;
         return output.journal_failure || output.disk_waits > Duration{} || output.lost > 0 ||
                output.commands_unrecorded > 0 || output.state == stopped || output.state == removed;
-    });
-    const auto* const health = status.find("health");
-    if (trouble && health != nullptr && *health == file::Json("ok")) status.set("health", "degraded");
+    };
+    file::Json::Array problems;
+    for (const auto& output : outputs)
+        if (in_trouble(output))
+            problems.push_back(problem_json({.severity = Problem::Severity::error,
+                                             .kind = Problem::Kind::output,
+                                             .output = output.name,
+                                             .text = output_text(texts, output, wall_ns)}));
+    if (!problems.empty() && string_member(status, "health") == "ok") status.set("health", "degraded");
+    const auto& others = array_member(status, "problems");
+    problems.insert(problems.end(), others.begin(), others.end());
+    status.set("problems", file::Json(std::move(problems)));
     status.set("outputs", outputs_json(texts, outputs, wall_ns));
 }
 

@@ -6,11 +6,13 @@
 #include <optional>
 #include <utility>
 
+#include "json_members.hpp"
 #include "takt/model/service.hpp"
 #include "takt/report/command_report.hpp"
 #include "takt/report/event_report.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/outputs_report.hpp"
+#include "takt/report/problems.hpp"
 #include "takt/report/progress_text.hpp"
 #include "takt/report/response_times_report.hpp"
 #include "takt/report/text_table.hpp"
@@ -24,8 +26,9 @@ namespace takt::report {
 namespace {
 
 using namespace std::chrono_literals;
-using poll::DeviceState;
 using value::Quality;
+
+constexpr std::size_t kMostProblems = 20;  // in the text
 
 // ---- values
 
@@ -136,30 +139,6 @@ std::uint64_t failed(const bus::TransactionCounters& counters) {
            counters.link_lost;
 }
 
-/// "failed": devices are polled and none answers; "degraded": something is not as planned. A device or a
-/// variable that was not asked yet is no trouble.
-std::string_view health_word(const host::Snapshot& snapshot) {
-    std::size_t answering = 0;
-    std::size_t silent = 0;
-    bool trouble = false;
-    for (const auto& line : snapshot.lines) {
-        for (const auto& device : line.devices) {
-            answering += device.state == DeviceState::answering ? 1U : 0U;
-            silent += device.state == DeviceState::not_answering || device.state == DeviceState::link_down
-                          ? 1U
-                          : 0U;
-        }
-        trouble |= std::ranges::any_of(line.requests, &poll::RequestStatistics::overrun);
-        trouble |= !line.up && line.why;
-        trouble |= std::ranges::any_of(line.devices, &poll::DeviceStatistics::shifted);
-    }
-    const auto not_good = [](const value::Slot& slot) {
-        return slot.quality == Quality::bad || slot.quality == Quality::uncertain;
-    };
-    if (silent > 0 && answering == 0) return "failed";
-    return trouble || silent > 0 || std::ranges::any_of(snapshot.values, not_good) ? "degraded" : "ok";
-}
-
 file::Json described_delays_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
                                  std::size_t device) {
     const auto& finding = snapshot.lines[line].devices[device].delays;
@@ -250,43 +229,7 @@ file::Json line_state_json(const Texts& texts, const host::Snapshot& snapshot, s
     return object;
 }
 
-// ---- reading JSON back
-
-const file::Json& member(const file::Json& object, std::string_view key) {
-    static const file::Json kNull;
-    const auto* const found = object.find(key);
-    return found ? *found : kNull;
-}
-
-std::string string_member(const file::Json& object, std::string_view key) {
-    const auto* const text = std::get_if<std::string>(&member(object, key).value());
-    return text ? *text : std::string();
-}
-
-std::optional<double> number_member(const file::Json& object, std::string_view key) {
-    const auto& value = member(object, key).value();
-    if (const auto* const n = std::get_if<double>(&value)) return *n;
-    if (const auto* const n = std::get_if<std::int64_t>(&value)) return static_cast<double>(*n);
-    if (const auto* const n = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*n);
-    return std::nullopt;
-}
-
-std::string count_member(const file::Json& object, std::string_view key) {
-    return fmt::format("{:.0f}", number_member(object, key).value_or(0));
-}
-
-std::optional<Duration> time_member(const file::Json& object, std::string_view key) {
-    constexpr double kMostMs = 1e12;  // far from the limit of Duration
-    const auto ms = number_member(object, key);
-    if (!ms) return std::nullopt;
-    return Duration(static_cast<std::int64_t>(std::clamp(*ms, 0.0, kMostMs) * 1e6));
-}
-
-const file::Json::Array& array_member(const file::Json& object, std::string_view key) {
-    static const file::Json::Array kNone;
-    const auto* const array = std::get_if<file::Json::Array>(&member(object, key).value());
-    return array ? *array : kNone;
-}
+// ---- text of JSON
 
 std::string milliseconds_or_dash(const file::Json& object, std::string_view key) {
     const auto time = time_member(object, key);
@@ -312,9 +255,8 @@ std::string reason_word_text(const Texts& texts, const std::string& reason) {
 }
 
 /// " (time-out)": why a device does not answer.
-std::string cause_text(const Texts& texts, const file::Json& object) {
-    const auto cause = string_member(object, "cause");
-    return cause.empty() ? cause : " (" + reason_word_text(texts, cause) + ')';
+std::string cause_text(const Texts& texts, std::string_view cause) {
+    return cause.empty() ? std::string() : " (" + reason_word_text(texts, std::string(cause)) + ')';
 }
 
 std::string values_counted(const Texts& texts, const file::Json& counts) {
@@ -346,7 +288,7 @@ std::string line_state_text(const Texts& texts, const file::Json& line, std::siz
                texts("app.sent"), texts("app.failed"), texts("app.outages"), texts("app.available")});
     for (const auto& device : array_member(line, "devices"))
         table.add({string_member(device, "name"),
-                   word_text(texts, "app.state.", string_member(device, "state")) + cause_text(texts, device),
+                   device_state_text(texts, string_member(device, "state"), string_member(device, "cause")),
                    values_counted(texts, member(device, "values")),
                    milliseconds_or_dash(device, "response_ms"), count_member(device, "sent"),
                    count_member(device, "failed"), count_member(device, "outages"),
@@ -408,6 +350,20 @@ std::string_view link_word(const host::Snapshot::Line& line) {
     return line.was_up ? "lost" : "never_connected";
 }
 
+std::string device_state_text(const Texts& texts, std::string_view state, std::string_view cause) {
+    if (state == poll::name(poll::DeviceState::not_answering)) {
+        if (cause == reason_word(value::Reason::bad_checksum)) return texts("app.state.damaged");
+        if (cause == reason_word(value::Reason::unexpected_reply)) return texts("app.state.unfitting");
+    }
+    return word_text(texts, "app.state.", std::string(state)) + cause_text(texts, cause);
+}
+
+std::string device_state_text(const Texts& texts, const poll::DeviceCondition& condition) {
+    const auto failed = condition.failure != value::Reason::ok;
+    return device_state_text(texts, poll::name(condition.state),
+                             failed ? reason_word(condition.failure) : std::string());
+}
+
 std::string age_text(Duration age) {
     if (age < 1s) return fmt::format("{} ms", age / 1ms);
     if (age < 1min) return seconds_text(age);
@@ -417,7 +373,11 @@ std::string age_text(Duration age) {
 file::Json status_json(const Texts& texts, const host::Snapshot& snapshot, const std::string& time) {
     auto object = answer("status");
     object.set("time", time);
-    object.set("health", health_word(snapshot));
+    const auto problems = find_problems(texts, snapshot);
+    object.set("health", health_word(snapshot, problems));
+    auto listed = file::Json::array();
+    for (const auto& problem : problems) listed.push_back(problem_json(problem));
+    object.set("problems", std::move(listed));
     object.set("uptime_ms", milliseconds(snapshot.t - snapshot.started));
     QualityCounts counts;
     for (const auto& slot : snapshot.values) counts.add(slot.quality);
@@ -493,6 +453,7 @@ std::string status_text(const Texts& texts, const file::Json& status, std::size_
                                  {"time", age_text(uptime.value_or(Duration{}))},
                                  {"values", values_counted(texts, member(status, "values"))}}) +
         '\n';
+    text += wrapped(problems_text(texts, member(status, "problems"), kMostProblems), columns);
     for (const auto& line : array_member(status, "lines"))
         text += '\n' + line_state_text(texts, line, columns);
     const auto outputs = outputs_text(texts, status);
@@ -541,7 +502,7 @@ std::string quality_text(const Texts& texts, const file::Json& value) {
     auto text = word_text(texts, "app.quality.", string_member(value, "quality"));
     if (const auto reason = string_member(value, "reason"); !reason.empty())
         text += ", " + reason_word_text(texts, reason);
-    return text + cause_text(texts, value);
+    return text + cause_text(texts, string_member(value, "cause"));
 }
 
 }  // namespace takt::report

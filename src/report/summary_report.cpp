@@ -12,6 +12,7 @@
 #include "takt/report/formatting.hpp"
 #include "takt/report/line_times_report.hpp"
 #include "takt/report/response_times_report.hpp"
+#include "takt/report/state_report.hpp"
 #include "takt/report/text_table.hpp"
 #include "takt/report/word_wrap.hpp"
 
@@ -157,8 +158,8 @@ CountTable device_table(const host::Snapshot& snapshot, const Texts& texts, std:
         const auto& device = state.devices[i];
         const auto availability = device.availability.at(snapshot.t);
         const auto failed = device.counters.timeouts + failed_exchanges(device.counters);
-        table.add({devices[i].name, texts(fmt::format("app.state.{}", poll::name(device.state))),
-                   std::to_string(device.counters.sent), std::to_string(device.counters.answered)},
+        table.add({devices[i].name, device_state_text(texts, device), std::to_string(device.counters.sent),
+                   std::to_string(device.counters.answered)},
                   {std::to_string(failed), exceptions(device.counters, texts)},
                   {std::to_string(device.outages), downtime_text(availability.downtime),
                    availability_text(availability.share())},

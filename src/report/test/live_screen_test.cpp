@@ -104,10 +104,11 @@ TEST(LiveScreen, WhatIsNotGoodIsAtTheTopAndReadable) {
                                              .sampled_at = snapshot.t - 200s};
     LiveSelection selection;
     const auto lines = live_screen(english(), snapshot, selection, {24, 80});
-    expect_contains(lines[3], "Tag");
-    EXPECT_TRUE(lines[3].ends_with("3 min 20 s  bad, exception 2")) << lines[3];
-    expect_contains(lines[4], "Pump");
-    expect_contains(lines[4], "never read");
+    expect_contains(lines[2], "warning: Котёл: bad, exception 2");
+    expect_contains(lines[4], "Tag");
+    EXPECT_TRUE(lines[4].ends_with("3 min 20 s  bad, exception 2")) << lines[4];
+    expect_contains(lines[5], "Pump");
+    expect_contains(lines[5], "never read");
 }
 
 TEST(LiveScreen, ARowForEachKindOfValue) {

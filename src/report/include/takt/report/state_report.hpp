@@ -54,6 +54,15 @@ namespace takt::report {
 /// The age of a value: "120 ms", "4.5 s", "3 min 20 s".
 [[nodiscard]] std::string age_text(Duration age);
 
+/// The state of a device in words, with the reason of its last failure. A device whose responses are damaged
+/// or do not fit is not called silent.
+/// @param state  poll::name()
+/// @param cause  reason_word() of its last failure; empty: none
+[[nodiscard]] std::string device_state_text(const Texts& texts, std::string_view state,
+                                            std::string_view cause);
+
+[[nodiscard]] std::string device_state_text(const Texts& texts, const poll::DeviceCondition& condition);
+
 /// The word of a line's state in JSON: "connected", "never_connected", "lost".
 [[nodiscard]] std::string_view link_word(const host::Snapshot::Line& line);
 

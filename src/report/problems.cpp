@@ -1,0 +1,450 @@
+#include "takt/report/problems.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "json_members.hpp"
+#include "takt/host/event_message.hpp"
+#include "takt/report/event_report.hpp"
+#include "takt/report/formatting.hpp"
+#include "takt/report/state_report.hpp"
+#include "takt/text/catalogue.hpp"
+#include "takt/text/escape.hpp"
+
+namespace takt::report {
+namespace {
+
+using enum Problem::Kind;
+using enum Problem::Severity;
+using poll::DeviceState;
+using value::Quality;
+using value::Reason;
+
+// A few responses of many may be lost or damaged on any line.
+constexpr std::uint64_t kFewestFailures = 3;
+constexpr std::uint64_t kFewestInRequests = 100;  // one in so many
+
+bool is_not_good(const value::Slot& slot) {
+    return slot.quality == Quality::bad || slot.quality == Quality::uncertain;
+}
+
+/// The exception that came most often.
+std::uint8_t most_frequent_exception(const bus::TransactionCounters& counters) {
+    const auto& codes = counters.exceptions_by_code;
+    return static_cast<std::uint8_t>(std::ranges::max_element(codes) - codes.begin());
+}
+
+/// ": Level, Speed and 3 more"
+std::string names_text(const Texts& texts, const file::Json::Array& names) {
+    constexpr std::size_t kMost = 4;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
+        text += (i == 0 ? ": " : ", ") + std::get<std::string>(names[i].value());
+    if (names.size() > kMost)
+        text += texts("problem.more_names", {{"count", std::to_string(names.size() - kMost)}});
+    return text;
+}
+
+class ProblemFinder {
+public:
+    ProblemFinder(const Texts& texts, const host::Snapshot& snapshot)
+        : texts_(texts),
+          snapshot_(snapshot),
+          configuration_(*snapshot.configuration),
+          named_(snapshot.values.size()) {}
+
+    std::vector<Problem> find() {
+        for (line_ = 0; line_ < snapshot_.lines.size(); ++line_) {
+            find_link();
+            for (device_ = 0; device_ < line().devices.size(); ++device_) find_device();
+        }
+        find_values_without_device();
+        const auto key = [](const Problem& p) { return std::tuple(p.severity, p.kind); };
+        std::ranges::stable_sort(found_, {}, key);
+        return std::move(found_);
+    }
+
+private:
+    [[nodiscard]] const host::Snapshot::Line& line() const { return snapshot_.lines[line_]; }
+    [[nodiscard]] const model::Line& line_settings() const { return configuration_.project().lines[line_]; }
+    [[nodiscard]] const poll::DeviceStatistics& device() const { return line().devices[device_]; }
+    [[nodiscard]] const model::Device& settings() const { return line_settings().devices[device_]; }
+    [[nodiscard]] value::SlotId slot_of(std::size_t variable) const {
+        return configuration_.slots().variable({line_, device_, variable});
+    }
+    [[nodiscard]] std::optional<Duration> before_snapshot(const std::optional<Instant>& t) const {
+        return t ? std::optional(std::max(snapshot_.t - *t, Duration{})) : std::nullopt;
+    }
+
+    void find_link() {
+        if (line().up || !line().why) return;
+        found_.push_back({.severity = error,
+                          .kind = link,
+                          .line = line_settings().name,
+                          .since = before_snapshot(line().statistics.availability.down_since()),
+                          .text = line_settings().name + ": " + text::what(texts_.language(), *line().why),
+                          .tried = texts_("problem.tried.link"),
+                          .advice = text::advice(texts_.language(), *line().why)});
+    }
+
+    void find_device() {
+        name_values_of_links();
+        find_refused();
+        if (device().state == DeviceState::not_answering) {
+            found_.push_back(unanswering());
+            name_values([](Reason) { return true; });
+        } else {
+            find_late();
+        }
+        find_values();
+        find_failures();
+        find_measured();
+    }
+
+    [[nodiscard]] Problem of_device(Problem::Severity severity, Problem::Kind kind) const {
+        return {.severity = severity, .kind = kind, .line = line_settings().name, .device = settings().name};
+    }
+
+    // ---- values
+
+    /// Values that a problem has named are not listed again. @returns the names of those not named before
+    template <class Matches>
+    std::vector<std::string> name_values(const Matches& matches) {
+        std::vector<std::size_t> all(settings().variables.size());
+        for (std::size_t v = 0; v < all.size(); ++v) all[v] = v;
+        return name_values(all, matches);
+    }
+    template <class Matches>
+    std::vector<std::string> name_values(const std::vector<std::size_t>& variables, const Matches& matches) {
+        std::vector<std::string> names;
+        for (const auto v : variables) {
+            const auto slot = slot_of(v).value;
+            if (named_[slot] || !is_not_good(snapshot_.values[slot]) ||
+                !matches(snapshot_.values[slot].reason))
+                continue;
+            named_[slot] = true;
+            names.push_back(settings().variables[v].name);
+        }
+        return names;
+    }
+
+    /// A link that is down is a problem of the line; a device that is switched off is none.
+    void name_values_of_links() {
+        if (device().state == DeviceState::link_down || device().state == DeviceState::switched_off)
+            name_values([](Reason) { return true; });
+    }
+
+    /// Since the oldest last good value of these; else since the start.
+    [[nodiscard]] Duration since_good(const std::vector<std::size_t>& variables) const {
+        Duration longest{};
+        for (const auto v : variables) {
+            const auto& slot = snapshot_.values[slot_of(v).value];
+            if (is_not_good(slot))
+                longest = std::max(longest, snapshot_.t - slot.good_at.value_or(snapshot_.started));
+        }
+        return longest;
+    }
+
+    /// Values that are not good though the device answers, by reason.
+    void find_values() {
+        std::map<Reason, std::vector<std::size_t>> by_reason;
+        for (std::size_t v = 0; v < settings().variables.size(); ++v) {
+            const auto slot = slot_of(v).value;
+            if (is_not_good(snapshot_.values[slot]) && !named_[slot])
+                by_reason[snapshot_.values[slot].reason].push_back(v);
+        }
+        for (const auto& [reason, variables] : by_reason) {
+            auto problem = failing(reason);
+            problem.severity = warning;
+            problem.since = since_good(variables);
+            problem.variables = name_values(variables, [](Reason) { return true; });
+            found_.push_back(std::move(problem));
+        }
+    }
+
+    void find_values_without_device() {
+        for (std::uint32_t id = 0; id < snapshot_.values.size(); ++id) {
+            const auto& slot = snapshot_.values[id];
+            if (named_[id] || !is_not_good(slot) || configuration_.device_of({id})) continue;
+            const auto& name = configuration_.info({id}).name;
+            found_.push_back({.kind = values,
+                              .variables = {name},
+                              .since = before_snapshot(slot.good_at.value_or(snapshot_.started)),
+                              .text = name + ": " + texts_.quality(slot.quality, slot.reason)});
+        }
+    }
+
+    // ---- devices
+
+    /// The failures of one kind.
+    struct Failures {
+        Problem::Kind kind;
+        std::uint64_t count;
+        std::string_view text;
+        Code code;  ///< of the advice
+    };
+    [[nodiscard]] Failures failures_of(Reason reason) const {
+        const auto& counters = device().counters;
+        switch (reason) {
+            case Reason::bad_checksum:
+                return {damaged, counters.checksums, "problem.damaged", Code::bad_checksum};
+            case Reason::unexpected_reply:
+            case Reason::ambiguous:
+                return {unfitting, counters.unexpected + counters.ambiguous, "problem.unfitting",
+                        Code::unexpected_reply};
+            case Reason::link_lost:
+            case Reason::closed:
+                return {unanswered, counters.link_lost, "problem.closed", Code::closed_by_peer};
+            default: return {unanswered, counters.timeouts, "problem.unanswered", Code::timed_out};
+        }
+    }
+
+    [[nodiscard]] std::string advice_on(Code code) const {
+        Error failure{code, std::string_view(settings().name), {}};
+        const bool serial_over_tcp = line_settings().transport == model::Transport::tcp &&
+                                     line_settings().framing != wire::Framing::tcp;
+        if (serial_over_tcp) failure.subject = "rtu+tcp://";
+        return text::advice(texts_.language(), failure);
+    }
+
+    [[nodiscard]] Problem counted(const Failures& failures) const {
+        Problem problem = of_device(note, failures.kind);
+        problem.count = failures.count;
+        problem.of = device().counters.sent;
+        problem.text = texts_(failures.text, {{"device", settings().name}});
+        problem.advice = advice_on(failures.code);
+        return problem;
+    }
+
+    /// Of values with that reason.
+    [[nodiscard]] Problem failing(Reason reason) const {
+        const bool is_failure = reason == Reason::bad_checksum || reason == Reason::unexpected_reply ||
+                                reason == Reason::ambiguous || reason == Reason::timeout ||
+                                reason == Reason::link_lost || reason == Reason::closed;
+        if (is_failure) return counted(failures_of(reason));
+        Problem problem = of_device(warning, values);
+        problem.text = settings().name + ": " + texts_.quality(Quality::bad, reason);
+        if (reason == Reason::stale) {
+            problem.text = settings().name + ": " + texts_.quality(Quality::uncertain, reason);
+            problem.advice = texts_("problem.advice.stale");
+        }
+        return problem;
+    }
+
+    /// The last failure of a device that does not answer.
+    [[nodiscard]] Error failure_of(Reason reason, Code code) const {
+        const std::string_view name = settings().name;
+        if (value::is_exception(reason)) {
+            const auto number = value::status_code(reason);
+            return {Code::modbus_exception, name, {number >= 256 ? number - 256 : number}};
+        }
+        if (code != Code::timed_out) return {code, name, {}};
+        const auto wait = settings().wait(configuration_.project().derive_timeouts);
+        return {code, name, {wait / std::chrono::milliseconds(1)}};
+    }
+
+    /// The device does not answer, or no response can be used.
+    [[nodiscard]] Problem unanswering() const {
+        const auto reason = device().failure;
+        const auto failures = failures_of(reason);
+        Problem problem = counted(failures);
+        if (failures.kind == unanswered) {
+            problem.kind = silent;
+            const auto failure = failure_of(reason, failures.code);
+            problem.text = text::what(texts_.language(), failure);
+            problem.advice = text::advice(texts_.language(), failure);
+        }
+        problem.severity = error;
+        problem.since = before_snapshot(device().availability.down_since());
+        problem.tried = texts_("problem.tried.probe", {{"attempts", std::to_string(settings().attempts)},
+                                                       {"pause", age_text(device().back_off)}});
+        return problem;
+    }
+
+    /// Failures that left no value bad.
+    void find_failures() {
+        if (device().state == DeviceState::not_answering) return;
+        const auto& sent = device().counters.sent;
+        for (const auto reason : {Reason::bad_checksum, Reason::unexpected_reply, Reason::timeout}) {
+            const auto failures = failures_of(reason);
+            const bool listed = std::ranges::any_of(found_, [&](const Problem& problem) {
+                return problem.kind == failures.kind && problem.device == settings().name &&
+                       problem.line == line_settings().name;
+            });
+            if (listed || failures.count < kFewestFailures || failures.count * kFewestInRequests < sent)
+                continue;
+            found_.push_back(counted(failures));
+        }
+        if (!device().shifted) return;
+        Problem problem = of_device(warning, shifted);
+        problem.count = device().surplus;
+        problem.text = event_text(texts_, configuration_,
+                                  {.body = host::SurplusFound{.line = line_, .device = device_}});
+        found_.push_back(std::move(problem));
+    }
+
+    void find_measured() {
+        if (const auto& finding = device().delays) {
+            Problem problem = of_device(note, slow);
+            problem.text = event_text(
+                texts_, configuration_,
+                {.body = host::DelaysFound{.line = line_, .device = device_, .finding = *finding}});
+            found_.push_back(std::move(problem));
+        }
+        if (const auto& finding = device().noise) {
+            Problem problem = of_device(note, noise);
+            problem.text =
+                event_text(texts_, configuration_,
+                           {.body = host::NoiseFound{.line = line_, .device = device_, .finding = *finding}});
+            found_.push_back(std::move(problem));
+        }
+    }
+
+    // ---- requests
+
+    [[nodiscard]] const plan::LinePlan* plan() const { return line().plan.get(); }
+
+    template <class Visit>
+    void for_each_request(const Visit& visit) {
+        if (!plan()) return;
+        for (std::size_t r = 0; r < plan()->requests.size() && r < line().requests.size(); ++r)
+            if (plan()->requests[r].device == device_) visit(plan()->requests[r], line().requests[r]);
+    }
+
+    void find_refused() {
+        for_each_request([&](const plan::Request& request, const poll::RequestStatistics& statistics) {
+            if (statistics.counters.exceptions == 0) return;
+            const auto code = most_frequent_exception(statistics.counters);
+            const Error failure{Code::modbus_exception, {}, {code}};
+            Problem problem = of_device(note, refused);
+            problem.request = request_text(request);
+            problem.since = since_good(request.variables);
+            problem.variables = name_values(request.variables, &value::is_exception);
+            if (problem.variables.empty())
+                problem.since.reset();
+            else
+                problem.severity = warning;
+            problem.count = statistics.counters.exceptions;
+            problem.of = statistics.counters.sent;
+            problem.text = texts_("problem.refused", {{"device", settings().name},
+                                                      {"request", problem.request},
+                                                      {"what", text::what(texts_.language(), failure)}});
+            problem.advice = text::advice(texts_.language(), failure);
+            found_.push_back(std::move(problem));
+        });
+    }
+
+    void find_late() {
+        for_each_request([&](const plan::Request& request, const poll::RequestStatistics& statistics) {
+            if (!statistics.overrun) return;
+            Problem problem = of_device(warning, late);
+            problem.request = request_text(request);
+            if (statistics.skipped > 0) problem.count = statistics.skipped;
+            problem.text =
+                texts_("app.overrun",
+                       {{"where", settings().name},
+                        {"request", problem.request},
+                        {"real", host::milliseconds_number(statistics.recent_period)},
+                        {"period", host::milliseconds_number(statistics.period.value_or(Duration{}))}});
+            problem.advice = texts_("problem.advice.late");
+            found_.push_back(std::move(problem));
+        });
+    }
+
+    const Texts& texts_;
+    const host::Snapshot& snapshot_;
+    const host::Configuration& configuration_;
+    std::vector<bool> named_;  // by slot: a problem names it
+    std::vector<Problem> found_;
+    std::size_t line_ = 0;
+    std::size_t device_ = 0;
+};
+
+}  // namespace
+
+std::string_view name(Problem::Severity severity) {
+    constexpr std::array<std::string_view, 3> kNames{"error", "warning", "note"};
+    return kNames[static_cast<std::size_t>(severity)];
+}
+
+std::string_view name(Problem::Kind kind) {
+    constexpr std::array<std::string_view, 12> kNames{"link",    "silent",     "damaged", "unfitting",
+                                                      "refused", "output",     "values",  "late",
+                                                      "shifted", "unanswered", "slow",    "noise"};
+    return kNames[static_cast<std::size_t>(kind)];
+}
+
+std::vector<Problem> find_problems(const Texts& texts, const host::Snapshot& snapshot) {
+    return ProblemFinder(texts, snapshot).find();
+}
+
+std::string_view health_word(const host::Snapshot& snapshot, const std::vector<Problem>& problems) {
+    std::size_t answering = 0;
+    std::size_t silent_devices = 0;
+    for (const auto& line : snapshot.lines)
+        for (const auto& device : line.devices) {
+            answering += device.state == DeviceState::answering ? 1U : 0U;
+            silent_devices +=
+                device.state == DeviceState::not_answering || device.state == DeviceState::link_down ? 1U
+                                                                                                     : 0U;
+        }
+    if (silent_devices > 0 && answering == 0) return "failed";
+    const bool trouble =
+        std::ranges::any_of(problems, [](const Problem& problem) { return problem.severity != note; });
+    return trouble ? "degraded" : "ok";
+}
+
+file::Json problem_json(const Problem& problem) {
+    auto object = file::Json::object();
+    object.set("severity", name(problem.severity));
+    object.set("kind", name(problem.kind));
+    const auto set = [&](std::string_view key, const std::string& text) {
+        if (!text.empty()) object.set(key, text);
+    };
+    set("line", problem.line);
+    set("device", problem.device);
+    set("output", problem.output);
+    set("request", problem.request);
+    auto variables = file::Json::array();
+    for (const auto& variable : problem.variables) variables.push_back(variable);
+    object.set("variables", std::move(variables));
+    if (problem.count) object.set("count", *problem.count);
+    if (problem.of) object.set("of", *problem.of);
+    if (problem.since) object.set("since_ms", milliseconds(*problem.since));
+    set("text", problem.text);
+    set("tried", problem.tried);
+    set("advice", problem.advice);
+    return object;
+}
+
+std::string problem_line(const Texts& texts, const file::Json& problem) {
+    auto text = texts("app." + string_member(problem, "severity")) + ": " + string_member(problem, "text");
+    const auto count = number_member(problem, "count");
+    const auto of = number_member(problem, "of");
+    if (count && of)
+        text += texts("problem.count_of",
+                      {{"count", count_member(problem, "count")}, {"of", count_member(problem, "of")}});
+    if (const auto since = time_member(problem, "since_ms"))
+        text += texts("problem.since", {{"age", age_text(*since)}});
+    return text::escape_line(text + names_text(texts, array_member(problem, "variables")));
+}
+
+std::string problems_text(const Texts& texts, const file::Json& problems, std::size_t most) {
+    const auto* const list = std::get_if<file::Json::Array>(&problems.value());
+    if (list == nullptr) return {};
+    std::string text;
+    for (std::size_t i = 0; i < std::min(list->size(), most); ++i) {
+        text += "  " + problem_line(texts, (*list)[i]) + '\n';
+        for (const auto* const key : {"tried", "advice"})
+            if (const auto more = string_member((*list)[i], key); !more.empty())
+                text += "    " + text::escape_line(more) + '\n';
+    }
+    if (list->size() > most)
+        text += "  " + texts("problem.more", {{"count", std::to_string(list->size() - most)}}) + '\n';
+    return text;
+}
+
+}  // namespace takt::report

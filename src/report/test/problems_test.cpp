@@ -1,0 +1,198 @@
+// Why a running project is not in order.
+#include "takt/report/problems.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "host_sample.hpp"
+#include "takt/report/state_report.hpp"
+
+namespace takt::report {
+namespace problems_test {
+
+using namespace test;
+using namespace std::chrono_literals;
+using value::Quality;
+using value::Reason;
+using Kind = Problem::Kind;
+using Severity = Problem::Severity;
+
+/// The line is up, its device answered 11,511 requests, and every value was read.
+host::Snapshot healthy() {
+    auto made = snapshot_of(plant());
+    made.lines[0].up = made.lines[0].was_up = true;
+    made.lines[0].devices[0].state = poll::DeviceState::answering;
+    made.lines[0].devices[0].counters.sent = 11511;
+    for (auto& slot : made.values) slot = {.quality = Quality::good, .good_at = made.t - 100ms};
+    return made;
+}
+
+void fail(host::Snapshot& snapshot, const std::string& name, Reason reason, Duration since = 4s) {
+    auto& slot = snapshot.values[slot_of(name).value];
+    slot.quality = Quality::bad;
+    slot.reason = reason;
+    slot.good_at = snapshot.t - since;
+}
+
+/// The request that reads the variable.
+std::size_t request_of(const host::Snapshot& snapshot, const std::string& name) {
+    const auto& requests = snapshot.lines[0].plan->requests;
+    const auto& variables = plant()->project().lines[0].devices[0].variables;
+    const auto reads = [&](const plan::Request& request) {
+        return std::ranges::any_of(request.variables,
+                                   [&](std::size_t v) { return request.read && variables[v].name == name; });
+    };
+    return static_cast<std::size_t>(std::ranges::find_if(requests, reads) - requests.begin());
+}
+
+std::vector<Problem> problems(const host::Snapshot& snapshot) {
+    return find_problems(english(), snapshot);
+}
+
+std::string text_of(const host::Snapshot& snapshot) {
+    const auto json = status_json(english(), snapshot, "");
+    return problems_text(english(), *json.find("problems"));
+}
+
+TEST(Problems, AHealthyProjectHasNone) {
+    EXPECT_TRUE(problems(healthy()).empty());
+    EXPECT_EQ(health_word(healthy(), {}), "ok");
+}
+
+TEST(Problems, ARefusedRequestNamesRangeVariableExceptionAndRemedy) {
+    auto snapshot = healthy();
+    fail(snapshot, "Pump", value::exception_reason(2), 240s);
+    auto& counters = snapshot.lines[0].requests[request_of(snapshot, "Pump")].counters;
+    counters.sent = counters.exceptions = counters.exceptions_by_code[2] = 3837;
+    const auto found = problems(snapshot);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].kind, Kind::refused);
+    EXPECT_EQ(found[0].severity, Severity::warning);
+    EXPECT_EQ(found[0].variables, std::vector<std::string>{"Pump"});
+    EXPECT_EQ(found[0].since, 240s);
+    EXPECT_EQ(text_of(snapshot),
+              "  warning: Котёл: 0x01 3: the device answers with exception 2: illegal data address, "
+              "3837 of 3837 requests, for 4 min 0 s: Pump\n"
+              "    The device does not have these addresses. Check start and quantity; addresses on the wire "
+              "start at zero.\n");
+    EXPECT_EQ(health_word(snapshot, found), "degraded");
+
+    snapshot.values[slot_of("Pump").value].quality = Quality::good;
+    EXPECT_EQ(problems(snapshot)[0].severity, Severity::note) << "it answers again";
+    EXPECT_EQ(health_word(snapshot, problems(snapshot)), "ok");
+}
+
+TEST(Problems, ASilentDeviceHasTheSentenceOfARead) {
+    auto snapshot = healthy();
+    auto& device = snapshot.lines[0].devices[0];
+    device.state = poll::DeviceState::not_answering;
+    device.failure = Reason::timeout;
+    device.back_off = 8s;
+    device.availability.begin(snapshot.started);
+    device.availability.down(snapshot.t - 7s);
+    for (const auto* const name : {"Level", "Speed", "Pump", "Tag"})
+        fail(snapshot, name, Reason::not_answering);
+    const auto found = problems(snapshot);
+    ASSERT_EQ(found.size(), 1U) << "its values are no further problems";
+    EXPECT_EQ(found[0].kind, Kind::silent);
+    expect_contains(found[0].text, "no answer within");
+    expect_contains(found[0].advice, "Check the unit address");
+    expect_contains(found[0].tried, "the pause is 8.0 s now");
+    EXPECT_EQ(health_word(snapshot, found), "failed");
+
+    device.failure = value::exception_reason(10);
+    expect_contains(problems(snapshot)[0].text, "gateway path unavailable");
+
+    device.failure = Reason::bad_checksum;
+    device.counters.checksums = 16;
+    device.counters.sent = 25;
+    EXPECT_EQ(problems(snapshot)[0].kind, Kind::damaged) << "it answers, and each response is damaged";
+    expect_contains(text_of(snapshot), "are damaged, 16 of 25 requests");
+    expect_contains(text_of(snapshot), "termination");
+}
+
+TEST(Problems, SomeDamagedResponsesAreANote) {
+    auto snapshot = healthy();
+    auto& counters = snapshot.lines[0].devices[0].counters;
+    counters.checksums = 2;
+    counters.sent = 25;
+    EXPECT_TRUE(problems(snapshot).empty()) << "two may come on any line";
+    counters.checksums = 3;
+    ASSERT_EQ(problems(snapshot).size(), 1U);
+    EXPECT_EQ(problems(snapshot)[0].severity, Severity::note);
+    counters.sent = 301;
+    EXPECT_TRUE(problems(snapshot).empty()) << "less than one in a hundred";
+    counters.sent = 25;
+    fail(snapshot, "Level", Reason::bad_checksum);
+    ASSERT_EQ(problems(snapshot).size(), 1U) << "the same problem, with a value that is missing";
+    EXPECT_EQ(problems(snapshot)[0].severity, Severity::warning);
+}
+
+TEST(Problems, EachValueThatIsNotGoodIsNamedOnce) {
+    for (const auto reason :
+         {Reason::timeout, Reason::bad_checksum, Reason::unexpected_reply, Reason::link_lost, Reason::closed,
+          Reason::differs, Reason::stale, Reason::ambiguous, Reason::not_answering,
+          value::exception_reason(2), value::exception_reason(99)}) {
+        auto snapshot = healthy();
+        fail(snapshot, "Level", reason);
+        std::vector<std::string> names;
+        for (const auto& problem : problems(snapshot))
+            names.insert(names.end(), problem.variables.begin(), problem.variables.end());
+        EXPECT_EQ(names, std::vector<std::string>{"Level"}) << value::name(reason);
+        EXPECT_EQ(health_word(snapshot, problems(snapshot)), "degraded");
+    }
+}
+
+TEST(Problems, ALinkThatIsDownIsOneProblem) {
+    auto snapshot = healthy();
+    auto& line = snapshot.lines[0];
+    line.up = false;
+    line.why = takt::fail(Code::cannot_open, "/dev/ttyUSB0", ENOENT).error();
+    line.devices[0].state = poll::DeviceState::link_down;
+    for (const auto* const name : {"Level", "Speed", "Pump", "Tag"}) fail(snapshot, name, Reason::link_lost);
+    const auto found = problems(snapshot);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].kind, Kind::link);
+    expect_contains(found[0].text, "/dev/ttyUSB0");
+    expect_contains(found[0].advice, "adapter is plugged in");
+}
+
+TEST(Problems, ASwitchedOffDeviceIsNone) {
+    auto snapshot = healthy();
+    snapshot.lines[0].devices[0].state = poll::DeviceState::switched_off;
+    for (const auto* const name : {"Level", "Speed", "Pump", "Tag"})
+        fail(snapshot, name, Reason::switched_off);
+    EXPECT_TRUE(problems(snapshot).empty());
+}
+
+TEST(Problems, TheWorstComesFirst) {
+    auto snapshot = healthy();
+    snapshot.lines[0].devices[0].noise = poll::NoiseFinding{.least = 1, .most = 2};
+    snapshot.lines[0].requests[0].overrun = true;
+    snapshot.lines[0].requests[0].period = 500ms;
+    snapshot.lines[0].requests[0].recent_period = 900ms;
+    fail(snapshot, "Level", Reason::timeout);
+    std::vector<Kind> kinds;
+    for (const auto& problem : problems(snapshot)) kinds.push_back(problem.kind);
+    EXPECT_EQ(kinds, (std::vector{Kind::late, Kind::unanswered, Kind::noise}));
+    expect_contains(text_of(snapshot), "polled every 900 ms instead of 500 ms");
+}
+
+TEST(Problems, TextsAreCompleteInEachLanguage) {
+    auto snapshot = healthy();
+    snapshot.lines[0].requests[0].overrun = true;
+    for (const auto* const name : {"Level", "Speed", "Pump", "Tag"}) fail(snapshot, name, Reason::stale);
+    for (const auto language : kLanguages) {
+        const Texts texts(language);
+        const auto json = status_json(texts, snapshot, "");
+        const auto text = problems_text(texts, *json.find("problems"));
+        expect_complete(text);
+        expect_contains(text, "Tag");
+        expect_contains(problems_text(texts, *json.find("problems"), 1),
+                        texts("problem.more", {{"count", "1"}}));
+    }
+}
+
+}  // namespace problems_test
+}  // namespace takt::report
