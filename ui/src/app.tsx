@@ -1,6 +1,8 @@
+import { signal } from '@preact/signals';
 import type { ComponentType } from 'preact';
 import { LANGUAGES, type Language, language, setLanguage, t } from './i18n';
-import { go, VIEWS, type View, view } from './shell/route';
+import { ProblemsDialog } from './shell/problems';
+import { VIEWS, type View, view } from './shell/route';
 import { theme, toggleTheme } from './shell/theme';
 import { Toasts } from './shell/toasts';
 import { connected, info, mayWrite, status } from './store/info';
@@ -20,6 +22,8 @@ const components: Record<View, ComponentType> = {
 };
 const DOTS = { ok: 'good', degraded: 'warn', failed: 'bad' } as const;
 
+const listed = signal(false);
+
 function Health() {
   const health = connected.value ? status.value?.health : undefined;
   const text = t.value.health[health ?? 'unknown'];
@@ -29,7 +33,10 @@ function Health() {
       class="button quiet health"
       title={text}
       aria-label={text}
-      onClick={() => go('devices')}
+      aria-haspopup="dialog"
+      onClick={() => {
+        listed.value = true;
+      }}
     >
       <i class={`dot ${health ? DOTS[health] : ''}`} />
       <span>{text}</span>
@@ -95,6 +102,13 @@ export function App() {
       <main key={view.value} id="main" tabIndex={-1}>
         <Current />
       </main>
+      {listed.value && (
+        <ProblemsDialog
+          onClose={() => {
+            listed.value = false;
+          }}
+        />
+      )}
       <Toasts />
     </div>
   );

@@ -73,6 +73,24 @@ export interface Notice {
   text: string;
 }
 
+/** Why the project is not in order. */
+export interface Problem {
+  severity: 'error' | 'warning' | 'note';
+  kind: string;
+  line?: string;
+  device?: string;
+  output?: string;
+  /** "0x03 500..501" */
+  request?: string;
+  /** Variables that are not good. */
+  variables: string[];
+  count?: number;
+  of?: number;
+  since_ms?: number;
+  text: string;
+  tried?: string;
+  advice?: string;
+}
 export interface DeviceStatus {
   name: string;
   address: number;
@@ -117,6 +135,8 @@ export interface LineStatus {
 export interface Status {
   time: string;
   health: 'ok' | 'degraded' | 'failed';
+  /** The worst first. */
+  problems: Problem[];
   uptime_ms: number;
   values: Record<Quality, number>;
   lines: LineStatus[];
@@ -205,7 +225,8 @@ export interface PlannedLine {
   utilization: number;
   cycle_us: number;
   requests: PlannedRequest[];
-  devices: { name: string; unit: number; share: number }[];
+  /** turnaround_us: null: it is neither written nor measured */
+  devices: { name: string; unit: number; share: number; turnaround_us: number | null }[];
   ungrouped_requests: number;
   request_count: number;
   feasible: boolean;
@@ -372,11 +393,14 @@ export interface Frame {
   line: string;
   device?: string;
   unit: number;
-  direction: 'tx' | 'rx';
+  direction?: 'tx' | 'rx';
   function?: number;
   words: string;
-  raw: string;
+  raw?: string;
   fault?: string;
+  /** It is no frame. */
+  incident?: 'no_response' | 'late_response' | 'surplus_response' | 'connected' | 'disconnected';
+  after_ms?: number;
 }
 export interface RequestCounters {
   device: string;

@@ -1,6 +1,8 @@
 // What people do with the page, by mouse and by keyboard.
 import assert from 'node:assert/strict';
+import { once } from 'node:events';
 import { readFileSync, writeFileSync } from 'node:fs';
+import { createServer } from 'node:net';
 import { after, afterEach, before, beforeEach, test } from 'node:test';
 import { browser, closePages, newContext, openPage, Plant, serve, toast } from './program.mjs';
 
@@ -219,6 +221,36 @@ test('the frames can be paused, filtered and downloaded', async () => {
   assert.equal(bytes.readUInt32LE(0), 0x0a0d0d0a, 'pcapng');
 });
 
+test('a response that does not come is a red row of the traffic', async (t) => {
+  const silent = createServer(() => {}).listen(0, '127.0.0.1');
+  await once(silent, 'listening');
+  const own = await Plant.start((file) =>
+    writeFileSync(
+      file,
+      `takt: 1
+lines:
+  - name: net
+    transport: tcp
+    host: 127.0.0.1
+    tcp_port: ${silent.address().port}
+    framing: tcp
+    devices:
+      - name: Mute
+        address: 7
+        poll_period: 100ms
+        response_timeout: 200ms
+        variables: [{name: A, type: uint16, register: 0, read: 0x03}]
+`,
+    ),
+  );
+  t.after(() => own.stop());
+  t.after(() => silent.close());
+  const page = await open('#/traffic', own);
+  const row = page.locator('[role="row"]', { hasText: /No response within 200 ms/ }).first();
+  await row.locator('.bad').waitFor();
+  assert.match(await row.textContent(), /Mute/);
+});
+
 test('the times of a request and of its line are drawn', async () => {
   const page = await open('#/traffic');
   await page.getByRole('tab', { name: 'Requests' }).click();
@@ -304,4 +336,14 @@ lines:
   await page.getByText(/next probe in|the probe is due/).waitFor();
   await row.getByRole('button', { name: 'Try now' }).click();
   await page.getByText(/Still no answer: exception 10\./).waitFor();
+  // The health lists it with the next step, and leads to it.
+  await page.locator('nav a[href="#/live"]').click();
+  await page.getByRole('button', { name: 'Degraded' }).click();
+  const first = page.locator('dialog .reasons li').first();
+  await first.getByText('Away: the device answers with exception 10: gateway path unavailable').waitFor();
+  await first.getByText('Check the settings of the gateway and the units that it knows.').waitFor();
+  await first.getByText(/for \d/).waitFor();
+  await first.getByRole('button', { name: 'Details' }).click();
+  await page.locator('aside h2', { hasText: 'Away' }).waitFor();
+  await page.locator('aside .reasons', { hasText: 'exception 10' }).waitFor();
 });

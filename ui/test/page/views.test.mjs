@@ -68,6 +68,7 @@ async function audit({ colours, others }) {
 
 /** Further screens of a view: what is opened, and what is there then. */
 const FURTHER = {
+  devices: [['problems', (page) => page.locator('.health').click(), 'dialog p']],
   project: [
     ['variables', (page) => page.locator('#details-variables').click(), '.table [role="row"]'],
     [

@@ -103,7 +103,6 @@ export const devices = {
   downtime: 'Downtime',
   surplus: 'Surplus answers',
   findings: 'Findings',
-  well: 'Nothing to report.',
   choose: 'Choose a device to see its details.',
   outputs: 'Outputs',
   output: {

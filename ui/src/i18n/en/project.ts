@@ -34,6 +34,7 @@ export const project = {
   allGood: 'No findings',
   errors: (n: number) => (n === 1 ? '1 error' : `${n} errors`),
   warnings: (n: number) => (n === 1 ? '1 warning' : `${n} warnings`),
+  notes: (n: number) => (n === 1 ? '1 note' : `${n} notes`),
   late: (n: number) => `deadlines at risk: ${n}`,
   findings: 'Findings',
   findingsHint: 'Choose a finding to go to its field.',

@@ -10,7 +10,7 @@ export const requests = {
   verdict: {
     holds: 'Every value arrives before its deadline.',
     not_proved: 'Some values can be late in the worst case.',
-    response_unknown: 'The deadlines are not proved: the response time of a device is not known.',
+    response_unknown: 'The ages are not computed yet: the turnaround of a device is not known.',
     cannot_hold: 'The line cannot hold these periods.',
     cannot_hold_over: 'The line cannot hold these periods: its requests need more time than it has.',
   },
@@ -21,6 +21,16 @@ export const requests = {
   busy: 'Line busy',
   busyWorst: (percent: string) => `${percent} in the worst case`,
   round: (time: string) => `a round takes ${time}`,
+  estimate: 'Estimated: 5 ms of turnaround are assumed for devices that were not measured.',
+  unmeasured: {
+    text: (device: string) => `${device}: the turnaround is not known, so its ages are not computed yet.`,
+    measure: 'Measure',
+    measureHint:
+      'With `turnaround: learn` the program measures it while the project runs, and computes with it.',
+    measuring: 'is measured while the project runs',
+    use: (value: string) => `Use ${value}`,
+    useHint: (n: string) => `Measured over ${n} exchanges.`,
+  },
   strategies: {
     title: 'Ways to form requests',
     single: 'Single',
@@ -99,6 +109,7 @@ export const requests = {
   },
   ages: {
     label: 'Longest age of each variable',
+    unknown: 'not computed yet',
     unbounded: 'no bound',
     noDeadline: 'no deadline',
     none: 'No variable is read by period.',

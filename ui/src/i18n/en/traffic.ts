@@ -103,6 +103,13 @@ export const traffic = {
     'no answer to that request': 'no answer to that request',
   },
   values: (n: number) => (n === 1 ? '1 value:' : `${n} values:`),
+  incidents: {
+    no_response: (time: string) => `No response within ${time}`,
+    late_response: () => 'Late response to an earlier request',
+    surplus_response: () => 'Surplus response: no request asked for it',
+    connected: () => 'Connected',
+    disconnected: () => 'Disconnected',
+  },
   faults: {
     checksum: 'checksum wrong',
     too_short: 'frame too short',

@@ -105,7 +105,6 @@ export const devices: Translated<typeof source> = {
   downtime: 'Простой',
   surplus: 'Лишние ответы',
   findings: 'Замечания',
-  well: 'Замечаний нет.',
   choose: 'Выберите устройство, чтобы увидеть подробности.',
   outputs: 'Выходы',
   output: {

@@ -16,7 +16,7 @@ export const requests: Translated<typeof source> = {
   verdict: {
     holds: 'Каждое значение приходит в срок.',
     not_proved: 'В худшем случае некоторые значения могут опоздать.',
-    response_unknown: 'Сроки не доказаны: время ответа одного из устройств неизвестно.',
+    response_unknown: 'Возраст ещё не вычислен: время ответа одного из устройств неизвестно.',
     cannot_hold: 'Линия не выдерживает эти периоды.',
     cannot_hold_over: 'Линия не выдерживает эти периоды: запросам нужно больше времени, чем есть.',
   },
@@ -27,6 +27,15 @@ export const requests: Translated<typeof source> = {
   busy: 'Загрузка линии',
   busyWorst: (percent) => `в худшем случае ${percent}`,
   round: (time) => `круг опроса длится ${time}`,
+  estimate: 'Оценка: для неизмеренных устройств принято время ответа 5 мс.',
+  unmeasured: {
+    text: (device) => `${device}: время ответа неизвестно, поэтому возраст ещё не вычислен.`,
+    measure: 'Измерить',
+    measureHint: 'С `turnaround: learn` программа измеряет его во время работы и считает с ним.',
+    measuring: 'измеряется во время работы',
+    use: (value) => `Взять ${value}`,
+    useHint: (n) => `Измерено за ${n} обменов.`,
+  },
   strategies: {
     title: 'Способы группировки',
     single: 'По одному',
@@ -104,6 +113,7 @@ export const requests: Translated<typeof source> = {
   },
   ages: {
     label: 'Наибольший возраст каждой переменной',
+    unknown: 'ещё не вычислен',
     unbounded: 'без предела',
     noDeadline: 'без срока',
     none: 'По периоду не читается ни одна переменная.',

@@ -105,6 +105,13 @@ export const traffic: Translated<typeof source> = {
     'no answer to that request': 'не ответ на этот запрос',
   },
   values: (n: number) => `значений ${n}:`,
+  incidents: {
+    no_response: (time: string) => `Нет ответа в течение ${time}`,
+    late_response: () => 'Опоздавший ответ на прежний запрос',
+    surplus_response: () => 'Лишний ответ: его никто не запрашивал',
+    connected: () => 'Соединение установлено',
+    disconnected: () => 'Соединение потеряно',
+  },
   faults: {
     checksum: 'неверная контрольная сумма',
     too_short: 'кадр слишком короткий',

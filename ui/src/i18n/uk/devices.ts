@@ -110,7 +110,6 @@ export const devices: Translated<typeof source> = {
   downtime: 'Простій',
   surplus: 'Зайві відповіді',
   findings: 'Зауваження',
-  well: 'Зауважень немає.',
   choose: 'Виберіть пристрій, щоб побачити подробиці.',
   outputs: 'Виходи',
   output: {

@@ -16,7 +16,7 @@ export const requests: Translated<typeof source> = {
   verdict: {
     holds: 'Кожне значення надходить у строк.',
     not_proved: 'У найгіршому разі деякі значення можуть запізнитися.',
-    response_unknown: 'Строки не доведено: час відповіді одного з пристроїв невідомий.',
+    response_unknown: 'Вік ще не обчислено: час відповіді одного з пристроїв невідомий.',
     cannot_hold: 'Лінія не витримує цих періодів.',
     cannot_hold_over: 'Лінія не витримує цих періодів: запитам потрібно більше часу, ніж є.',
   },
@@ -27,6 +27,15 @@ export const requests: Translated<typeof source> = {
   busy: 'Завантаження лінії',
   busyWorst: (percent) => `у найгіршому разі ${percent}`,
   round: (time) => `коло опитування триває ${time}`,
+  estimate: 'Оцінка: для невиміряних пристроїв прийнято час відповіді 5 мс.',
+  unmeasured: {
+    text: (device) => `${device}: час відповіді невідомий, тому вік ще не обчислено.`,
+    measure: 'Виміряти',
+    measureHint: 'З `turnaround: learn` програма вимірює його під час роботи й рахує з ним.',
+    measuring: 'вимірюється під час роботи',
+    use: (value) => `Взяти ${value}`,
+    useHint: (n) => `Виміряно за ${n} обмінів.`,
+  },
   strategies: {
     title: 'Способи групування',
     single: 'По одному',
@@ -104,6 +113,7 @@ export const requests: Translated<typeof source> = {
   },
   ages: {
     label: 'Найбільший вік кожної змінної',
+    unknown: 'ще не обчислено',
     unbounded: 'без межі',
     noDeadline: 'без строку',
     none: 'За періодом не читається жодна змінна.',

@@ -105,6 +105,13 @@ export const traffic: Translated<typeof source> = {
     'no answer to that request': 'не відповідь на цей запит',
   },
   values: (n: number) => `значень ${n}:`,
+  incidents: {
+    no_response: (time: string) => `Немає відповіді протягом ${time}`,
+    late_response: () => 'Запізніла відповідь на попередній запит',
+    surplus_response: () => 'Зайва відповідь: її ніхто не запитував',
+    connected: () => 'З’єднання встановлено',
+    disconnected: () => 'З’єднання втрачено',
+  },
   faults: {
     checksum: 'неправильна контрольна сума',
     too_short: 'кадр закороткий',

@@ -1,8 +1,11 @@
 import type { DeviceStatus, LineStatus } from '../../api/types';
 import { formatDuration, formatNumber, t } from '../../i18n';
+import { ProblemList } from '../../shell/problems';
 import { toast } from '../../shell/toasts';
+import { status } from '../../store/info';
 import { Icon } from '../../widgets/icon';
 import { LearntBlock } from './learnt';
+import { stateText } from './state';
 import { AttemptText, NextProbe, TryNow } from './try_now';
 
 /** A setting for the project, to be copied. */
@@ -28,7 +31,7 @@ function Advice({ setting }: { setting: string }) {
 /** What was measured and noticed of one device, with the setting to copy where one is advised. */
 export function Details({ line, device }: { line: LineStatus; device: DeviceStatus }) {
   const texts = t.value.devices;
-  const findings = [device.noise?.text].filter((text) => text !== undefined && text !== '');
+  const problems = status.value?.problems ?? [];
   const { turnaround, late_responses: late, delays } = device;
   return (
     <dl class="details">
@@ -38,7 +41,7 @@ export function Details({ line, device }: { line: LineStatus; device: DeviceStat
       </dd>
       <dt>{texts.columns.state}</dt>
       <dd>
-        {t.value.state[device.state]}
+        {stateText(device)}
         {device.cause && <span class="muted"> ({texts.cause(device.cause)})</span>}
         <AttemptText line={line} device={device} />
       </dd>
@@ -91,10 +94,9 @@ export function Details({ line, device }: { line: LineStatus; device: DeviceStat
       <LearntBlock line={line} device={device} />
       <dt>{texts.findings}</dt>
       <dd>
-        {findings.length === 0 && <span class="muted">{texts.well}</span>}
-        {findings.map((text) => (
-          <p key={text}>{text}</p>
-        ))}
+        <ProblemList
+          problems={problems.filter((its) => its.line === line.name && its.device === device.name)}
+        />
       </dd>
     </dl>
   );

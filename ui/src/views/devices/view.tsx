@@ -1,12 +1,14 @@
 // Lines and devices: state, counters, what was learnt and measured; outputs.
-import { computed, signal } from '@preact/signals';
+import { computed, effect, signal } from '@preact/signals';
 import type { DeviceStatus, LineStatus } from '../../api/types';
 import { formatDuration, formatNumber, t } from '../../i18n';
+import { query, view } from '../../shell/route';
 import { status } from '../../store/info';
 import { type Column, Grid } from '../../widgets/grid';
 import { Details } from './details';
 import { OutputList } from './outputs';
 import { SearchPanel } from './search';
+import { stateText } from './state';
 import { TryNow } from './try_now';
 import '../../style/devices.css';
 
@@ -20,6 +22,12 @@ export const DEVICE_DOTS = {
 
 /** Line and device, as "line/device". */
 const chosen = signal('');
+
+// A link to a device chooses it.
+effect(() => {
+  const device = query.value.get('device');
+  if (view.value === 'devices' && device) chosen.value = `${query.value.get('line') ?? ''}/${device}`;
+});
 
 const current = computed(() => {
   for (const line of status.value?.lines ?? [])
@@ -48,7 +56,7 @@ function columns(line: LineStatus): Column<DeviceStatus>[] {
       width: 'minmax(215px, 1.2fr)',
       cell: (its) => (
         <>
-          <i class={`dot ${DEVICE_DOTS[its.state]}`} /> {t.value.state[its.state]}
+          <i class={`dot ${DEVICE_DOTS[its.state]}`} /> {stateText(its)}
           <TryNow line={line} device={its} />
         </>
       ),

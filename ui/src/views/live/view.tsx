@@ -1,9 +1,9 @@
 // All values of the running project.
-import { computed, signal } from '@preact/signals';
+import { computed, effect, signal } from '@preact/signals';
 import { post } from '../../api/client';
 import type { CommandResult, LiveValue } from '../../api/types';
 import { t } from '../../i18n';
-import { go } from '../../shell/route';
+import { go, query, view } from '../../shell/route';
 import { toast, toastError } from '../../shell/toasts';
 import { second } from '../../store/clock';
 import { info, mayWrite } from '../../store/info';
@@ -19,6 +19,12 @@ import { WriteDialog } from './write_dialog';
 import '../../style/live.css';
 
 const filter = signal('');
+
+// A link to a variable filters by its name.
+effect(() => {
+  const wanted = query.value.get('filter');
+  if (view.value === 'live' && wanted !== null) filter.value = wanted;
+});
 const onlyTrouble = signal(false);
 const sort = signal<{ key: string; down: boolean } | null>(null);
 const formats = signal<Record<string, Format>>({});

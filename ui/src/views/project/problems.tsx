@@ -16,7 +16,11 @@ export const wrongValues = computed(
 );
 const warnings = computed(() => findings.value.filter((its) => its.severity === 'warning').length);
 
-const rank = (its: Finding) => (its.severity === 'error' ? (isLate(its) ? 1 : 0) : 2);
+const notes = computed(() => findings.value.filter((its) => its.severity === 'note').length);
+
+const rank = (its: Finding) =>
+  its.severity === 'error' ? (isLate(its) ? 1 : 0) : its.severity === 'warning' ? 2 : 3;
+const DOTS = { error: 'bad', warning: 'warn' } as const;
 
 const MOST_TEXTS = 8;
 
@@ -39,7 +43,7 @@ export function FindingTexts(props: { findings: Finding[] }) {
 
 function ProblemList({ onClose }: { onClose: () => void }) {
   const texts = t.value.project;
-  const sorted = findings.value.filter((its) => its.severity !== 'note').sort((a, b) => rank(a) - rank(b));
+  const sorted = [...findings.value].sort((a, b) => rank(a) - rank(b));
   return (
     <Dialog title={texts.findings} onClose={onClose}>
       <p class="muted small">{texts.findingsHint}</p>
@@ -53,7 +57,7 @@ function ProblemList({ onClose }: { onClose: () => void }) {
                 reveal(its.path);
               }}
             >
-              <i class={`dot ${markOf(its) === 'error' ? 'bad' : 'warn'}`} />
+              <i class={`dot ${its.severity === 'note' ? '' : DOTS[markOf(its) ?? 'warning']}`} />
               <span>
                 {its.message} <span class="muted small">{its.advice}</span>
               </span>
@@ -77,6 +81,7 @@ export function Problems() {
     errors > 0 ? texts.errors(errors) : '',
     late > 0 ? texts.late(late) : '',
     warnings.value > 0 ? texts.warnings(warnings.value) : '',
+    notes.value > 0 ? texts.notes(notes.value) : '',
   ].filter((its) => its !== '');
   return (
     <>
@@ -86,7 +91,9 @@ export function Problems() {
         disabled={parts.length === 0}
         onClick={() => setOpen(true)}
       >
-        <i class={`dot ${errors > 0 ? 'bad' : late + warnings.value > 0 ? 'warn' : 'good'}`} />
+        <i
+          class={`dot ${errors > 0 ? 'bad' : late + warnings.value > 0 ? 'warn' : notes.value > 0 ? '' : 'good'}`}
+        />
         {capital(parts.join(', ')) || (evaluating.value ? texts.checking : texts.allGood)}
       </button>
       {open && <ProblemList onClose={() => setOpen(false)} />}

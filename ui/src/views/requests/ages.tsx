@@ -9,6 +9,7 @@ import { microseconds, percent, requestWords } from './words';
 
 function Bar({ age }: { age: Age }) {
   const texts = t.value.requests.ages;
+  if (age.unknown) return null;
   if (age.limit_us === null) return <span class="muted small">{texts.noDeadline}</span>;
   const full = fullness(age);
   const scale = Math.max(1, Number.isFinite(full) ? full : 1);
@@ -35,11 +36,15 @@ function columns(line: PlannedLine): Column<Age>[] {
     {
       key: 'age',
       title: texts.columns.age,
-      width: '104px',
+      width: '128px',
       align: 'right',
       cell: (its) => (
-        <span class={its.holds ? '' : 'bad'}>
-          {its.age_us === null ? texts.ages.unbounded : microseconds(its.age_us)}
+        <span class={its.unknown ? 'muted' : its.holds ? '' : 'bad'}>
+          {its.age_us !== null
+            ? microseconds(its.age_us)
+            : its.unknown
+              ? texts.ages.unknown
+              : texts.ages.unbounded}
         </span>
       ),
     },

@@ -76,6 +76,14 @@ export interface Age {
   /** The greatest age with which its deadline still holds; null: it has no deadline. */
   limit_us: number | null;
   holds: boolean;
+  /** The turnaround of a device is not known, so there is no age yet. */
+  unknown: boolean;
+}
+
+/** Devices without which the deadlines of the line cannot be computed. */
+export function unmeasured(line: PlannedLine): string[] {
+  if (line.verdict !== 'response_unknown') return [];
+  return line.devices.filter((its) => its.turnaround_us === null).map((its) => its.name);
 }
 
 /**
@@ -84,19 +92,21 @@ export interface Age {
  */
 export function agesOf(line: PlannedLine): Age[] {
   const best = new Map<string, Age>();
+  const unknown = unmeasured(line).length > 0;
   for (const [index, request] of line.requests.entries()) {
     if (request.function === null || request.period_ms === null) continue;
     const late =
+      !unknown &&
       request.deadline_us !== null &&
       (request.response_us === null || request.response_us > request.deadline_us);
     for (const [i, variable] of request.variables.entries()) {
-      const age = request.ages_us[i] ?? null;
+      const age = unknown ? null : (request.ages_us[i] ?? null);
       const distance =
         age !== null && request.response_us !== null ? age - request.response_us : request.period_ms * 1000;
       const limit = request.deadline_us === null ? null : distance + request.deadline_us;
       const before = best.get(variable);
       if (before && !(late && before.holds)) continue;
-      best.set(variable, { variable, request: index, age_us: age, limit_us: limit, holds: !late });
+      best.set(variable, { variable, request: index, age_us: age, limit_us: limit, holds: !late, unknown });
     }
   }
   return [...best.values()].sort((a, b) => fullness(b) - fullness(a));

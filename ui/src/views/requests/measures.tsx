@@ -6,6 +6,7 @@ import { seekingMeasures, setNodes } from '../../store/project';
 import { readOnly } from '../project/edit';
 import { keyText, wordText } from '../project/rules';
 import { durationText } from '../project/cells';
+import { unmeasured } from './figures';
 import { microseconds, percent } from './words';
 
 const MOST_SHOWN = 6;
@@ -45,6 +46,8 @@ function Changes({ measure }: { measure: Measure }) {
 
 export function Measures({ line }: { line: PlannedLine }) {
   const texts = t.value.requests.measures;
+  // Their figures would rest on a turnaround that was not measured.
+  if (unmeasured(line).length > 0) return null;
   if (line.measures.length === 0)
     return line.verdict !== 'holds' && seekingMeasures.value ? (
       <p class="measures muted">{texts.searching}</p>

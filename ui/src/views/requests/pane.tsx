@@ -13,6 +13,7 @@ import { lastChange, lineNumber, outdated, shownLine } from './plan';
 import { RequestTable } from './request_table';
 import { LastChange, Strategies, Utilisation, Verdict } from './summary';
 import { Timeline } from './timeline_view';
+import { Unmeasured } from './unmeasured';
 import '../../style/requests.css';
 import '../../style/timeline.css';
 
@@ -47,6 +48,7 @@ function Content() {
     <>
       <div class="summary">
         <Verdict line={line} />
+        <Unmeasured line={line} />
         <Utilisation line={line} />
         <Strategies line={line} />
         <Measures line={line} />

@@ -10,7 +10,7 @@ import { lineStrategy, strategyOf } from './figures';
 import { lastChange, lineNode, lineNumber } from './plan';
 import { microseconds, percent } from './words';
 
-const TONES = { holds: 'good', response_unknown: 'warn', not_proved: 'warn', cannot_hold: 'bad' } as const;
+const TONES = { holds: 'good', response_unknown: '', not_proved: 'warn', cannot_hold: 'bad' } as const;
 const STRATEGIES: Strategy[] = ['single', 'classic', 'optimal'];
 
 export function Verdict({ line }: { line: PlannedLine }) {
@@ -32,9 +32,13 @@ export function Verdict({ line }: { line: PlannedLine }) {
 
 export function Utilisation({ line }: { line: PlannedLine }) {
   const texts = t.value.requests;
-  const scale = Math.max(1, line.utilization, line.worst_utilization);
+  // Without a turnaround the load is an estimate, and there is no worst case.
+  const estimated = line.devices.some((its) => its.turnaround_us === null);
+  const worst = estimated ? 0 : line.worst_utilization;
+  const scale = Math.max(1, line.utilization, worst);
   const tone =
     line.utilization > 1 ? 'bad' : line.verdict !== 'holds' && line.utilization > 0.8 ? 'warn' : 'good';
+  const text = `${estimated ? '≈ ' : ''}${percent(line.utilization)}`;
   const width = (share: number) => `${Math.min(100, (share / scale) * 100)}%`;
   return (
     <div class="utilisation">
@@ -46,14 +50,17 @@ export function Utilisation({ line }: { line: PlannedLine }) {
         aria-valuemin={0}
         aria-valuemax={100}
         aria-valuenow={Math.min(100, Math.round(line.utilization * 100))}
-        aria-valuetext={percent(line.utilization)}
-        title={texts.busyWorst(percent(line.worst_utilization))}
+        aria-valuetext={text}
+        title={estimated ? texts.estimate : texts.busyWorst(percent(worst))}
       >
-        <span class="worst" style={{ width: width(line.worst_utilization) }} />
-        <span class={`now ${tone}`} style={{ width: width(line.utilization) }} />
+        <span class="worst" style={{ width: width(worst) }} />
+        <span
+          class={`now ${tone} ${estimated ? 'estimate' : ''}`}
+          style={{ width: width(line.utilization) }}
+        />
         {scale > 1 && <span class="full" style={{ left: width(1) }} />}
       </div>
-      <b class={tone === 'bad' ? 'bad' : ''}>{percent(line.utilization)}</b>
+      <b class={tone === 'bad' ? 'bad' : ''}>{text}</b>
     </div>
   );
 }

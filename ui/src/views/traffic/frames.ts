@@ -57,7 +57,10 @@ export function clearFrames(): void {
 }
 
 /** An exception response has the highest bit of its function set. */
-export const isError = (frame: Frame) => frame.fault !== undefined || (frame.function ?? 0) >= 0x80;
+export const isError = (frame: Frame) =>
+  frame.fault !== undefined ||
+  (frame.function ?? 0) >= 0x80 ||
+  (frame.incident !== undefined && frame.incident !== 'connected');
 
 export const shownFrames = computed(() => {
   const wanted = text.value.trim().toLowerCase();
@@ -67,7 +70,7 @@ export const shownFrames = computed(() => {
         (device.value === '' || frame.device === device.value) &&
         (functionCode.value === '' || ((frame.function ?? -1) & 0x7f) === Number(functionCode.value)) &&
         (!errorsOnly.value || isError(frame)) &&
-        (wanted === '' || `${frameWords(frame)} ${frame.raw}`.toLowerCase().includes(wanted)),
+        (wanted === '' || `${frameWords(frame)} ${frame.raw ?? ''}`.toLowerCase().includes(wanted)),
     )
     .reverse();
 });

@@ -25,12 +25,13 @@ function columns(): Column<frames.NumberedFrame>[] {
       key: 'direction',
       title: texts.columns.direction,
       width: '58px',
-      cell: (its) => (
-        <span class={`direction ${its.direction}`} title={texts[its.direction]}>
-          {its.direction === 'tx' ? '→' : '←'}
-          <span class="visually-hidden">{texts[its.direction]}</span>
-        </span>
-      ),
+      cell: (its) =>
+        its.direction && (
+          <span class={`direction ${its.direction}`} title={texts[its.direction]}>
+            {its.direction === 'tx' ? '→' : '←'}
+            <span class="visually-hidden">{texts[its.direction]}</span>
+          </span>
+        ),
     },
     {
       key: 'device',
@@ -38,7 +39,7 @@ function columns(): Column<frames.NumberedFrame>[] {
       width: 'minmax(90px, 0.6fr)',
       cell: (its) => its.device ?? its.line,
     },
-    { key: 'unit', title: texts.columns.unit, width: '72px', align: 'right', cell: (its) => its.unit },
+    { key: 'unit', title: texts.columns.unit, width: '72px', align: 'right', cell: (its) => its.unit || '' },
     {
       key: 'words',
       title: texts.columns.words,
@@ -53,7 +54,7 @@ function columns(): Column<frames.NumberedFrame>[] {
       key: 'raw',
       title: texts.columns.raw,
       width: 'minmax(220px, 2fr)',
-      cell: (its) => <code title={its.raw}>{its.raw}</code>,
+      cell: (its) => its.raw && <code title={its.raw}>{its.raw}</code>,
     },
   ];
 }

@@ -1,6 +1,6 @@
 // Frames in words, in the language of the page. The program describes frames in English, as in its logs.
 import type { Frame } from '../../api/types';
-import { t } from '../../i18n';
+import { formatDuration, t } from '../../i18n';
 
 // Longest first: "read coils" before "read".
 const PHRASES = Object.keys(t.peek().traffic.phrases).sort((a, b) => b.length - a.length);
@@ -27,8 +27,9 @@ export function translated(words: string): string {
     .join('');
 }
 
-/** What a frame says, or what is wrong with it. */
+/** What a frame says, what is wrong with it, or what happened. */
 export function frameWords(frame: Frame): string {
+  if (frame.incident) return t.value.traffic.incidents[frame.incident](formatDuration(frame.after_ms ?? 0));
   const fault = (t.value.traffic.faults as Record<string, string>)[frame.fault ?? ''];
   return fault ?? translated(frame.words);
 }
