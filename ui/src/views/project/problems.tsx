@@ -83,6 +83,8 @@ export function Problems() {
     warnings.value > 0 ? texts.warnings(warnings.value) : '',
     notes.value > 0 ? texts.notes(notes.value) : '',
   ].filter((its) => its !== '');
+  const calm = notes.value > 0 ? '' : 'good';
+  const dot = errors > 0 ? 'bad' : late + warnings.value > 0 ? 'warn' : calm;
   return (
     <>
       <button
@@ -91,9 +93,7 @@ export function Problems() {
         disabled={parts.length === 0}
         onClick={() => setOpen(true)}
       >
-        <i
-          class={`dot ${errors > 0 ? 'bad' : late + warnings.value > 0 ? 'warn' : notes.value > 0 ? '' : 'good'}`}
-        />
+        <i class={`dot ${dot}`} />
         {capital(parts.join(', ')) || (evaluating.value ? texts.checking : texts.allGood)}
       </button>
       {open && <ProblemList onClose={() => setOpen(false)} />}
