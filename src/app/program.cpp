@@ -1,18 +1,23 @@
 // The command line: the options of docs/commands, read into the structures of the commands.
 #include "program.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdlib>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "log.hpp"
 #include "options/add_commands.hpp"
 #include "options/command_line.hpp"
 #include "output.hpp"
 #include "stop_signals.hpp"
+#include "takt/model/nearest.hpp"
 #include "texts.hpp"
 #include "version.hpp"
 
@@ -50,6 +55,16 @@ bool is_of_ctl(std::string_view command) {
     return std::ranges::find(kCommands, command) != kCommands.end();
 }
 
+std::string unknown_command_text(const Texts& texts, const std::string& command,
+                                 const std::vector<std::string>& commands) {
+    if (is_of_ctl(command)) return texts("app.command_of_ctl", {{"command", command}});
+    if (command == "new" || command == "init" || command == "create")
+        return texts("app.command_new", {{"command", command}});
+    const std::vector<std::string_view> candidates(commands.begin(), commands.end());
+    return texts("app.unknown_command",
+                 {{"command", command}, {"nearest", std::string(model::nearest(command, candidates))}});
+}
+
 }  // namespace
 
 int run_program(int argc, char** argv) {
@@ -79,18 +94,26 @@ int run_program(int argc, char** argv) {
     add_selftest(line, common);
     add_client_commands(line, common);
     add_finding_commands(line, common);
+    auto arguments = with_intervals(argc, argv);
+    if (arguments.empty() && ::isatty(STDERR_FILENO) == 1) {
+        print_status(Texts(language_of({}))("app.first_steps") + '\n');
+        return static_cast<int>(ExitCode::usage);
+    }
+    if (!arguments.empty() && arguments.front() == "help") {  // `takt help check` is `takt check --help`
+        std::ranges::rotate(arguments, arguments.begin() + 1);
+        arguments.back() = "--help";
+    }
     const auto commands = line.commands();
-    if (argc > 1 && argv[1][0] != '-' && std::ranges::find(commands, argv[1]) == commands.end()) {
-        std::string known;
-        for (const auto& command : commands) known += (known.empty() ? "" : ", ") + command;
-        const Texts texts(language_of(wanted_language(argc, argv)));
-        print_error(texts(is_of_ctl(argv[1]) ? "app.command_of_ctl" : "app.unknown_command",
-                          {{"command", argv[1]}, {"known", known}}));
+    const auto& command = arguments.empty() ? std::string() : arguments.front();
+    const bool known =
+        command.empty() || command.starts_with('-') || std::ranges::find(commands, command) != commands.end();
+    if (!known) {
+        print_error(unknown_command_text(Texts(language_of(wanted_language(argc, argv))), command, commands));
         return static_cast<int>(ExitCode::usage);
     }
     // Where the parsing ends early, `language` is not set yet.
     const auto early_language = [&] { return language_of(wanted_language(argc, argv)); };
-    const auto parsed = line.parse(with_intervals(argc, argv), [&] { return Texts(early_language()); });
+    const auto parsed = line.parse(std::move(arguments), [&] { return Texts(early_language()); });
     if (parsed.asked == CommandLine::Asked::text) {
         print_wrapped(parsed.text);
         return end_status(early_language(), ExitCode::ok);

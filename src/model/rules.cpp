@@ -77,6 +77,7 @@ constexpr std::array kRules{
     RuleInfo{Rule::server_listen_twice, "server.listen_twice"},
     RuleInfo{Rule::line_many_devices, "line.many_devices", Severity::warning},
     RuleInfo{Rule::line_host_shared, "line.host_shared", Severity::note},
+    RuleInfo{Rule::lines_none, "lines.none", Severity::note},
     RuleInfo{Rule::line_unknown, "line.unknown"},
     RuleInfo{Rule::address_reserved, "address.reserved", Severity::warning},
     RuleInfo{Rule::device_timeout_short, "device.timeout_short", Severity::warning},

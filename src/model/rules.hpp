@@ -72,11 +72,12 @@ enum class Rule : std::uint8_t {
     round_trip_usual,  // {longest}
     burst_alone,
     line_tls,
-    line_port_missing,     // {key}
-    line_port_twice,       // {first}
-    server_listen_twice,   // {first}
-    line_many_devices,     // {count}
-    line_host_shared,      // {first}
+    line_port_missing,    // {key}
+    line_port_twice,      // {first}
+    server_listen_twice,  // {first}
+    line_many_devices,    // {count}
+    line_host_shared,     // {first}
+    lines_none,
     line_unknown,          // {nearest}
     address_reserved,      // {limit}
     device_timeout_short,  // {turnaround}

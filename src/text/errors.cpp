@@ -122,6 +122,15 @@ HeaderFault header_fault(const Error& error) {
     return static_cast<HeaderFault>(error.numbers[2]);
 }
 
+// The type that takes a negative number which an unsigned type does not: "-5 → 0..65535".
+std::string_view signed_type(const Error& error) {
+    const auto subject = error.subject.view();
+    if (!subject.starts_with('-')) return {};
+    if (subject.ends_with(" → 0..65535")) return "int16";
+    if (subject.ends_with(" → 0..4294967295")) return "int32";
+    return subject.ends_with(" → 0..18446744073709551615") ? "int64" : "";
+}
+
 std::string exception_key(const Error& error, std::string_view prefix) {
     return std::string(prefix) + std::to_string(error.numbers[0]);
 }
@@ -130,6 +139,8 @@ std::string advice_key(const Error& error) {
     switch (error.code) {
         case Code::cannot_open: return std::string(advice_on_opening(error));
         case Code::busy: return "advice.busy";
+        case Code::not_writable: return "advice.not_writable";
+        case Code::overflow: return signed_type(error).empty() ? "" : "advice.overflow.signed";
         case Code::timed_out: return came_late(error) ? "advice.timed_out.late" : "advice.timed_out";
         case Code::replaced: return "advice.replaced";
         case Code::bad_checksum:
@@ -233,7 +244,8 @@ std::string advice(Language language, const Error& error) {
     if (key.empty() || !has(Language::english, key)) return {};
     const auto advised = std::to_string(error.numbers[2]);
     return message(language, key,
-                   std::array{Argument{"subject", error.subject.view()}, Argument{"advised", advised}});
+                   std::array{Argument{"subject", error.subject.view()}, Argument{"advised", advised},
+                              Argument{"type", signed_type(error)}});
 }
 
 std::string describe(Language language, const Error& error) {

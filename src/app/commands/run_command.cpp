@@ -1,13 +1,17 @@
 #include "commands/run_command.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "commands/input_files.hpp"
 #include "commands/run_project.hpp"
 #include "options/option_error.hpp"
 #include "output.hpp"
 #include "stop_signals.hpp"
+#include "takt/file/write.hpp"
 #include "takt/line/target.hpp"
 #include "takt/plan/proof.hpp"
 #include "takt/report/table_report.hpp"
@@ -68,6 +72,28 @@ ExitCode run_table(const Texts& texts, const RunOptions& options) {
     return run_project(texts, project, table::plan_of(*view), exact);
 }
 
+constexpr std::string_view kEmptyProject =
+    "takt: 1\n"
+    "# Lines and devices are added on the page (takt run FILE --web 127.0.0.1:8080 --allow-write), or here.\n"
+    "lines: []\n";
+
+bool create_project(const Texts& texts, const std::string& file) {
+    const auto written = file::write_file(file, kEmptyProject, false);
+    if (written) return true;
+    const auto& error = written.error();
+    const bool exists = error.code == Code::cannot_open && error.numbers[0] == EEXIST;
+    print_error(exists ? texts("app.run.exists", {{"file", file}}) : texts.describe(error));
+    return false;
+}
+
+std::optional<host::LoadedProject> load(const Texts& texts, const RunOptions& options, std::string& learnt) {
+    if (options.create && !create_project(texts, options.file)) return std::nullopt;
+    auto loaded = load_to_run(texts, options.file, &learnt);
+    if (!loaded && !std::filesystem::exists(options.file))
+        print_status(texts("app.run.create", {{"file", options.file}}) + '\n');
+    return loaded;
+}
+
 }  // namespace
 
 ExitCode run(const CommonOptions& common, const RunOptions& options) {
@@ -80,7 +106,7 @@ ExitCode run(const CommonOptions& common, const RunOptions& options) {
     }
     if (!options.table.empty()) return run_table(texts, options);
     std::string learnt;
-    const auto loaded = load_to_run(texts, options.file, &learnt);
+    const auto loaded = load(texts, options, learnt);
     if (!loaded) return ExitCode::usage;
     const auto proof = host::prove(*loaded, false, false);
     const auto errors = std::count_if(proof.findings.begin(), proof.findings.end(), [](const auto& finding) {

@@ -29,6 +29,7 @@ struct WebOptions {
 
 struct RunOptions {
     std::string file;
+    bool create = false;              ///< the file, as an empty project; it must not exist
     std::string table;                ///< a request table instead of a project file
     std::string target;               ///< with a table of one line: another serial port, or host:port
     std::optional<Duration> run_for;  ///< nothing: until stopped

@@ -47,6 +47,7 @@ void add_run(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<RunOptions>();
     auto run = line.root().command("run", "help.run", [&] { return app::run(common, options); });
     auto file = run.value("FILE", options.file, "help.project");
+    run.flag("--new", options.create, "help.run.new").needs(file);
     auto table = run.value("--table", options.table, "help.run.table").value_name("TABLE");
     table.excludes(file);
     run.value("--port", options.target, "help.run.port").needs(table).value_name("PORT");

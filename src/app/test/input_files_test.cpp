@@ -44,7 +44,7 @@ TEST_F(InputFilesTest, OnlyAProjectWithoutErrorsIsRun) {
         const char* text;
         const char* printed;
     } cases[] = {
-        {"takt: 1\nlines: []\n", "lines"},
+        {"takt: 1\nlines: many\n", "lines"},
         {"takt: 1\nlines:\n  - {name: l, transport: serial, port: /dev/ttyS1, baud: 7}\n", "baud"},
         {"takt: [", "plant.yaml:"},
         {"", "plant.yaml"},

@@ -51,7 +51,7 @@ TEST(Interpret, Project) {
         {"{takt: \"1\"}", "field.quoted_number takt=1 [1]"},
         {"{profile: owen}", "field.unknown_word profile=owen [generic, owen-kc1]"},
         {"{lines: ~}", "field.missing lines="},
-        {"{lines: []}", "field.empty lines="},
+        {"{lines: []}", "lines.none lines="},
         {"{lines: }", "field.empty lines="},
         {"{lines: many}", "field.not_a_list lines=many"},
         {"{lines: [5]}", "field.not_a_mapping lines[0]=5"},

@@ -342,3 +342,20 @@ test('a project of 1,024 variables stays quick', async () => {
     assert.ok(large[what] < 8 * large.copy, `${what} beside a copy of the rows: ${text}`);
   }
 });
+
+test('an empty project begins with an example, which runs after saving', async () => {
+  plant = await startWith('takt: 1\nlines: []\n');
+  const page = await open('#/project');
+  await page.getByRole('button', { name: 'Paste a table' }).click();
+  await page.getByRole('dialog').getByRole('textbox').waitFor();
+  await page.keyboard.press('Escape');
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await page.getByRole('button', { name: 'Example' }).click();
+  await page.getByRole('button', { name: 'Save…' }).click();
+  await page.getByRole('dialog').getByRole('button', { name: 'Save and apply' }).click();
+  await page.locator('nav a[href="#/live"]').click();
+  const row = page.locator('[role="row"]', { hasText: 'Supply temperature' });
+  await row.locator('.value', { hasText: /\d/ }).waitFor();
+  assert.match(text(), /lines:\n\s+- name: example/);
+});

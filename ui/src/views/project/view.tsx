@@ -14,6 +14,7 @@ import { importing } from './importing';
 import { FindingTexts, Problems, wrongValues } from './problems';
 import { Conflict, SaveDialog } from './save_dialog';
 import { half } from './selection';
+import { Start } from './start';
 import { TabBar } from './tab_bar';
 import { Tree } from './tree_view';
 import '../../style/forms.css';
@@ -124,6 +125,7 @@ export function ProjectView() {
       <Toolbar onSave={onSave} />
       <Conflict />
       {!mayEdit.value && <p class="banner info">{texts.readOnly}</p>}
+      <Start />
       <div class="halves">
         <TabBar
           name="half"

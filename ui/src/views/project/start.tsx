@@ -1,0 +1,77 @@
+// An empty project: where its lines, devices and variables can come from.
+import { computed } from '@preact/signals';
+import { t } from '../../i18n';
+import { go } from '../../shell/route';
+import { listAt } from '../../store/document';
+import { mayEdit } from '../../store/info';
+import { draft, setNode } from '../../store/project';
+import { addDevice, addLine } from './edit';
+import { importing } from './importing';
+import { select } from './selection';
+
+/** A line that needs no hardware: the program answers for its device. */
+const EXAMPLE = {
+  name: 'example',
+  transport: 'simulated',
+  framing: 'rtu',
+  baud: '19200',
+  devices: [
+    {
+      name: 'Boiler',
+      address: '16',
+      poll_period: '500ms',
+      turnaround: '4ms',
+      variables: [
+        { name: 'Supply temperature', type: 'float', register: '0', read: '0x03', unit: '°C' },
+        { name: 'Return temperature', type: 'float', register: '2', read: '0x03', unit: '°C' },
+        { name: 'Setpoint', type: 'float', register: '4', read: '0x03', write: '0x10', unit: '°C' },
+        { name: 'Pump runs', type: 'bool', coil: '0', read: '0x01', write: '0x05' },
+      ],
+    },
+  ],
+};
+
+export const isEmpty = computed(
+  () =>
+    listAt(draft.value, ['lines']).length === 0 &&
+    listAt(draft.value, ['servers']).length === 0 &&
+    listAt(draft.value, ['instruments']).length === 0,
+);
+
+/** The rows of a table need a device. */
+function paste(): void {
+  const texts = t.peek().project.tree;
+  addLine(texts.newLine);
+  addDevice(0, texts.newDevice);
+  importing.value = { text: '', path: ['lines', 0, 'devices', 0, 'variables'] };
+}
+
+function example(): void {
+  setNode(['lines'], [EXAMPLE]);
+  select(['lines', 0, 'devices', 0]);
+}
+
+export function Start() {
+  const texts = t.value.project.start;
+  if (!isEmpty.value || !mayEdit.value) return null;
+  const ways = [
+    { name: texts.find, hint: texts.findHint, act: () => go('devices') },
+    { name: texts.paste, hint: texts.pasteHint, act: paste },
+    { name: texts.example, hint: texts.exampleHint, act: example },
+  ];
+  return (
+    <section class="panel start" aria-label={texts.title}>
+      <h2>{texts.title}</h2>
+      <ul>
+        {ways.map((its) => (
+          <li key={its.name}>
+            <button type="button" class="button primary" onClick={its.act}>
+              {its.name}
+            </button>
+            <span class="muted">{its.hint}</span>
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
