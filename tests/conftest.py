@@ -5,8 +5,11 @@ it. A test is skipped for what no package provides (a right, IPv6, packages from
 a file, each skipped case appends a line "FILE::TEST: REASON" to it; `./dev test` prints and counts them.
 """
 import os
+import pathlib
 import re
+import shutil
 import signal
+import tempfile
 
 import pytest
 
@@ -61,6 +64,15 @@ def pytest_sessionfinish(session, exitstatus):
     reporter = session.config.pluginmanager.get_plugin("terminalreporter")
     if exitstatus == 0 and reporter.stats.get("skipped") and not reporter.stats.get("passed"):
         session.exitstatus = NOTHING_RAN
+
+
+@pytest.fixture
+def open_folder():
+    """A folder that all users may read. pytest closes the parents of tmp_path to others with each start."""
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="takt-open-"))
+    folder.chmod(0o755)
+    yield folder
+    shutil.rmtree(folder)
 
 
 @pytest.fixture
