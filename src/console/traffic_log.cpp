@@ -100,21 +100,13 @@ void LineTraffic::on_fault(Instant t, wire::FrameFault fault, Bytes /*raw*/) {
     log_.put(fmt::format("[{}] TRA : {}::({}) dropped: {}", iso_time(t), line_, port_, wire::name(fault)));
 }
 
-void LineTraffic::on_incident(Instant t, UnitId unit, wire::Incident incident, Duration after) {
-    const auto& name = devices_[unit.value];
-    const auto owner = unit.value == 0 ? std::string()
-                       : name.empty()  ? fmt::format("unit {}", unit.value)
-                                       : name;
-    log_.put(fmt::format("[{}] TRA : {}::{}:({}) {}", iso_time(t), line_, owner, port_,
-                         wire::describe_incident(incident, after)));
-}
-
 line::TrafficFactory traffic_factory(TrafficLog* log, LineTraffic::Side side) {
     if (!log) return {};
     return [log, side](const model::Line& line) { return std::make_shared<LineTraffic>(*log, line, side); };
 }
 
 void TapLog::put(const host::TrafficRecord& record, const LineOf& line_of) {
+    if (record.incident) return;  // the log has frames only
     const Key key{record.generation, record.source.kind, record.source.index};
     auto source = sources_.find(key);
     if (source == sources_.end()) {
@@ -124,8 +116,6 @@ void TapLog::put(const host::TrafficRecord& record, const LineOf& line_of) {
         const auto side = of_line ? LineTraffic::Side::master : LineTraffic::Side::slave;
         source = sources_.try_emplace(key, log_, *line, side).first;
     }
-    if (record.incident)
-        return source->second.on_incident(record.t, record.unit, *record.incident, record.after);
     if (record.fault) return source->second.on_fault(record.t, *record.fault, record.raw);
     source->second.on_frame(record.t, record.direction, record.unit, record.pdu, record.raw);
 }

@@ -70,7 +70,6 @@ public:
 
     void on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) override;
     void on_fault(Instant t, wire::FrameFault fault, Bytes raw) override;
-    void on_incident(Instant t, UnitId unit, wire::Incident incident, Duration after) override;
 
 private:
     TrafficLog& log_;
