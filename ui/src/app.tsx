@@ -8,6 +8,7 @@ import { Toasts } from './shell/toasts';
 import { connected, info, mayWrite, status } from './store/info';
 import { DevicesView } from './views/devices/view';
 import { LiveView } from './views/live/view';
+import { askToSave, Saving } from './views/project/save_dialog';
 import { ProjectView } from './views/project/view';
 import { TrafficView } from './views/traffic/view';
 import { TrendsView } from './views/trends/view';
@@ -85,6 +86,14 @@ function Bar() {
   );
 }
 
+/** Ctrl+S saves the project in each view. In a dialog and in a cell's editor it does nothing. */
+function onKeyDown(event: KeyboardEvent): void {
+  if (!(event.ctrlKey || event.metaKey) || event.altKey || event.key.toLowerCase() !== 's') return;
+  event.preventDefault();
+  if (!(event.target as Element).closest?.('dialog, .cell-editor')) askToSave();
+}
+addEventListener('keydown', onKeyDown);
+
 export function App() {
   const Current = components[view.value];
   return (
@@ -109,6 +118,7 @@ export function App() {
           }}
         />
       )}
+      <Saving />
       <Toasts />
     </div>
   );

@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import type { Mapping } from '../src/api/types';
 import { asInFile } from './merge_helpers';
-import { merged } from '../src/store/merge';
+import { merged, rebased } from '../src/store/merge';
 
 const device = (name: string, parts: Mapping = {}): Mapping => ({
   name,
@@ -88,4 +88,18 @@ test('new keys, removed keys and lists of values are merged', () => {
   const theirs = asInFile({ takt: '1', outputs: [{ name: 'o', tags: ['a'], period: '1s', topic: 'x' }] });
   const { document } = merged(base, mine, theirs);
   assert.deepEqual(document.outputs, [{ name: 'o', tags: ['a', 'b'], topic: 'x', $from: 0 }]);
+});
+
+test('a step of before a save has the places of the saved file', () => {
+  const before = file(device('A'), device('B'), device('C'));
+  const saved = file(device('New'), device('A', { poll_period: '2s' }), device('C'));
+  const items = devicesOf(rebased(before, saved));
+  assert.deepEqual(
+    items.map((its) => [its.name, its.poll_period, its.$from]),
+    [
+      ['A', '1s', 1],
+      ['B', '1s', undefined],
+      ['C', '1s', 2],
+    ],
+  );
 });

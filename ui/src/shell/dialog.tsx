@@ -7,6 +7,8 @@ export function Dialog(props: {
   title: string;
   accept?: string;
   acceptDisabled?: boolean;
+  /** Enter accepts at once. */
+  focusAccept?: boolean;
   onAccept?: () => void;
   onClose: () => void;
   children: ComponentChildren;
@@ -15,6 +17,10 @@ export function Dialog(props: {
   useEffect(() => {
     element.current?.showModal();
   }, []);
+  const button = useRef<HTMLButtonElement>(null);
+  useEffect(() => {
+    if (props.focusAccept && !props.acceptDisabled) button.current?.focus();
+  }, [props.acceptDisabled]);
   return (
     <dialog
       class="sheet"
@@ -39,7 +45,7 @@ export function Dialog(props: {
             {props.onAccept ? t.value.shell.cancel : t.value.shell.close}
           </button>
           {props.onAccept && (
-            <button type="submit" class="button primary" disabled={props.acceptDisabled}>
+            <button ref={button} type="submit" class="button primary" disabled={props.acceptDisabled}>
               {props.accept ?? t.value.shell.ok}
             </button>
           )}

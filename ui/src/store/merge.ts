@@ -117,3 +117,22 @@ export function merged(base: Mapping, mine: Mapping, theirs: Mapping): Merged {
   const document = merge.node(base, mine, theirs, []) as Mapping;
   return { document, conflicts: merge.conflicts };
 }
+
+/** A document of before, whose items have their places in the file as it is now. */
+export function rebased(old: Mapping, file: Mapping): Mapping {
+  return placed(old, file) as Mapping;
+}
+
+function placed(old: Part, file: Part): Part {
+  if (isList(old)) {
+    const items = isList(file) ? file : [];
+    const became = successors(old, items);
+    return old.map((item, i) => {
+      const its = became.get(i);
+      return its ? { ...(placed(item, its) as Mapping), $from: items.indexOf(its) } : asNew(item);
+    }) as Node;
+  }
+  if (!isMapping(old)) return old;
+  const there = isMapping(file) ? file : {};
+  return Object.fromEntries(keysOf(old).map((key) => [key, placed(old[key], there[key])])) as Mapping;
+}

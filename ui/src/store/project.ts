@@ -4,7 +4,7 @@ import { ApiError, get, post, put } from '../api/client';
 import type { Evaluation, FilePart, Finding, Mapping, Node, ProjectFile, Saved } from '../api/types';
 import { language, t } from '../i18n';
 import { type Path, parsePath, textAt, withNode } from './document';
-import { merged } from './merge';
+import { merged, rebased } from './merge';
 
 const MOST_STEPS = 200;
 /** Keystrokes in one field within this time are one undo step. */
@@ -221,10 +221,24 @@ export async function difference(): Promise<string> {
   return answer.diff;
 }
 
+/** The steps of before a file was saved can be undone after it, too. */
+function keepSteps(before: Step[], after: Step[]): void {
+  const file = loaded.peek()?.document;
+  if (!file) return;
+  const kept = (steps: Step[]) =>
+    steps.map(({ document, label }) => ({ document: rebased(document, file), label }));
+  batch(() => {
+    done.value = kept(before);
+    undone.value = kept(after);
+  });
+}
+
 export async function save(apply: boolean): Promise<Saved> {
   try {
     const saved = await put<Saved>('project', { ...body(), apply });
+    const steps = [done.peek(), undone.peek()];
     await loadProject();
+    keepSteps(steps[0]!, steps[1]!);
     return saved;
   } catch (failure) {
     if (failure instanceof ApiError && failure.code === 'changed_on_disk') changedOnDisk.value = true;

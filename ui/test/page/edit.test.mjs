@@ -359,3 +359,26 @@ test('an empty project begins with an example, which runs after saving', async (
   await row.locator('.value', { hasText: /\d/ }).waitFor();
   assert.match(text(), /lines:\n\s+- name: example/);
 });
+
+test('Ctrl+S and Enter save in each view, and what was saved can be undone', async () => {
+  plant = await startWith(SMALL);
+  const page = await open('#/project');
+  await page.locator('.tree').getByText('Old, 1').click();
+  const period = page.getByLabel('Poll period, ms');
+  await period.fill('250');
+  await period.press('Tab');
+  await page.locator('nav a[href="#/traffic"]').click();
+  await page.keyboard.press('Control+s');
+  await page.getByRole('button', { name: 'Save and apply' }).and(page.locator(':focus')).waitFor();
+  await page.keyboard.press('Enter');
+  await page.getByRole('dialog').waitFor({ state: 'detached' });
+  assert.match(text(), /poll_period: 250ms/);
+  await page.locator('nav a[href="#/project"]').click();
+  await page.keyboard.press('Control+z');
+  await page.keyboard.press('Control+s');
+  await page.getByRole('button', { name: 'Save and apply' }).and(page.locator(':focus')).waitFor();
+  await page.keyboard.press('Enter');
+  await page.getByRole('dialog').waitFor({ state: 'detached' });
+  assert.doesNotMatch(text(), /250ms/);
+  assert.match(text(), /# Scenario 1 of the source takes its place/);
+});

@@ -1,12 +1,15 @@
 // Saving shows the difference of the file first. A file that changed on the disk is not overwritten unasked.
+import { signal } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
 import { ApiError } from '../../api/client';
 import type { Finding } from '../../api/types';
 import { t } from '../../i18n';
 import { Dialog } from '../../shell/dialog';
+import { go } from '../../shell/route';
 import { errorText, toast, toastError } from '../../shell/toasts';
-import { changedOnDisk, difference, loadProject, mergeWithFile, save } from '../../store/project';
-import { FindingTexts, lateValues } from './problems';
+import { mayEdit } from '../../store/info';
+import { changedOnDisk, difference, isChanged, loadProject, mergeWithFile, save } from '../../store/project';
+import { FindingTexts, lateValues, wrongValues } from './problems';
 
 const MOST_CONFLICTS = 5; // that are named
 
@@ -23,7 +26,28 @@ export function diffLines(diff: string): { kind: 'add' | 'remove' | 'place' | 's
     });
 }
 
-export function SaveDialog({ onClose }: { onClose: () => void }) {
+const asked = signal(false);
+
+/** Opens the dialog where something can be saved. Wrong values come first: they are in the view Project. */
+export function askToSave(): void {
+  if (!mayEdit.peek() || !isChanged.peek()) return;
+  if (wrongValues.peek() > 0) go('project');
+  else asked.value = true;
+}
+
+/** The dialog while it is open, in any view. */
+export function Saving() {
+  if (!asked.value) return null;
+  return (
+    <SaveDialog
+      onClose={() => {
+        asked.value = false;
+      }}
+    />
+  );
+}
+
+function SaveDialog({ onClose }: { onClose: () => void }) {
   const texts = t.value.project.saving;
   const [diff, setDiff] = useState<string | null>(null);
   const [problem, setProblem] = useState('');
@@ -36,6 +60,7 @@ export function SaveDialog({ onClose }: { onClose: () => void }) {
         if (failure instanceof ApiError && failure.code === 'changed_on_disk') {
           changedOnDisk.value = true;
           onClose();
+          go('project');
         } else setProblem(errorText(failure));
       });
   }, []);
@@ -59,6 +84,7 @@ export function SaveDialog({ onClose }: { onClose: () => void }) {
     <Dialog
       title={texts.title}
       accept={texts.accept}
+      focusAccept
       acceptDisabled={busy || diff === null || diff === ''}
       onAccept={() => void accept()}
       onClose={onClose}

@@ -1,5 +1,5 @@
 // The project: its tree and the settings of what is selected; beside them what they do to the bus.
-import { useEffect, useState } from 'preact/hooks';
+import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';
 import { info, mayEdit } from '../../store/info';
 import { canRedo, canUndo, isChanged, isUnreadable, loaded, redo, revert, undo } from '../../store/project';
@@ -12,7 +12,7 @@ import { Details } from './details';
 import { ImportDialog } from './import_dialog';
 import { importing } from './importing';
 import { FindingTexts, Problems, wrongValues } from './problems';
-import { Conflict, SaveDialog } from './save_dialog';
+import { askToSave, Conflict } from './save_dialog';
 import { half } from './selection';
 import { Start } from './start';
 import { TabBar } from './tab_bar';
@@ -37,7 +37,7 @@ function Step(props: { icon: IconName; name: string; keys: string; disabled: boo
   );
 }
 
-function Toolbar({ onSave }: { onSave: () => void }) {
+function Toolbar() {
   const texts = t.value.project;
   const wrong = wrongValues.value > 0;
   return (
@@ -59,7 +59,7 @@ function Toolbar({ onSave }: { onSave: () => void }) {
             disabled={!isChanged.value || wrong}
             title={wrong ? texts.cannotSave : undefined}
             aria-keyshortcuts="Control+S"
-            onClick={onSave}
+            onClick={askToSave}
           >
             {texts.save}
           </button>
@@ -69,28 +69,21 @@ function Toolbar({ onSave }: { onSave: () => void }) {
   );
 }
 
-/** Undo, redo and save by keyboard. The editor in a cell and dialogs keep their own undo. */
-function useShortcuts(onSave: () => void): void {
+/** Undo and redo by keyboard. The editor in a cell and dialogs keep their own undo. */
+function useShortcuts(): void {
   useEffect(() => {
     const onKeyDown = (event: KeyboardEvent) => {
       if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
       if ((event.target as Element).closest?.('dialog, .cell-editor')) return;
       const key = event.key.toLowerCase();
-      const run =
-        key === 'y' || (key === 'z' && event.shiftKey)
-          ? redo
-          : key === 'z'
-            ? undo
-            : key === 's'
-              ? onSave
-              : null;
+      const run = key === 'y' || (key === 'z' && event.shiftKey) ? redo : key === 'z' ? undo : null;
       if (!run) return;
       event.preventDefault();
       run();
     };
     addEventListener('keydown', onKeyDown);
     return () => removeEventListener('keydown', onKeyDown);
-  });
+  }, []);
 }
 
 /** A file that an editor would damage: its faults instead of the forms. */
@@ -112,17 +105,13 @@ function effectTitle(): string {
 
 export function ProjectView() {
   const texts = t.value.project;
-  const [saving, setSaving] = useState(false);
-  const onSave = () => {
-    if (mayEdit.peek() && isChanged.peek() && wrongValues.peek() === 0) setSaving(true);
-  };
-  useShortcuts(onSave);
+  useShortcuts();
   if (!loaded.value)
     return <p class="muted">{info.value && !info.value.project ? texts.noFile : texts.loading}</p>;
   if (isUnreadable.value) return <Unreadable />;
   return (
     <div class="project-view" data-half={half.value}>
-      <Toolbar onSave={onSave} />
+      <Toolbar />
       <Conflict />
       {!mayEdit.value && <p class="banner info">{texts.readOnly}</p>}
       <Start />
@@ -152,7 +141,6 @@ export function ProjectView() {
         }
         right={<RequestsPane />}
       />
-      {saving && <SaveDialog onClose={() => setSaving(false)} />}
       {importing.value && (
         <ImportDialog key={importing.value.text} start={importing.value.text} path={importing.value.path} />
       )}
