@@ -11,7 +11,7 @@ const MOST_NOTICES = 200;
 /** Numbers of the last minute for the sparkline. */
 const MOST_POINTS = 60;
 
-/** The points of a sparkline: one for each second, [second, value]. */
+/** The points of a sparkline: one for each second, [second, value]; NaN: not good from then on. */
 export type Recent = [number, number][];
 
 export const values = signal<Signal<LiveValue>[]>([]);
@@ -29,12 +29,17 @@ export const liveValue = (name: string): Signal<LiveValue> | undefined => byName
 
 function remember(value: LiveValue, time: number): void {
   const number = typeof value.value === 'boolean' ? Number(value.value) : value.value;
-  if (typeof number !== 'number' || value.quality === 'bad' || value.quality === 'never_read') return;
+  const lost = value.quality === 'bad' || value.quality === 'never_read';
+  if (lost && recent.has(value.name)) note(value.name, Number.NaN, time);
+  else if (!lost && typeof number === 'number') note(value.name, number, time);
+}
+
+function note(name: string, number: number, time: number): void {
   const second = Math.floor(time / 1000);
-  let points = recent.get(value.name);
+  let points = recent.get(name);
   if (!points) {
     points = [];
-    recent.set(value.name, points);
+    recent.set(name, points);
   }
   const last = points[points.length - 1];
   if (last && last[0] === second) last[1] = number;

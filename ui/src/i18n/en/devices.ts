@@ -5,6 +5,12 @@ const CAUSES: Record<string, string> = {
   closed: 'closed by the peer',
   ambiguous: 'ambiguous answer',
   link_lost: 'connection lost',
+  not_answering: 'not answering',
+  switched_off: 'switched off',
+  stale: 'older than proved',
+  never_connected: 'never connected',
+  differs: 'read back differently',
+  superseded: 'superseded',
 };
 
 export const devices = {

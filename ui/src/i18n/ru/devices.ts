@@ -1,4 +1,4 @@
-import { slavic, type Translated } from '..';
+import type { Translated } from '..';
 import type { devices as source } from '../en/devices';
 
 const CAUSES: Record<string, string> = {
@@ -8,6 +8,12 @@ const CAUSES: Record<string, string> = {
   closed: 'закрыто другой стороной',
   ambiguous: 'неоднозначный ответ',
   link_lost: 'соединение потеряно',
+  not_answering: 'не отвечает',
+  switched_off: 'выключено',
+  stale: 'старше доказанного возраста',
+  never_connected: 'соединения ещё не было',
+  differs: 'прочитано другое значение',
+  superseded: 'заменено новым значением',
 };
 
 export const devices: Translated<typeof source> = {
@@ -33,8 +39,8 @@ export const devices: Translated<typeof source> = {
   busy: 'занята',
   cycle: 'цикл',
   available: 'доступна',
-  notGood: (n: number) => `${n} ${slavic('ru', n, 'нехорошее', 'нехороших', 'нехороших')}`,
-  allGood: (n: number) => `${n} ${slavic('ru', n, 'хорошее', 'хороших', 'хороших')}`,
+  notGood: (n: number) => `недостоверно: ${n}`,
+  allGood: (n: number) => `достоверно: ${n}`,
   tryNow: 'Опросить',
   attempt: {
     trying: 'опрос…',

@@ -14,7 +14,7 @@ export const live: Translated<typeof source> = {
     actions: 'Действия',
   },
   filter: 'Фильтр по имени или устройству',
-  onlyTrouble: 'Только нехорошие',
+  onlyTrouble: 'Только недостоверные',
   shown: (n: number, all: number) => (n === all ? `Значений: ${all}` : `Значений: ${n} из ${all}`),
   local: 'Локальная',
   none: 'нет значения',

@@ -11,7 +11,12 @@ export const shell: Translated<typeof source> = {
     devices: 'Устройства',
   },
   units: { ms: 'мс', s: 'с', min: 'мин', h: 'ч', us: 'мкс' },
-  quality: { good: 'хорошее', uncertain: 'сомнительное', bad: 'плохое', never_read: 'не прочитано' },
+  quality: {
+    good: 'достоверно',
+    uncertain: 'сомнительно',
+    bad: 'недостоверно',
+    never_read: 'не прочитано',
+  },
   health: { ok: 'Всё в порядке', degraded: 'Есть нарушения', failed: 'Отказ', unknown: 'Нет связи' },
   state: {
     unknown: 'ещё не опрошено',

@@ -1,4 +1,4 @@
-import { slavic, type Translated } from '..';
+import type { Translated } from '..';
 import type { devices as source } from '../en/devices';
 
 const CAUSES: Record<string, string> = {
@@ -8,6 +8,12 @@ const CAUSES: Record<string, string> = {
   closed: 'закрито іншою стороною',
   ambiguous: 'неоднозначна відповідь',
   link_lost: 'з’єднання втрачено',
+  not_answering: 'не відповідає',
+  switched_off: 'вимкнено',
+  stale: 'старше за доведений вік',
+  never_connected: 'з’єднання ще не було',
+  differs: 'прочитано інше значення',
+  superseded: 'замінено новим значенням',
 };
 
 export const devices: Translated<typeof source> = {
@@ -33,8 +39,8 @@ export const devices: Translated<typeof source> = {
   busy: 'зайнята',
   cycle: 'цикл',
   available: 'доступна',
-  notGood: (n: number) => `${n} ${slavic('uk', n, 'недобре', 'недобрі', 'недобрих')}`,
-  allGood: (n: number) => `${n} ${slavic('uk', n, 'добре', 'добрі', 'добрих')}`,
+  notGood: (n: number) => `недостовірно: ${n}`,
+  allGood: (n: number) => `достовірно: ${n}`,
   tryNow: 'Опитати',
   attempt: {
     trying: 'опитування…',

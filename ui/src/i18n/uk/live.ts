@@ -14,7 +14,7 @@ export const live: Translated<typeof source> = {
     actions: 'Дії',
   },
   filter: 'Фільтр за іменем або пристроєм',
-  onlyTrouble: 'Лише недобрі',
+  onlyTrouble: 'Лише недостовірні',
   shown: (n: number, all: number) => (n === all ? `Значень: ${all}` : `Значень: ${n} з ${all}`),
   local: 'Локальна',
   none: 'немає значення',

@@ -11,7 +11,12 @@ export const shell: Translated<typeof source> = {
     devices: 'Пристрої',
   },
   units: { ms: 'мс', s: 'с', min: 'хв', h: 'год', us: 'мкс' },
-  quality: { good: 'добре', uncertain: 'сумнівне', bad: 'погане', never_read: 'не прочитано' },
+  quality: {
+    good: 'достовірно',
+    uncertain: 'сумнівно',
+    bad: 'недостовірно',
+    never_read: 'не прочитано',
+  },
   health: { ok: 'Усе гаразд', degraded: 'Є порушення', failed: 'Відмова', unknown: 'Немає зв’язку' },
   state: {
     unknown: 'ще не опитано',

@@ -60,7 +60,8 @@ const DOTS = { good: 'good', uncertain: 'warn', bad: 'bad', never_read: '' } as 
 export function QualityCell({ row }: { row: Row }) {
   const { quality, reason, cause } = row.value;
   const word = t.value.quality[quality];
-  const why = [reason, cause].filter(Boolean).join(', ');
+  const words = [reason, cause].filter((its): its is string => Boolean(its));
+  const why = words.map(t.value.devices.cause).join(', ');
   return (
     <span class="quality" title={why || word}>
       <i class={`dot ${DOTS[quality]}`} /> {word}

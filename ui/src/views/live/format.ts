@@ -58,24 +58,28 @@ export function formatValue(value: LiveValue, format: Format): string {
   return grouped(bits.toString(2).padStart(size, '0'), 4);
 }
 
-/** The points of a sparkline in a box; empty with fewer than two. */
+/**
+ * A sparkline in a box; empty with fewer than two points.
+ * @param points  [second, value]; NaN: the value was not good from then on
+ */
 export function sparkline(points: [number, number][], width: number, height: number, now: number): string {
   const span = 60;
   const shown = points.filter(([time]) => time >= now - span);
   if (shown.length < 2) return '';
-  const numbers = shown.map(([, value]) => value);
+  const numbers = shown.map(([, value]) => value).filter((its) => !Number.isNaN(its));
   const least = Math.min(...numbers);
   const range = Math.max(...numbers) - least;
-  const x = (time: number) => ((time - (now - span)) / span) * width;
+  const x = (time: number) => (((time - (now - span)) / span) * width).toFixed(1);
   const y = (value: number) =>
-    range === 0 ? height / 2 : height - 1.5 - ((value - least) / range) * (height - 3);
+    (range === 0 ? height / 2 : height - 1.5 - ((value - least) / range) * (height - 3)).toFixed(1);
   // A polled value holds until the next one: steps.
   let path = '';
-  let before = 0;
-  for (const [i, [time, value]] of shown.entries()) {
-    path += i === 0 ? `M${x(time).toFixed(1)} ${y(value).toFixed(1)}` : `H${x(time).toFixed(1)}`;
-    if (i > 0 && value !== before) path += `V${y(value).toFixed(1)}`;
+  let before = Number.NaN;
+  for (const [time, value] of shown) {
+    if (!Number.isNaN(before)) path += `H${x(time)}`;
+    else if (!Number.isNaN(value)) path += `M${x(time)} ${y(value)}`;
+    if (!Number.isNaN(before) && !Number.isNaN(value) && value !== before) path += `V${y(value)}`;
     before = value;
   }
-  return `${path}H${width}`;
+  return Number.isNaN(before) ? path : `${path}H${width}`;
 }
