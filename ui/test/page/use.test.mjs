@@ -261,7 +261,7 @@ test('the times of a request and of its line are drawn', async () => {
 
 test('registers are shown as they were on the wire', async () => {
   const page = await open('#/live');
-  await page.getByLabel('Format: Voltage L1').selectOption('registers');
+  await page.getByLabel('Format', { exact: true }).selectOption('registers');
   const cell = page.locator('[role="row"]', { hasText: 'Voltage L1' }).locator('.value.mono');
   await cell.waitFor();
   assert.match(await cell.textContent(), /^[0-9A-F]{4}$/);

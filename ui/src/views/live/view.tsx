@@ -27,7 +27,8 @@ effect(() => {
 });
 const onlyTrouble = signal(false);
 const sort = signal<{ key: string; down: boolean } | null>(null);
-const formats = signal<Record<string, Format>>({});
+/** How the values of the view are written. */
+const format = signal<Format>('normal');
 const writing = signal<LiveValue | null>(null);
 const asking = signal<string | null>(null);
 
@@ -71,10 +72,16 @@ async function trigger(name: string): Promise<void> {
   }
 }
 
-function setFormat(name: string, format: Format): void {
-  formats.value = { ...formats.peek(), [name]: format };
-  wanted.value = Object.keys(formats.peek()).filter((its) => formats.peek()[its] === 'registers');
-}
+// Of the values that are shown, as far as the program is asked for them.
+effect(() => {
+  wanted.value =
+    format.value === 'registers'
+      ? rows.value
+          .map((row) => row.peek())
+          .filter((its) => its.line !== undefined)
+          .map((its) => its.name)
+      : [];
+});
 
 /** Registers come from the wire, other formats from the bits of the value. */
 const fits = (its: LiveValue, format: Format) =>
@@ -83,7 +90,6 @@ const fits = (its: LiveValue, format: Format) =>
 function Actions({ row }: { row: Row }) {
   const texts = t.value.live;
   const its = row.peek();
-  const format = formats.value[its.name] ?? 'normal';
   return (
     <span class="actions">
       {its.trigger ? (
@@ -131,20 +137,6 @@ function Actions({ row }: { row: Row }) {
       >
         <Icon name="trends" />
       </button>
-      <select
-        class="format"
-        aria-label={`${texts.format.label}: ${its.name}`}
-        title={texts.format.label}
-        disabled={!hasBits(its) && its.line === undefined}
-        value={format}
-        onChange={(event) => setFormat(its.name, event.currentTarget.value as Format)}
-      >
-        {FORMATS.map((one) => (
-          <option key={one} value={one} disabled={!fits(its, one)}>
-            {texts.format[one]}
-          </option>
-        ))}
-      </select>
     </span>
   );
 }
@@ -171,7 +163,9 @@ function columns(): Column<Row>[] {
       title: texts.value,
       width: 'minmax(110px, 0.9fr)',
       align: 'right',
-      cell: (row) => <ValueCell row={row} format={formats.value[row.peek().name] ?? 'normal'} />,
+      cell: (row) => (
+        <ValueCell row={row} format={fits(row.peek(), format.value) ? format.value : 'normal'} />
+      ),
     },
     { key: 'unit', title: texts.unit, width: '70px', cell: (row) => row.peek().unit },
     {
@@ -183,7 +177,7 @@ function columns(): Column<Row>[] {
     },
     { key: 'age', title: texts.age, width: '90px', align: 'right', cell: (row) => <AgeCell row={row} /> },
     { key: 'trend', title: texts.trend, width: '126px', cell: (row) => <SparkCell row={row} /> },
-    { key: 'actions', title: texts.actions, width: '236px', cell: (row) => <Actions row={row} /> },
+    { key: 'actions', title: texts.actions, width: '118px', cell: (row) => <Actions row={row} /> },
   ];
 }
 
@@ -211,6 +205,20 @@ export function LiveView() {
             />
             {texts.onlyTrouble}
           </label>
+          <select
+            aria-label={texts.format.label}
+            title={texts.format.label}
+            value={format.value}
+            onChange={(event) => {
+              format.value = event.currentTarget.value as Format;
+            }}
+          >
+            {FORMATS.map((one) => (
+              <option key={one} value={one}>
+                {texts.format[one]}
+              </option>
+            ))}
+          </select>
           <input
             type="search"
             placeholder={texts.filter}

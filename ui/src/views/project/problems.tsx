@@ -4,7 +4,7 @@ import { useState } from 'preact/hooks';
 import type { Finding } from '../../api/types';
 import { t } from '../../i18n';
 import { Dialog } from '../../shell/dialog';
-import { evaluating, findings } from '../../store/project';
+import { evaluating, findings, isChanged } from '../../store/project';
 import { reveal } from './selection';
 import { isLate, markOf } from './tree';
 
@@ -23,6 +23,10 @@ const rank = (its: Finding) =>
 const DOTS = { error: 'bad', warning: 'warn' } as const;
 
 const MOST_TEXTS = 8;
+
+/** The line of the file; of a draft, which has no lines yet, the field. */
+const placeOf = (its: Finding) =>
+  isChanged.value ? its.path : its.line > 0 ? `${its.line}:${its.column}` : '';
 
 /** Errors as texts, with their lines of the file. */
 export function FindingTexts(props: { findings: Finding[] }) {
@@ -61,7 +65,7 @@ function ProblemList({ onClose }: { onClose: () => void }) {
               <span>
                 {its.message} <span class="muted small">{its.advice}</span>
               </span>
-              <code class="muted small">{its.line > 0 ? `${its.line}:${its.column}` : ''}</code>
+              <code class="muted small">{placeOf(its)}</code>
             </button>
           </li>
         ))}
