@@ -9,8 +9,8 @@ export interface Column<Row> {
   width: string; // of a CSS grid: "120px", "minmax(120px, 1fr)"
   align?: 'right';
   sortable?: boolean;
-  /** Moves to a second line of each row in a narrow grid: `text` to its begin, `figure` to its end. */
-  folds?: 'text' | 'figure';
+  /** In a narrow grid: moves to a second line of each row, `text` to its begin, `figure` to its end; or hidden. */
+  folds?: 'text' | 'figure' | 'hidden';
   cell: (row: Row, index: number) => ComponentChildren;
   cellClass?: (row: Row, index: number) => string;
 }
@@ -142,6 +142,7 @@ export function Grid<Row>(props: GridProps<Row>) {
   /** The place of a cell in the second line. */
   const place = (column: Column<Row>) => {
     if (!isBelow(column)) return undefined;
+    if (column.folds === 'hidden') return { display: 'none' };
     const after = figures.indexOf(column) - figures.length; // from the end
     return {
       gridRow: 2,
@@ -155,7 +156,7 @@ export function Grid<Row>(props: GridProps<Row>) {
     `${column.align === 'right' ? 'right' : ''} ${isBelow(column) ? 'below' : ''}`;
   return (
     <div
-      class="grid"
+      class={`grid ${folded ? 'folded' : ''}`}
       role="grid"
       tabIndex={0}
       ref={box}
