@@ -43,6 +43,7 @@ function columns(line: LineStatus): Column<DeviceStatus>[] {
     title,
     width: '98px',
     align: 'right' as const,
+    ...(key === 'late_answers' && { folds: 'figure' as const }),
     cell: (its: DeviceStatus) => (
       <span class={bad && its[key] > 0 ? 'warn' : ''}>{formatNumber(its[key])}</span>
     ),
@@ -53,7 +54,7 @@ function columns(line: LineStatus): Column<DeviceStatus>[] {
     {
       key: 'state',
       title: texts.state,
-      width: 'minmax(215px, 1.2fr)',
+      width: 'minmax(190px, 1.2fr)',
       cell: (its) => (
         <>
           <i class={`dot ${DEVICE_DOTS[its.state]}`} /> {stateText(its)}
@@ -90,6 +91,7 @@ function columns(line: LineStatus): Column<DeviceStatus>[] {
       title: texts.available,
       width: '104px',
       align: 'right',
+      folds: 'figure',
       cell: (its) =>
         its.availability_percent === null ? '–' : `${formatNumber(its.availability_percent, 2)} %`,
     },
