@@ -18,6 +18,9 @@ __extension__ typedef __int128 WideTime;
 /// Exceeds the rounding error of sums of rates.
 inline constexpr double kRateRounding = 1e-9;
 
+/// Task::device of a task that belongs to no device: it never dies.
+inline constexpr std::uint32_t kNoDevice = UINT32_MAX;
+
 /// The demand of n consecutive releases of one task, in the costliest case.
 class Demand {
 public:

@@ -295,6 +295,7 @@ Responses SequentialAnalysis::responses_with_dead_device() {
     for (const Task& task : tasks_) devices.push_back(task.device);
     std::sort(devices.begin(), devices.end());
     devices.erase(std::unique(devices.begin(), devices.end()), devices.end());
+    std::erase(devices, kNoDevice);
     if (devices.size() < 2) return responses(std::nullopt);
     if (devices.size() * tasks_.size() > kMostSequentialDeadTasks) return responses_with_any_dead();
     std::vector<Demand> dead;
@@ -312,6 +313,7 @@ Responses SequentialAnalysis::responses_with_dead_device() {
         const std::uint32_t device = tasks_[entries_[*own].task].device;
         const auto end = std::find_if(
             own, by_device.end(), [&](std::size_t i) { return tasks_[entries_[i].task].device != device; });
+        if (device == kNoDevice) break;  // the last one
         alive.clear();
         for (auto i = own; i != end; ++i) alive.push_back(entries_[*i]);
         for (auto i = own; i != end; ++i) {
@@ -335,6 +337,7 @@ Responses SequentialAnalysis::responses_with_any_dead() {
     Task worst;
     Microseconds most = 0;
     for (const Task& task : tasks_) {
+        if (task.device == kNoDevice) continue;
         WideTime& sum = sums[task.device];
         sum += WideTime{task.failure} * task.attempts;
         most =

@@ -153,7 +153,7 @@ Task task_of(const StepHold& hold) {
             .period = kInterval,
             .deadline = kInterval + hold.hold,
             .jitter = hold.hold,
-            .device = UINT32_MAX};
+            .device = kNoDevice};
 }
 
 // For the reads of the unit a hold is like a task that goes before them. At its end another transaction may

@@ -113,5 +113,14 @@ TEST(StepCheck, CountsReadsThatStartLate) {
     EXPECT_GT(hold(line), 0) << "after its read the next ones come closer, for more than a second";
 }
 
+TEST(StepCheck, AHoldIsNoDeviceThatCanDie) {
+    const auto busy = with_turnaround(project({}, {int16(0).read(3).every(10ms)}));
+    const auto made = line_tasks(busy, make_plan(busy).lines[0]);
+    ASSERT_GT(hold(busy), 0);
+    const auto with_dead = responses_with_holds(
+        made, [](const std::vector<Task>& tasks) { return response_times_with_dead_device(tasks); });
+    EXPECT_EQ(with_dead, responses_with_holds(made, analysed)) << "there is no other device";
+}
+
 }  // namespace step_check_test
 }  // namespace takt::plan
