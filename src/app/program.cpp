@@ -61,8 +61,13 @@ std::string unknown_command_text(const Texts& texts, const std::string& command,
     if (command == "new" || command == "init" || command == "create")
         return texts("app.command_new", {{"command", command}});
     const std::vector<std::string_view> candidates(commands.begin(), commands.end());
-    return texts("app.unknown_command",
-                 {{"command", command}, {"nearest", std::string(model::nearest(command, candidates))}});
+    const std::string nearest(model::nearest(command, candidates));
+    // Two of the distance are one mistake.
+    if (model::typing_distance(command, nearest) <= 2 * (command.size() / 3 + 1))
+        return texts("app.unknown_command.near", {{"command", command}, {"nearest", nearest}});
+    std::string known;
+    for (const auto& one : commands) known += (known.empty() ? "" : ", ") + one;
+    return texts("app.unknown_command", {{"command", command}, {"known", known}});
 }
 
 }  // namespace

@@ -1,8 +1,6 @@
-#include <algorithm>
 #include <span>
 
 #include "interpretation.hpp"
-#include "takt/model/nearest.hpp"
 
 namespace takt::model {
 namespace {
@@ -17,12 +15,11 @@ Transport stated_transport(Reader& reader, Profile profile) {
     if (report_tls(reader)) return Transport::tls;
     const Node* const node = reader.value("transport");
     if (const auto transport = reader.choice<Transport>("transport")) return *transport;
-    if (node != nullptr) {  // the word that was meant
-        const auto meant = nearest(node->text, kTransports);
-        return static_cast<Transport>(std::ranges::find(kTransports, meant) - kTransports.begin());
-    }
-    return node == nullptr && profile == Profile::generic && names_host(reader) ? Transport::tcp
-                                                                                : Transport::serial;
+    if (node != nullptr)
+        for (std::size_t i = 0; i < kTransports.size(); ++i)
+            if (node->text == kTransports[i]) return static_cast<Transport>(i);
+    const bool unknown = node != nullptr || profile == Profile::generic;
+    return unknown && names_host(reader) ? Transport::tcp : Transport::serial;
 }
 
 void read_line_port(Interpretation& state, Reader& reader, Line& line) {

@@ -61,6 +61,24 @@ def test_a_command_of_ctl_is_named_as_such(language, words):
     assert "demo, run" in refused(takt("fnord", code=2)).err
 
 
+def test_what_was_meant_is_named():
+    assert "the nearest known one is `check`" in refused(takt("ckeck", code=2)).err
+    assert "takt run --new FILE" in refused(takt("new", code=2)).err
+    assert takt("help", "check").out == takt("check", "--help").out
+    assert takt("help").out == takt("--help").out
+    assert "`--type int16`" in takt("write", "tcp://127.0.0.1:1", "holding", 3, -5, code=2).err
+
+
+def test_a_new_project_is_created_once(tmp_path):
+    path = tmp_path / "plant.yaml"
+    assert f"takt run --new {path}" in takt("run", path, code=2).err
+    takt("run", "--new", path, "--for", "100ms")
+    assert takt("check", path, "--json").json["findings"][0]["code"] == "lines.none"
+    before = path.read_bytes()
+    assert "exists already" in takt("run", "--new", path, code=2).err
+    assert path.read_bytes() == before
+
+
 def test_an_unknown_option_is_named_with_the_nearest_one():
     assert "`--forr`" in (err := refused(takt("run", "plant.yaml", "--forr", "3s",
                                               code=2)).err) and "`--for`" in err

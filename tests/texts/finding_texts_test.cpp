@@ -30,6 +30,7 @@ std::vector<std::string> bad_projects() {
         "lines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, variables: [\n";
     return {
         "- 1\n",
+        "takt: 1\nlines: []\n",
         "takt: 1\nlines:\n- {name:N, transport: tcp, host: 127.0.0.1:502, qqqqqqqqqqqq: 1, baudrate: 1, "
         "baud: 9600, devices: []}\n"
         "- {name: M, transport: tcp, host: 10.0.0.300, frame_gap: \"0,1\", devices: [{name: D, address: 1, "

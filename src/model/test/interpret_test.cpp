@@ -80,6 +80,8 @@ TEST(Interpret, Line) {
         {"{name: \"\"}", "field.length name= [1..128]"},
         {"{name: [a]}", "field.not_a_value name="},
         {"{transport: rs485}", "field.unknown_word transport=rs485 [serial, tcp, simulated]"},
+        {"{transport: modbus-tcp, host: plc, port: ~}",
+         "field.unknown_word transport=modbus-tcp [serial, tcp, simulated]"},
         {"{port: ~}", "line.port_missing port="},
         {"{port: ~, transport: simulated}", ""},
         {"{transport: tcp, host: plc, port: ~}", ""},

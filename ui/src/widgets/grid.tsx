@@ -9,7 +9,7 @@ export interface Column<Row> {
   width: string; // of a CSS grid: "120px", "minmax(120px, 1fr)"
   align?: 'right';
   sortable?: boolean;
-  /** In a narrow grid: moves to a second line of each row, `text` to its begin, `figure` to its end; or hidden. */
+  /** In a narrow grid: in a second line of each row, `text` at its begin, `figure` at its end; or hidden. */
   folds?: 'text' | 'figure' | 'hidden';
   cell: (row: Row, index: number) => ComponentChildren;
   cellClass?: (row: Row, index: number) => string;

@@ -51,7 +51,6 @@ export function ValueCell({ row, format }: { row: Row; format: Format }) {
       title={its.text}
     >
       {text}
-      {its.unit && <span class="folded-unit"> {its.unit}</span>}
     </span>
   );
 }

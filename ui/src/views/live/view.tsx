@@ -165,7 +165,10 @@ function columns(): Column<Row>[] {
       width: 'minmax(132px, 0.9fr)',
       align: 'right',
       cell: (row) => (
-        <ValueCell row={row} format={fits(row.peek(), format.value) ? format.value : 'normal'} />
+        <>
+          <ValueCell row={row} format={fits(row.peek(), format.value) ? format.value : 'normal'} />
+          <span class="folded-unit">{row.peek().unit}</span>
+        </>
       ),
     },
     { key: 'unit', title: texts.unit, width: '70px', folds: 'hidden', cell: (row) => row.peek().unit },

@@ -61,7 +61,7 @@ std::string_view name(Problem::Kind kind);
 [[nodiscard]] std::string_view health_word(const host::Snapshot& snapshot,
                                            const std::vector<Problem>& problems);
 
-/// docs/http-api.md, "problems".
+/// docs/commands/ctl.md, "JSON".
 [[nodiscard]] file::Json problem_json(const Problem& problem);
 
 /// One line: what is wrong, how often, since when, and which values are not good.
