@@ -221,16 +221,15 @@ private:
 
     /// Of values with that reason.
     [[nodiscard]] Problem failing(Reason reason) const {
-        const bool is_failure = reason == Reason::bad_checksum || reason == Reason::unexpected_reply ||
-                                reason == Reason::ambiguous || reason == Reason::timeout ||
-                                reason == Reason::link_lost || reason == Reason::closed;
+        constexpr std::array kFailures{Reason::bad_checksum, Reason::unexpected_reply, Reason::ambiguous,
+                                       Reason::timeout,      Reason::link_lost,        Reason::closed};
+        const bool is_failure = std::ranges::find(kFailures, reason) != kFailures.end();
         if (is_failure) return counted(failures_of(reason));
         Problem problem = of_device(warning, values);
-        problem.text = settings().name + ": " + texts_.quality(Quality::bad, reason);
-        if (reason == Reason::stale) {
-            problem.text = settings().name + ": " + texts_.quality(Quality::uncertain, reason);
-            problem.advice = texts_("problem.advice.stale");
-        }
+        const bool stale = reason == Reason::stale;
+        problem.text =
+            settings().name + ": " + texts_.quality(stale ? Quality::uncertain : Quality::bad, reason);
+        if (stale) problem.advice = texts_("problem.advice.stale");
         return problem;
     }
 

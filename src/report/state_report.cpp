@@ -295,7 +295,7 @@ std::string line_state_text(const Texts& texts, const file::Json& line, std::siz
                    percentage_or_dash(device, "availability_percent")});
     text += table.render("  ", columns);
     for (const auto& device : array_member(line, "devices"))
-        for (const auto* const key : {"delays", "noise", "turnaround", "late_responses"})
+        for (const auto* const key : {"turnaround", "late_responses"})  // the others are among the problems
             if (const auto words = string_member(member(device, key), "text"); !words.empty())
                 text += "  " + text::escape_line(words) + '\n';
     return text;

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import type { PlannedLine, PlannedRequest } from '../src/api/types';
-import { agesOf, bytesOf, gapsOf, lineStrategy } from '../src/views/requests/figures';
+import { agesOf, bytesOf, gapsOf, lineStrategy, unmeasured } from '../src/views/requests/figures';
 import { courseOf, shifted, ticks, visible, zoomed } from '../src/views/requests/timeline';
 
 const request = (parts: Partial<PlannedRequest>): PlannedRequest => ({
@@ -59,6 +59,19 @@ test('an age holds while its request is answered before the deadline', () => {
       ['V', 120_000, 200_000, true],
     ],
   );
+});
+
+test('without a turnaround no age is late: it is not computed yet', () => {
+  const late = request({ response_us: 900_000, ages_us: [1_000_000] });
+  const device = { name: 'D', unit: 16, share: 0.1, turnaround_us: null };
+  const line = { requests: [late], devices: [device], verdict: 'response_unknown' } as PlannedLine;
+  assert.deepEqual(unmeasured(line), ['D']);
+  const [age] = agesOf(line);
+  assert.deepEqual([age?.age_us, age?.holds, age?.unknown], [null, true, true]);
+  const known = { ...line, devices: [{ ...device, turnaround_us: 5000 }] };
+  assert.deepEqual(unmeasured(known), []);
+  assert.equal(agesOf(known)[0]?.holds, false);
+  assert.deepEqual(unmeasured({ ...line, verdict: 'holds' }), []);
 });
 
 test('the strategy of a line is that of all its devices', () => {

@@ -89,9 +89,10 @@ TEST(StateReport, StatusHasAvailabilityAndLateAnswers) {
     expect_contains(text, "90.00 %");
     expect_contains(
         text,
-        "  Device Котёл answered 148 ms after its request; response_timeout is 100 ms: set 300ms\n"
-        "  1..2 bytes of noise before the answers of Котёл: check bias and driver enable\n"
-        "  Котёл: 3 late responses to 3123 requests, the latest after 148 ms\n");
+        "  note: Device Котёл answered 148 ms after its request; response_timeout is 100 ms: set 300ms\n"
+        "  note: 1..2 bytes of noise before the answers of Котёл: check bias and driver enable\n");
+    EXPECT_EQ(text.find("1..2 bytes of noise"), text.rfind("1..2 bytes of noise")) << "once";
+    expect_contains(text, "  Котёл: 3 late responses to 3123 requests, the latest after 148 ms\n");
     EXPECT_JSON(*shown.find("noise")->find("most_bytes"), 2);
 }
 

@@ -113,6 +113,16 @@ TEST(Words, HexIsUpperCaseAndSeparated) {
     EXPECT_EQ(hex({}), "");
 }
 
+TEST(Words, IncidentsHaveNamesAndWords) {
+    using namespace std::chrono_literals;
+    EXPECT_EQ(name(Incident::no_response), "no_response");
+    EXPECT_EQ(describe_incident(Incident::no_response, 500ms), "no response within 500 ms");
+    EXPECT_EQ(describe_incident(Incident::late_response, {}), "late response");
+    EXPECT_EQ(describe_incident(Incident::surplus_response, {}), "surplus response");
+    EXPECT_EQ(describe_incident(Incident::connected, {}), "connected");
+    EXPECT_EQ(describe_incident(Incident::disconnected, {}), "disconnected");
+}
+
 RC_GTEST_PROP(Words, AnyBytesHaveWords, (ByteVector pdu)) {
     if (!pdu.empty()) pdu[0] = *rc::gen::inRange<std::uint8_t>(0, 0x30);
     RC_ASSERT(describe_request(UnitId{1}, pdu).starts_with("unit 1"));
