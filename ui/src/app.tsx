@@ -6,6 +6,7 @@ import { VIEWS, type View, view } from './shell/route';
 import { theme, toggleTheme } from './shell/theme';
 import { Toasts } from './shell/toasts';
 import { connected, info, mayWrite, status } from './store/info';
+import { redo, undo } from './store/project';
 import { DevicesView } from './views/devices/view';
 import { LiveView } from './views/live/view';
 import { askToSave, Saving } from './views/project/save_dialog';
@@ -86,11 +87,23 @@ function Bar() {
   );
 }
 
-/** Ctrl+S saves the project in each view. In a dialog and in a cell's editor it does nothing. */
+/** What a key does with Ctrl: saving is for each view, undo and redo are for the one that shows the project. */
+function shortcut(event: KeyboardEvent): (() => void) | null {
+  const key = event.key.toLowerCase();
+  if (key === 's') return askToSave;
+  if (view.peek() !== 'project') return null;
+  if (key === 'y' || (key === 'z' && event.shiftKey)) return redo;
+  return key === 'z' ? undo : null;
+}
+
+/** Dialogs and the editor of a cell keep their own undo, and save nothing. */
 function onKeyDown(event: KeyboardEvent): void {
-  if (!(event.ctrlKey || event.metaKey) || event.altKey || event.key.toLowerCase() !== 's') return;
-  event.preventDefault();
-  if (!(event.target as Element).closest?.('dialog, .cell-editor')) askToSave();
+  if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
+  const run = shortcut(event);
+  if (!run) return;
+  const editor = (event.target as Element).closest?.('dialog, .cell-editor');
+  if (!editor || run === askToSave) event.preventDefault();
+  if (!editor) run();
 }
 addEventListener('keydown', onKeyDown);
 

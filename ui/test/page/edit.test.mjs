@@ -374,6 +374,7 @@ test('Ctrl+S and Enter save in each view, and what was saved can be undone', asy
   await page.getByRole('dialog').waitFor({ state: 'detached' });
   assert.match(text(), /poll_period: 250ms/);
   await page.locator('nav a[href="#/project"]').click();
+  await page.locator('.tree').waitFor();
   await page.keyboard.press('Control+z');
   await page.keyboard.press('Control+s');
   await page.getByRole('button', { name: 'Save and apply' }).and(page.locator(':focus')).waitFor();

@@ -1,5 +1,4 @@
 // The project: its tree and the settings of what is selected; beside them what they do to the bus.
-import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';
 import { info, mayEdit } from '../../store/info';
 import { canRedo, canUndo, isChanged, isUnreadable, loaded, redo, revert, undo } from '../../store/project';
@@ -69,23 +68,6 @@ function Toolbar() {
   );
 }
 
-/** Undo and redo by keyboard. The editor in a cell and dialogs keep their own undo. */
-function useShortcuts(): void {
-  useEffect(() => {
-    const onKeyDown = (event: KeyboardEvent) => {
-      if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
-      if ((event.target as Element).closest?.('dialog, .cell-editor')) return;
-      const key = event.key.toLowerCase();
-      const run = key === 'y' || (key === 'z' && event.shiftKey) ? redo : key === 'z' ? undo : null;
-      if (!run) return;
-      event.preventDefault();
-      run();
-    };
-    addEventListener('keydown', onKeyDown);
-    return () => removeEventListener('keydown', onKeyDown);
-  }, []);
-}
-
 /** A file that an editor would damage: its faults instead of the forms. */
 function Unreadable() {
   return (
@@ -105,7 +87,6 @@ function effectTitle(): string {
 
 export function ProjectView() {
   const texts = t.value.project;
-  useShortcuts();
   if (!loaded.value)
     return <p class="muted">{info.value && !info.value.project ? texts.noFile : texts.loading}</p>;
   if (isUnreadable.value) return <Unreadable />;
