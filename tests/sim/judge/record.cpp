@@ -289,7 +289,8 @@ void LineJudge::on_relayed(Instant t, std::span<const std::uint8_t> bytes) {
     if (adapter_.echoes) echo_.assign(bytes.begin(), bytes.end());
     if (one_at_a_time()) received_.clear();
     if (asked) ledger_.on_sent(t, *asked);
-    if (const auto device = asked ? device_of(asked->unit) : std::nullopt) {
+    relayed_to_ = asked ? device_of(asked->unit) : std::nullopt;
+    if (const auto device = relayed_to_) {
         // An exception that may belong to an earlier request of the device, too, holds the device back.
         const auto& model = *devices_[*device].model;
         note_trouble(devices_[*device],

@@ -84,6 +84,7 @@ void LineJudge::settle_closed(Instant t) {
         if (each->close != Close::of_several) closes_.insert(each->device);
         settle(*each, t);
     }
+    if (relayed_open_ && relayed_to_) closes_.insert(*relayed_to_);
 }
 
 // Then it is the fault of the line. A relayed request may have met a close, too.

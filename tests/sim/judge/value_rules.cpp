@@ -485,7 +485,9 @@ void LineJudge::look(Instant t, const value::Store& store, std::uint32_t first_s
         check_age(t, v);
         check_sample(t, v, slot);
     }
-    if (sweep) check_advance(t);
+    if (!sweep) return;
+    settle_passed(t);  // a device may have died since the last frame
+    check_advance(t);
 }
 
 // The events of a value are in the order of their times, and no good value of a device overtakes an earlier
