@@ -344,6 +344,7 @@ private:
     void check_age(Instant t, VariableNumber v);
     void check_outage(Instant t, VariableNumber v) const;
     void check_stale(Instant t, VariableNumber v, const value::Slot& slot) const;
+    [[nodiscard]] bool may_have_died(std::size_t device, Instant t) const;
     void check_advance(Instant t);
     [[nodiscard]] Duration most_wait(const RequestState& request, Instant since) const;
     [[nodiscard]] Duration lost_since(Instant from) const;

@@ -99,6 +99,14 @@ Duration LineJudge::most_wait(const RequestState& request, Instant since) const 
                                                                           (1 - load_))));
 }
 
+// Transactions beyond their deadline are settled with the next frame.
+bool LineJudge::may_have_died(std::size_t device, Instant t) const {
+    const auto passed = std::ranges::count_if(transactions_, [&](const Transaction& each) {
+        return !each.over && each.device == device && each.deadline < t;
+    });
+    return devices_[device].possible + static_cast<unsigned>(passed) >= devices_[device].model->attempts;
+}
+
 // Polling advances independent of clients: a due poll of a device that answers is sent in bounded time.
 void LineJudge::check_advance(Instant t) {
     if (most_wait_ <= Duration::zero() || (link_ != Link::up && link_ != Link::closed)) return;
@@ -111,7 +119,8 @@ void LineJudge::check_advance(Instant t) {
         const Instant released = first_release_after(request, request.served_until);
         const Instant since = std::max(released, device.clean_from);
         const Duration most = most_wait(request, since);
-        if (!device.enabled || device.may_be_dead() || since <= forgotten_ || t - since <= most) continue;
+        if (!device.enabled || may_have_died(planned.device, t) || since <= forgotten_ || t - since <= most)
+            continue;
         complain("polling_advances", t,
                  "the read from " + std::to_string(planned.start) + " of " + device.model->name + " within " +
                      milliseconds(most),
@@ -485,9 +494,7 @@ void LineJudge::look(Instant t, const value::Store& store, std::uint32_t first_s
         check_age(t, v);
         check_sample(t, v, slot);
     }
-    if (!sweep) return;
-    settle_passed(t);  // a device may have died since the last frame
-    check_advance(t);
+    if (sweep) check_advance(t);
 }
 
 // The events of a value are in the order of their times, and no good value of a device overtakes an earlier
