@@ -72,6 +72,9 @@ std::optional<Json> times_json(const model::LearntTimes& times) {
     object.set("attempts", measured.attempts);
     object.set("late", measured.late);
     object.set("lateness_us", microseconds(measured.lateness));
+    auto next = Json::array();
+    for (const auto time : measured.next_latest) next.push_back(microseconds(time));
+    object.set("next_latest_us", std::move(next));
     return object;
 }
 

@@ -118,9 +118,33 @@ bool LearntReader::read_times(const Json& json, const std::string& path, model::
         !read_duration(json, path, "p999_us", measured.p999) || !read_counts(json, path, times) ||
         !read_number(json, path, "attempts", measured.attempts) ||
         !read_number(json, path, "late", measured.late) ||
-        !read_duration(json, path, "lateness_us", measured.lateness))
+        !read_duration(json, path, "lateness_us", measured.lateness) ||
+        !read_next_latest(json, path, measured))
         return false;
     return measured.p999 <= measured.longest || bad(path + ".p999_us");
+}
+
+// An older file has none.
+bool LearntReader::read_next_latest(const Json& json, const std::string& path,
+                                    model::MeasuredTimes& measured) {
+    auto& next = measured.next_latest;
+    if (!json.find("next_latest_us")) {
+        for (std::size_t i = 0; i < next.size(); ++i)
+            next[i] = measured.late > i + 1 ? measured.lateness : Duration::zero();
+        return true;
+    }
+    const auto* times = list(json, path, "next_latest_us");
+    if (!times) return false;
+    if (times->size() != next.size()) return bad(path + ".next_latest_us");
+    Duration longest = measured.lateness;
+    for (std::size_t i = 0; i < next.size(); ++i) {
+        const std::string location = fmt::format("{}.next_latest_us[{}]", path, i);
+        const auto time = number(&(*times)[i], location, 0, kMostMicroseconds);
+        if (!time) return false;
+        next[i] = std::chrono::microseconds(*time);
+        if (next[i] > std::exchange(longest, next[i])) return bad(location);
+    }
+    return true;
 }
 
 // The counts are complete: their sum is the number of exchanges.

@@ -41,6 +41,7 @@ private:
     bool read_device(const Json& json, const std::string& line, const std::string& path);
     bool read_area(const Json& json, const std::string& path, model::Learnt& learnt);
     bool read_times(const Json& json, const std::string& path, model::LearntTimes& times);
+    bool read_next_latest(const Json& json, const std::string& path, model::MeasuredTimes& measured);
     bool read_counts(const Json& json, const std::string& path, model::LearntTimes& times);
     bool read_duration(const Json& json, const std::string& path, const char* key, Duration& time);
     bool read_number(const Json& json, const std::string& path, const char* key, std::uint64_t& number);

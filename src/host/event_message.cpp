@@ -124,11 +124,18 @@ EventMessage event_message(const Configuration& configuration, const WriteWaitin
 
 EventMessage event_message(const Configuration& configuration, const DelaysFound& found) {
     const auto& line = configuration.project().lines[found.line];
-    EventMessage message{.code = "app.delays." + std::string(poll::name(found.finding.setting)),
+    std::string code = "app.delays." + std::string(poll::name(found.finding.setting));
+    if (found.finding.advised == Duration::zero())
+        code += ".few";
+    else if (found.finding.later > 0)
+        code += ".most";
+    EventMessage message{.code = std::move(code),
                          .arguments = owner_arguments(line, line.devices[found.device])};
     message.arguments.push_back({.name = "delay", .text = milliseconds_number(found.finding.delay)});
     message.arguments.push_back({.name = "limit", .text = project_milliseconds(found.finding.limit)});
     message.arguments.push_back({.name = "advised", .text = project_milliseconds(found.finding.advised)});
+    message.arguments.push_back({.name = "count", .text = std::to_string(found.finding.count)});
+    message.arguments.push_back({.name = "later", .text = std::to_string(found.finding.later)});
     return message;
 }
 

@@ -43,28 +43,32 @@ void add_late_devices(LoadedProject& loaded) {
     for (std::size_t l = 0; l < project.lines.size(); ++l)
         for (std::size_t d = 0; d < project.lines[l].devices.size(); ++d) {
             const auto& device = project.lines[l].devices[d];
-            const Duration lateness = device.times.measured.lateness;
+            const auto& measured = device.times.measured;
+            const Duration usual = measured.usual_lateness();
             const Duration wait = plan::answer_wait(project, project.lines[l], device);
             const bool derived = project.derive_timeouts && !device.response_timeout_set;
             const bool grows = device.learn_turnaround && derived;
-            if (lateness <= wait || grows || most == 0) continue;
+            if (usual <= wait || grows || most == 0) continue;
             --most;
             const bool by_turnaround = derived && device.turnaround;
             const auto milliseconds = [](Duration time) {
                 return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(time).count());
             };
+            const Duration advised = bus::advised_timeout(usual);
             const Duration limit = by_turnaround ? *device.turnaround : device.response_timeout;
             loaded.findings.push_back(
                 {.severity = model::Severity::warning,
                  .code = "learnt.late",
                  .location = device.location,
                  .path = "lines[" + std::to_string(l) + "].devices[" + std::to_string(d) + "]",
-                 .value = milliseconds(lateness) + " ms",
+                 .value = milliseconds(measured.lateness) + " ms",
                  .allowed = {},
                  .arguments = {{"device", device.name},
                                {"setting", by_turnaround ? "turnaround" : "response_timeout"},
                                {"limit", milliseconds(limit) + " ms"},
-                               {"advised", milliseconds(bus::advised_timeout(lateness)) + "ms"}}});
+                               {"advised", milliseconds(advised) + "ms"},
+                               {"count", std::to_string(measured.late)},
+                               {"later", std::to_string(measured.later_than(advised))}}});
         }
 }
 

@@ -197,7 +197,8 @@ void fields(Archive& archive, PeriodOverrun& body) {
 template <class Archive>
 void fields(Archive& archive, DelaysFound& body) {
     auto& finding = body.finding;
-    all(archive, body.line, body.device, finding.setting, finding.delay, finding.limit, finding.advised);
+    all(archive, body.line, body.device, finding.setting, finding.delay, finding.limit, finding.advised,
+        finding.count, finding.later);
 }
 
 template <class Archive>

@@ -14,6 +14,12 @@ using Setting = DelayFinding::Setting;
 constexpr int kSlowOnes = 3;  // of the last eight responses
 constexpr double kPercent = 99.9;
 
+void add_late(model::MeasuredTimes& times, Duration delay) {
+    ++times.late;
+    for (Duration* each : {&times.lateness, &times.next_latest[0], &times.next_latest[1]})
+        if (delay > *each) std::swap(delay, *each);
+}
+
 }  // namespace
 
 std::string_view name(DelayFinding::Setting setting) {
@@ -31,7 +37,7 @@ DelayLearner::DelayLearner(const model::Device& device, Duration wait, bool grow
     for (const auto& [upper, count] : device.times.counts)
         times_.record(std::min(upper, measured_.longest), count);
     grow();
-    if (measured_.lateness > wait_) note_late(measured_.lateness, wait_);
+    if (measured_.usual_lateness() > wait_) note_late(measured_.lateness, wait_);
 }
 
 std::optional<DelayFinding> DelayLearner::on_response(Duration delay, Duration tolerated) {
@@ -44,25 +50,27 @@ std::optional<DelayFinding> DelayLearner::on_response(Duration delay, Duration t
     if (!device_->turnaround) return std::nullopt;
     const bool slow = delay > tolerated;
     slow_ones_ = static_cast<std::uint8_t>(slow_ones_ << 1 | (slow ? 1 : 0));
+    if (slow) add_late(slower_, delay);
     if (!slow || std::popcount(slow_ones_) < kSlowOnes) return std::nullopt;
-    return note(delay, Setting::turnaround, *device_->turnaround);
+    return note({.setting = Setting::turnaround, .delay = delay, .limit = *device_->turnaround}, slower_);
 }
 
 std::optional<DelayFinding> DelayLearner::on_late(Duration delay, Duration waited) {
-    ++measured_.late;
     news_ = true;
-    measured_.lateness = std::max(measured_.lateness, delay);
+    add_late(measured_, delay);
     const Duration before = wait_;
     grow();
     if (delay <= waited) return std::nullopt;  // the transaction ended for another reason
-    return grows_ ? note(delay, Setting::learnt_timeout, before) : note_late(delay, waited);
+    if (!grows_) return note_late(delay, waited);
+    return note({.setting = Setting::learnt_timeout, .delay = delay, .limit = before}, measured_);
 }
 
 std::optional<DelayFinding> DelayLearner::note_late(Duration delay, Duration waited) {
     const bool by_turnaround =
         device_->turnaround && !device_->response_timeout_set && waited < device_->response_timeout;
-    return by_turnaround ? note(delay, Setting::turnaround, *device_->turnaround)
-                         : note(delay, Setting::response_timeout, device_->response_timeout);
+    const auto setting = by_turnaround ? Setting::turnaround : Setting::response_timeout;
+    const Duration limit = by_turnaround ? *device_->turnaround : device_->response_timeout;
+    return note({.setting = setting, .delay = delay, .limit = limit}, measured_);
 }
 
 void DelayLearner::grow() {
@@ -71,14 +79,21 @@ void DelayLearner::grow() {
 }
 
 // The first finding about the time-out replaces one about the turnaround.
-std::optional<DelayFinding> DelayLearner::note(Duration delay, Setting setting, Duration limit) {
+std::optional<DelayFinding> DelayLearner::note(DelayFinding found, const model::MeasuredTimes& seen) {
+    const auto setting = found.setting;
     if (finding_ && finding_->setting != Setting::turnaround && setting != finding_->setting)
         return std::nullopt;
     const bool same = finding_ && finding_->setting == setting;
-    if (same && delay <= finding_->delay) return std::nullopt;
-    const Duration advised = setting == Setting::learnt_timeout ? wait_ : bus::advised_timeout(delay);
-    const bool report = !same || advised > finding_->advised;
-    finding_ = DelayFinding{.setting = setting, .delay = delay, .limit = limit, .advised = advised};
+    if (same) found.delay = std::max(found.delay, finding_->delay);
+    found.count = seen.late;
+    if (setting == Setting::learnt_timeout) {
+        found.advised = wait_;
+    } else if (seen.usual_lateness() > found.limit) {
+        found.advised = bus::advised_timeout(seen.usual_lateness());
+        found.later = seen.later_than(found.advised);
+    }
+    const bool report = !same || found.advised > finding_->advised;
+    finding_ = found;
     return report ? finding_ : std::nullopt;
 }
 
@@ -106,6 +121,7 @@ void DelayLearner::take_over(const DelayLearner& old, bool same_settings) {
     measured_ = old.measured_;
     times_ = old.times_;
     slow_ones_ = old.slow_ones_;
+    slower_ = old.slower_;
     news_ = old.news_;
     finding_ = same_settings ? old.finding_ : std::nullopt;
     if (grows_ && old.grows_) wait_ = std::max(wait_, old.wait_);

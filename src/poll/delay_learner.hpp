@@ -64,14 +64,16 @@ public:
 private:
     void grow();
     std::optional<DelayFinding> note_late(Duration delay, Duration waited);
-    std::optional<DelayFinding> note(Duration delay, DelayFinding::Setting setting, Duration limit);
+    /// @param seen  which such responses came
+    std::optional<DelayFinding> note(DelayFinding found, const model::MeasuredTimes& seen);
 
     const model::Device* device_ = nullptr;
     Duration wait_{};
     bool grows_ = false;
     bool news_ = false;
     std::uint8_t slow_ones_ = 0;     // the last eight responses, one bit each: later than the turnaround
-    model::MeasuredTimes measured_;  // attempts, late, lateness; the rest is in times_
+    model::MeasuredTimes measured_;  // attempts and what was late; the rest is in times_
+    model::MeasuredTimes slower_;    // than the turnaround, in this run: late, lateness, next_latest
     CompactLatencyStatistics times_;
     std::optional<DelayFinding> finding_;
 };

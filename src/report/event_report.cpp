@@ -266,7 +266,10 @@ void set_delay_finding(file::Json& object, const poll::DelayFinding& finding) {
     object.set("setting", poll::name(finding.setting));
     object.set("delay_ms", milliseconds(finding.delay));
     object.set("limit_ms", milliseconds(finding.limit));
-    object.set("advised_ms", milliseconds(finding.advised));
+    const bool advised = finding.advised > Duration::zero();
+    object.set("advised_ms", advised ? file::Json(milliseconds(finding.advised)) : file::Json());
+    object.set("count", finding.count);
+    object.set("later", finding.later);
 }
 
 void set_noise_finding(file::Json& object, const poll::NoiseFinding& finding) {

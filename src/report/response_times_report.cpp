@@ -44,7 +44,7 @@ file::Json turnaround_json(const model::Device& device, const model::MeasuredTim
     auto object = file::Json::object();
     object.set("exchanges", measured.exchanges);
     object.set("longest_ms", milliseconds(measured.longest));
-    object.set("p999_ms", milliseconds(measured.p999));
+    object.set("p999_ms", measured.has_p999() ? file::Json(milliseconds(measured.p999)) : file::Json());
     object.set("learnt", device.learn_turnaround);
     const auto advised = advised_turnaround(device, measured);
     object.set("advised", advised.empty() ? file::Json() : file::Json(advised));
@@ -67,9 +67,11 @@ std::string turnaround_text(const Texts& texts, const model::Device& device,
                              : has_late(measured)      ? "app.turnaround.late"
                              : device.learn_turnaround ? "app.turnaround.learnt"
                                                        : "app.turnaround.measured";
+    const std::string p999 =
+        measured.has_p999() ? texts("app.turnaround.p999", {{"p999", milliseconds_text(measured.p999)}}) : "";
     return texts(code, {{"device", device.name},
                         {"longest", milliseconds_text(measured.longest)},
-                        {"p999", milliseconds_text(measured.p999)},
+                        {"p999", p999},
                         {"count", std::to_string(measured.exchanges)},
                         {"advised", advised_turnaround(device, measured)}});
 }

@@ -49,7 +49,8 @@ TimesOfLines known_times() {
                                 .p999 = 7100us,
                                 .attempts = 3124,
                                 .late = 3,
-                                .lateness = 412300us},
+                                .lateness = 412300us,
+                                .next_latest = {{407100us, 398ms}}},
                    .counts = {{4095us, 3100}, {7679us, 20}}};
     times[1][0] = {.measured = {.attempts = 1, .late = 1, .lateness = 600ms}, .counts = {}};
     return times;
@@ -140,6 +141,9 @@ TEST(Learnt, WhatIsNoSuchFileIsNotTakenAtAll) {
     EXPECT_EQ(broken("\"late\": 3", "\"late\": -3"), "learnt.damaged(" + times + ".late) ");
     EXPECT_EQ(broken("\"lateness_us\": 412300", "\"lateness_us\": 3600000001"),
               "learnt.damaged(" + times + ".lateness_us) ");
+    EXPECT_EQ(broken("407100", "412301"), "learnt.damaged(" + times + ".next_latest_us[0]) ");
+    EXPECT_EQ(broken("398000", "407101"), "learnt.damaged(" + times + ".next_latest_us[1]) ");
+    EXPECT_EQ(broken("398000", "398000, 1"), "learnt.damaged(" + times + ".next_latest_us) ");
     EXPECT_EQ(broken("7679", "4095"), "learnt.damaged(" + times + ".counts[1]) ");
     EXPECT_EQ(broken("7679", "\"7679\""), "learnt.damaged(" + times + ".counts[1]) ");
     EXPECT_EQ(broken("{", ""), "learnt.damaged(JSON) ");

@@ -238,7 +238,10 @@ TEST_F(FolderTest, ADeviceThatWasLaterThanTheProjectAllowsIsAWarning) {
     auto& device = loaded.project.lines[0].devices[0];
     std::vector<std::vector<model::LearntTimes>> times(1);
     times[0].push_back(
-        {.measured = {.attempts = 300, .late = 3, .lateness = std::chrono::milliseconds(412)}});
+        {.measured = {.attempts = 300,
+                      .late = 7,
+                      .lateness = std::chrono::milliseconds(412),
+                      .next_latest = {{std::chrono::milliseconds(180), std::chrono::milliseconds(120)}}}});
     folder.write("plant.learnt.json", file::learnt_text(loaded.project, {{model::Learnt{}}}, times, {}));
     device.response_timeout = std::chrono::milliseconds(100);
     device.response_timeout_set = true;
@@ -248,9 +251,11 @@ TEST_F(FolderTest, ADeviceThatWasLaterThanTheProjectAllowsIsAWarning) {
     EXPECT_EQ(finding.severity, model::Severity::warning);
     EXPECT_EQ(finding.value, "412 ms");
     EXPECT_EQ(finding.arguments[1].second, "response_timeout");
-    EXPECT_EQ(finding.arguments[3].second, "500ms");
+    EXPECT_EQ(finding.arguments[3].second, "150ms") << "from the third longest";
+    EXPECT_EQ(finding.arguments[4].second, "7");
+    EXPECT_EQ(finding.arguments[5].second, "2") << "would be late with it, too";
     loaded.findings.clear();
-    device.response_timeout = std::chrono::milliseconds(500);
+    device.response_timeout = std::chrono::milliseconds(120);
     EXPECT_EQ(recall_learnt(loaded, path), folder / "plant.learnt.json");
     EXPECT_TRUE(loaded.findings.empty());
 }

@@ -89,8 +89,8 @@ TEST(RecordCodec, KeepsErrorsRequestsOutcomesAndNotices) {
     EXPECT_EQ(overrun.real, Duration(6));
     EXPECT_TRUE(overrun.overrun);
 
-    const poll::DelayFinding finding{poll::DelayFinding::Setting::turnaround, Duration(60), Duration(20),
-                                     Duration(150)};
+    const poll::DelayFinding finding{
+        poll::DelayFinding::Setting::turnaround, Duration(60), Duration(20), Duration(150), 40, 2};
     const auto delays = round_trip(DelaysFound{1, 2, finding});
     EXPECT_EQ(delays.line, 1U);
     EXPECT_EQ(delays.device, 2U);

@@ -84,8 +84,41 @@ TEST(DelayLearner, AWrittenTimeoutStays) {
     const auto found = learner.on_late(700ms, 500ms);
     ASSERT_TRUE(found);
     EXPECT_EQ(found->setting, Setting::response_timeout);
-    EXPECT_EQ(found->advised, 1000ms);
+    EXPECT_EQ(found->advised, 0ms) << "a single pause";
     EXPECT_EQ(learner.wait(), 500ms);
+}
+
+TEST(DelayLearner, TheAdviceFollowsFromTheThirdLongestLateResponse) {
+    auto device = device_of(false);
+    DelayLearner learner(device, 500ms, false);
+    (void)learner.on_late(9s, 500ms);
+    EXPECT_FALSE(learner.on_late(600ms, 500ms));
+    const auto found = learner.on_late(700ms, 500ms);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->delay, 9s);
+    EXPECT_EQ(found->advised, 800ms);
+    EXPECT_EQ(found->count, 3U);
+    EXPECT_EQ(found->later, 1U);
+    EXPECT_FALSE(learner.on_late(610ms, 500ms)) << "the advice does not grow";
+    EXPECT_EQ(learner.finding()->count, 4U);
+    EXPECT_EQ(learner.on_late(8s, 500ms)->advised, 1000ms);
+
+    device.times = learner.learnt();
+    const DelayLearner next(device, 500ms, false);
+    EXPECT_EQ(next.finding(), learner.finding()) << "in the next run, too";
+    device.response_timeout = 1000ms;
+    EXPECT_FALSE(DelayLearner(device, 1000ms, false).finding()) << "two pauses are left";
+}
+
+TEST(DelayLearner, APauseDoesNotRaiseTheAdvisedTurnaround) {
+    const auto device = device_of(false, 20ms);
+    DelayLearner learner(device, 500ms, false);
+    for (int i = 0; i < 2; ++i) EXPECT_FALSE(learner.on_response(60ms, 20ms));
+    EXPECT_EQ(learner.on_response(60ms, 20ms)->advised, 80ms);
+    EXPECT_FALSE(learner.on_response(400ms, 20ms));
+    EXPECT_EQ(learner.finding()->delay, 400ms);
+    EXPECT_EQ(learner.finding()->advised, 80ms);
+    EXPECT_EQ(learner.finding()->later, 1U);
 }
 
 TEST(DelayLearner, NewsAreALateResponseAndALongerOneOfADeviceThatLearns) {

@@ -37,7 +37,8 @@ TEST(Delays, ALateResponseIsNamedOnceWithAValueThatWorks) {
     EXPECT_GT(statistics(bench).late, 0U);
     EXPECT_EQ(statistics(bench).counters.answered, 0U);
     expect_finding(bench, Setting::response_timeout, 148ms, 100ms, 200ms);
-    EXPECT_EQ(bench.observed.delays.size(), 1U);
+    ASSERT_EQ(bench.observed.delays.size(), 2U);
+    EXPECT_EQ(bench.observed.delays[0].advised, 0ms) << "the first one may be a pause";
 
     Bench advised(project({slow_device(statistics(bench).delays->advised)}));
     advised.players[1].turnaround = 148ms;
@@ -53,11 +54,11 @@ TEST(Delays, ASlowerResponseIsReportedAgainWhenTheAdviceGrows) {
     bench.run_until(10s);
     bench.players[1].turnaround = 121ms;
     bench.run_until(20s);
-    EXPECT_EQ(bench.observed.delays.size(), 1U);
+    EXPECT_EQ(bench.observed.delays.size(), 2U);
     expect_finding(bench, Setting::response_timeout, 121ms, 100ms, 150ms);
     bench.players[1].turnaround = 190ms;
     bench.run_until(100s);
-    ASSERT_EQ(bench.observed.delays.size(), 2U);
+    ASSERT_EQ(bench.observed.delays.size(), 3U);
     expect_finding(bench, Setting::response_timeout, 190ms, 100ms, 300ms);
 }
 
@@ -185,7 +186,8 @@ TEST(Delays, ALearntTimeoutGrowsWithALateResponseUntilTheDeviceIsInTime) {
 
 TEST(Delays, ADeviceThatWasLateInAnEarlierRunIsNamedFromTheStart) {
     auto plant = project({slow_device(100ms)});
-    plant.lines[0].devices[0].times.measured = {.attempts = 300, .late = 3, .lateness = 412ms};
+    plant.lines[0].devices[0].times.measured = {
+        .attempts = 300, .late = 3, .lateness = 412ms, .next_latest = {{412ms, 412ms}}};
     Bench bench(plant);
     expect_finding(bench, Setting::response_timeout, 412ms, 100ms, 500ms);
     EXPECT_TRUE(bench.observed.delays.empty()) << "nothing has happened yet";

@@ -161,15 +161,15 @@ TEST(EventReport, NoiseBeforeTheAnswersOfADevice) {
 TEST(EventReport, DelaysOfADevice) {
     using Setting = poll::DelayFinding::Setting;
     for (const auto setting : {Setting::response_timeout, Setting::turnaround, Setting::learnt_timeout}) {
-        const host::DelaysFound body{.line = 0, .device = 0, .finding = {setting, 148ms, 100ms, 300ms}};
+        const host::DelaysFound body{.line = 0, .device = 0, .finding = {setting, 148ms, 100ms, 300ms, 3}};
         const std::string name(poll::name(setting));
         const auto text =
             english()("app.delays." + name,
                       {{"where", "Котёл"}, {"delay", "148"}, {"limit", "100"}, {"advised", "300"}});
         EXPECT_EQ(members_of(body, "delays"),
                   R"(,"line":"main","device":"Котёл","setting":")" + name +
-                      R"(","delay_ms":148.0,"limit_ms":100.0,"advised_ms":300.0,)" + R"("text":")" + text +
-                      "\"}");
+                      R"(","delay_ms":148.0,"limit_ms":100.0,"advised_ms":300.0,"count":3,"later":0,)" +
+                      R"("text":")" + text + "\"}");
         for (const auto language : kLanguages) {
             const Texts texts(language);
             EXPECT_EQ(text_of(body, texts),
@@ -180,6 +180,14 @@ TEST(EventReport, DelaysOfADevice) {
     EXPECT_EQ(
         text_of(host::DelaysFound{.finding = {Setting::response_timeout, 148ms, 100ms, 300ms}}, english()),
         "Device Котёл answered 148 ms after its request; response_timeout is 100 ms: set 300ms");
+    EXPECT_EQ(
+        text_of(host::DelaysFound{.finding = {Setting::turnaround, 148ms, 20ms, 100ms, 40, 2}}, english()),
+        "Device Котёл answered 148 ms after its request; turnaround is 20 ms: set 100ms (2 of 40 such "
+        "responses took longer)");
+    const host::DelaysFound pause{.finding = {Setting::response_timeout, 148ms, 100ms, {}, 2}};
+    EXPECT_EQ(text_of(pause, english()),
+              "Device Котёл answered 148 ms after its request; response_timeout is 100 ms");
+    expect_contains(members_of(pause, "delays"), R"("advised_ms":null,"count":2,"later":0,)");
 }
 
 TEST(EventReport, OverrunsOfAPeriod) {

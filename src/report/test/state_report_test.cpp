@@ -71,7 +71,7 @@ TEST(StateReport, StatusHasAvailabilityAndLateAnswers) {
     device.availability.up(snapshot.started);
     device.availability.down(snapshot.t - 1s);
     device.late = 3;
-    device.delays = {poll::DelayFinding::Setting::response_timeout, 148ms, 100ms, 300ms};
+    device.delays = {poll::DelayFinding::Setting::response_timeout, 148ms, 100ms, 300ms, 9};
     device.noise = poll::NoiseFinding{.least = 1, .most = 2};
     snapshot.lines[0].times[0] = {
         .exchanges = 3120, .longest = 7600us, .p999 = 7100us, .attempts = 3123, .late = 3, .lateness = 148ms};

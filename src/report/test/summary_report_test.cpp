@@ -54,7 +54,7 @@ host::Snapshot measured() {
     line.devices[0].availability.up(made.started);
     line.devices[0].availability.down(made.t - 3s);
     line.devices[0].late = 8;
-    line.devices[0].delays = {poll::DelayFinding::Setting::response_timeout, 148ms, 100ms, 300ms};
+    line.devices[0].delays = {poll::DelayFinding::Setting::response_timeout, 148ms, 100ms, 300ms, 9};
     line.devices[0].noise = poll::NoiseFinding{.least = 1, .most = 1};
     line.statistics.availability.begin(made.started);
     line.statistics.availability.up(made.started);
@@ -211,7 +211,7 @@ TEST(SummaryReport, JsonOfALine) {
         R"([{"name":"Котёл","state":"not_answering","outages":5,"availability_percent":70.0,)"
         R"("downtime_ms":3000.0,"late_answers":8,"surplus_answers":0,)"
         R"("delays":{"setting":"response_timeout","delay_ms":148.0,)"
-        R"("limit_ms":100.0,"advised_ms":300.0},"noisy_answers":2,"noise_bytes":3,)"
+        R"("limit_ms":100.0,"advised_ms":300.0,"count":9,"later":0},"noisy_answers":2,"noise_bytes":3,)"
         R"("noise":{"least_bytes":1,"most_bytes":1},)"
         R"("turnaround":{"exchanges":3120,"longest_ms":7.6,"p999_ms":7.1,)"
         R"("learnt":false,"advised":null},"late_responses":{"count":8,"requests":3128,"longest_ms":148.0},)"
@@ -301,9 +301,10 @@ TEST(SummaryReport, ResponseTimesOfADevice) {
         const auto text = summary_text(texts, snapshot);
         expect_complete(text);
         expect_contains(
-            text,
-            texts("app.turnaround.late",
-                  {{"device", "Котёл"}, {"longest", "7.60 ms"}, {"p999", "7.10 ms"}, {"count", "3120"}}));
+            text, texts("app.turnaround.late", {{"device", "Котёл"},
+                                                {"longest", "7.60 ms"},
+                                                {"p999", texts("app.turnaround.p999", {{"p999", "7.10 ms"}})},
+                                                {"count", "3120"}}));
         expect_contains(
             text, texts("app.late_responses",
                         {{"device", "Котёл"}, {"late", "3"}, {"attempts", "3123"}, {"lateness", "412 ms"}}));
@@ -314,6 +315,10 @@ TEST(SummaryReport, ResponseTimesOfADevice) {
     times.late = 0;
     times.lateness = {};
     expect_contains(summary_text(english(), snapshot), "over 3120 exchanges: turnaround: 10ms\n");
+    times.exchanges = 999;
+    expect_contains(summary_text(english(), snapshot),
+                    "Котёл: turnaround at most 7.60 ms, measured over 999 exchanges: turnaround: 10ms\n");
+    EXPECT_JSON(at(summary_json(snapshot), "lines", 0, "devices", 0, "turnaround", "p999_ms"), file::Json());
 }
 
 TEST(SummaryReport, SeveralLinesAndNone) {

@@ -108,12 +108,12 @@ export interface DeviceStatus {
   downtime_ms: number;
   late_answers: number;
   surplus_answers: number;
-  delays: { text: string; setting: string; advised_ms: number } | null;
+  delays: { text: string; setting: string; advised_ms: number | null; count: number; later: number } | null;
   noise: { text: string } | null;
   turnaround: {
     exchanges: number;
     longest_ms: number;
-    p999_ms: number;
+    p999_ms: number | null;
     learnt: boolean;
     advised: string | null;
     text?: string;

@@ -102,8 +102,9 @@ export const devices = {
   },
   details: 'Details',
   measured: 'Turnaround',
-  measuredText: (longest: string, p999: string, n: string) =>
-    `longest ${longest}, 99.9 % within ${p999}, over ${n} exchanges`,
+  measuredText: (longest: string, p999: string | null, n: string) =>
+    `longest ${longest}${p999 === null ? '' : `, 99.9 % within ${p999}`}, over ${n} exchanges`,
+  later: (later: number, n: string) => `of ${n} such responses, ${later} took longer`,
   advised: 'For the project:',
   outages: 'Outages',
   downtime: 'Downtime',

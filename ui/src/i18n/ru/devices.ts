@@ -104,8 +104,9 @@ export const devices: Translated<typeof source> = {
   },
   details: 'Подробности',
   measured: 'Время реакции',
-  measuredText: (longest: string, p999: string, n: string) =>
-    `наибольшее ${longest}, 99,9 % не дольше ${p999}, обменов: ${n}`,
+  measuredText: (longest: string, p999: string | null, n: string) =>
+    `наибольшее ${longest}${p999 === null ? '' : `, 99,9 % не дольше ${p999}`}, обменов: ${n}`,
+  later: (later: number, n: string) => `дольше длились ${later} из таких ответов, всего их ${n}`,
   advised: 'Для проекта:',
   outages: 'Отказы',
   downtime: 'Простой',

@@ -109,8 +109,9 @@ export const devices: Translated<typeof source> = {
   },
   details: 'Подробиці',
   measured: 'Час реакції',
-  measuredText: (longest: string, p999: string, n: string) =>
-    `найдовший ${longest}, 99,9 % не довше ${p999}, обмінів: ${n}`,
+  measuredText: (longest: string, p999: string | null, n: string) =>
+    `найдовший ${longest}${p999 === null ? '' : `, 99,9 % не довше ${p999}`}, обмінів: ${n}`,
+  later: (later: number, n: string) => `довше тривали ${later} з таких відповідей, усього їх ${n}`,
   advised: 'Для проєкту:',
   outages: 'Відмови',
   downtime: 'Простій',

@@ -68,7 +68,7 @@ export function Details({ line, device }: { line: LineStatus; device: DeviceStat
           <dd>
             {texts.measuredText(
               formatDuration(turnaround.longest_ms),
-              formatDuration(turnaround.p999_ms),
+              turnaround.p999_ms === null ? null : formatDuration(turnaround.p999_ms),
               formatNumber(turnaround.exchanges),
             )}
             {turnaround.learnt && <p class="muted">{texts.turnaroundLearnt}</p>}
@@ -87,7 +87,12 @@ export function Details({ line, device }: { line: LineStatus; device: DeviceStat
                 formatDuration(late.longest_ms),
               )}
             {delays && <p>{delays.text}</p>}
-            {delays && <Advice setting={`${delays.setting}: ${Math.ceil(delays.advised_ms)}ms`} />}
+            {delays?.advised_ms && (
+              <Advice setting={`${delays.setting}: ${Math.ceil(delays.advised_ms)}ms`} />
+            )}
+            {delays?.advised_ms && delays.later > 0 && (
+              <p class="muted">{texts.later(delays.later, formatNumber(delays.count))}</p>
+            )}
           </dd>
         </>
       )}

@@ -6,10 +6,12 @@
 //       "exception": 2, "since": "2026-11-21T17:03:20Z", "checked": "2026-11-21T18:03:20Z"}],
 //       "most_items": 60}],
 //     "times": {"exchanges": 3120, "longest_us": 7612, "p999_us": 7100, "counts": [[4095, 3100], [7679, 20]],
-//       "attempts": 3124, "late": 3, "lateness_us": 412300}}], "lengths_off": true}]}
+//       "attempts": 3124, "late": 3, "lateness_us": 412300, "next_latest_us": [407100, 398000]}}],
+//       "lengths_off": true}]}
 // Ranges are ascending and do not overlap, both ends included, as on the wire; times are UTC; `most_items` is
 // written only if known. `times` is written if something was measured (model::LearntTimes): each of `counts`
 // has the longest time in microseconds and how many exchanges it counts; their sum is `exchanges`.
+// Without `next_latest_us` the late responses count as equally late.
 // `lengths_off` is written for a line whose devices sent lengths that are off by one. Unknown keys are
 // ignored. Version 1 has no `times`; it is read, and replaced by version 2.
 #pragma once

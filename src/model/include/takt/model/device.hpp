@@ -68,6 +68,8 @@ struct Learnt {
 struct MeasuredTimes {
     /// Fewer exchanges are too few: neither the plan nor a time-out follows from them.
     static constexpr std::uint64_t kEnough = 100;
+    /// Fewer exchanges show no 99.9 %: it would be the longest of them.
+    static constexpr std::uint64_t kEnoughForP999 = 1000;
 
     std::uint64_t exchanges = 0;  ///< responses within the time-out
     Duration longest{};           ///< of them: from the end of the request to the first byte of the response
@@ -75,7 +77,16 @@ struct MeasuredTimes {
     std::uint64_t attempts = 0;   ///< requests sent, answered or not
     std::uint64_t late = 0;       ///< responses after the time-out
     Duration lateness{};          ///< the longest of them, counted as `longest`
+    std::array<Duration, 2> next_latest{};  ///< the two that follow it, longest first; zero: there is none
 
+    [[nodiscard]] bool has_p999() const { return exchanges >= kEnoughForP999; }
+    /// Three responses were as late or later, so it is no single pause; zero: fewer were late.
+    [[nodiscard]] Duration usual_lateness() const { return next_latest[1]; }
+    /// Of the late responses: how many came later than `delay`, at most three.
+    [[nodiscard]] unsigned later_than(Duration delay) const {
+        return static_cast<unsigned>(lateness > delay) + static_cast<unsigned>(next_latest[0] > delay) +
+               static_cast<unsigned>(next_latest[1] > delay);
+    }
     /// The longest response time seen, in time or late.
     [[nodiscard]] Duration worst() const { return longest > lateness ? longest : lateness; }
     friend bool operator==(const MeasuredTimes&, const MeasuredTimes&) = default;

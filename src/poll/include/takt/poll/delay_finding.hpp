@@ -15,9 +15,14 @@ struct DelayFinding {
         learnt_timeout,    ///< responses came after the learnt time-out, which has grown since
     };
     Setting setting = Setting::response_timeout;
-    Duration delay{};    ///< the longest seen: from the end of the request to the first byte of the response
-    Duration limit{};    ///< the value of the setting in the project; the learnt time-out before
-    Duration advised{};  ///< a value with which all responses seen would have been in time; the one since
+    Duration delay{};  ///< the longest seen: from the end of the request to the first byte of the response
+    Duration limit{};  ///< the value of the setting in the project; the learnt time-out before
+    /// A value with which all such responses but `later` would have been in time, from the third longest one:
+    /// a single pause is no property of the device. Zero: there were fewer than three. For a learnt time-out
+    /// the value since.
+    Duration advised{};
+    std::uint64_t count = 0;  ///< such responses: late ones of all runs, or slower ones than the turnaround
+    unsigned later = 0;       ///< of them, later than `advised`
     friend bool operator==(const DelayFinding&, const DelayFinding&) = default;
 };
 /// The key of the setting in the project file, or "learnt_timeout".
