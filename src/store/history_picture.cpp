@@ -63,6 +63,7 @@ void PictureBuilder::hold(std::int64_t until_ns) {
 void PictureBuilder::begin(const HistorySample& before) {
     picture_.before = before;
     last_ = summary_of(before);
+    if (before.quality != value::Quality::never_read) polled_ = range_.from_ns;
     const bool holds = hold_end(before.time_ns, range_.from_ns + 1, gaps_) > range_.from_ns;
     if (last_->ends_with_number && holds) picture_.held = last_->last;
 }
@@ -74,6 +75,8 @@ void PictureBuilder::add(const HistorySample& sample) {
 void PictureBuilder::add(const HistorySummary& summary) {
     hold(summary.begin_ns);
     last_ = summary;
+    if (!polled_ && (summary.quality != value::Quality::never_read || summary.mixed))
+        polled_ = summary.begin_ns;
     area_ += summary.area;
     drawn_s_ += summary.drawn_s;
     good_s_ += summary.good_s;
@@ -115,7 +118,7 @@ HistoryPicture PictureBuilder::finish(std::int64_t known_until_ns) {
     picture_.known_until_ns = known_until_ns;
     if (last_) hold(std::max(end, last_->end_ns));
     if (drawn_s_ > 0) picture_.mean = area_ / drawn_s_;
-    picture_.good_share = good_s_ * kNanosecondsPerSecond / width_of(range_);
+    if (polled_) picture_.good_share = good_s_ * kNanosecondsPerSecond / width_of({*polled_, range_.to_ns});
     return std::move(picture_);
 }
 

@@ -37,6 +37,7 @@ private:
     std::span<const HistoryGap> gaps_;
     HistoryPicture picture_;
     std::optional<HistorySummary> last_;  // the last piece: it holds
+    std::optional<std::int64_t> polled_;  // from when on the variable was polled, not before the range
     double area_ = 0;
     double drawn_s_ = 0;
     double good_s_ = 0;

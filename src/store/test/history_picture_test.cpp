@@ -137,6 +137,17 @@ TEST(HistoryPicture, EndsAValueAtAGapAndBeginsWithTheOneBefore) {
     EXPECT_EQ(picture.min, 10.0);
 }
 
+TEST(HistoryPicture, TheGoodShareCountsFromTheFirstPoll) {
+    Stored stored;
+    stored.append({.time_ns = kStart + 10 * kSecond, .quality = value::Quality::never_read});
+    stored.append({.time_ns = kStart + 60 * kSecond, .value = 1.0});
+    ASSERT_TRUE(stored.history->commit(kStart + 100 * kSecond));
+    EXPECT_NEAR(stored.picture({kStart, kStart + 100 * kSecond}, 100).good_share, 1, 1e-9);
+    EXPECT_NEAR(stored.picture({kStart + 20 * kSecond, kStart + 100 * kSecond}, 10).good_share, 1, 1e-9);
+    EXPECT_EQ(stored.picture({kStart, kStart + 50 * kSecond}, 10).good_share, 0);
+    EXPECT_NEAR(stored.picture({kStart + 70 * kSecond, kStart + 110 * kSecond}, 10).good_share, 0.75, 1e-9);
+}
+
 TEST(HistoryPicture, RefusesAnEmptyRange) {
     Stored stored;
     auto reader = HistoryReader::open(stored.path);

@@ -63,7 +63,7 @@ struct HistoryPicture {
     std::optional<double> min;
     std::optional<double> max;
     std::optional<double> mean;       ///< weighted with time; each value holds until the next sample or gap
-    double good_share = 0;            ///< part of the range's time with quality good
+    double good_share = 0;            ///< part of the range's time, from the first poll on, with quality good
     std::int64_t known_until_ns = 0;  ///< the last commit: no value holds beyond it
     std::size_t rolled_up = 0;        ///< roll-ups that were used instead of samples
 };
