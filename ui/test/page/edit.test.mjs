@@ -5,7 +5,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { after, afterEach, before, beforeEach, test } from 'node:test';
 import { plantProject } from '../measure/field.mjs';
-import { browser, closePages, newContext, openPage, Plant, toast } from './program.mjs';
+import { browser, closePages, newContext, openPage, Plant, serve, toast } from './program.mjs';
 
 const SMALL = `takt: 1
 # Scenario 1 of the source takes its place.
@@ -358,6 +358,36 @@ test('an empty project begins with an example, which runs after saving', async (
   const row = page.locator('[role="row"]', { hasText: 'Supply temperature' });
   await row.locator('.value', { hasText: /\d/ }).waitFor();
   assert.match(text(), /lines:\n\s+- name: example/);
+});
+
+test('a first project over TCP shows no red before something is late', async (t) => {
+  const device = await serve();
+  t.after(() => device.stop());
+  const variables = Array.from(
+    { length: 10 },
+    (_, i) => `          - {name: V${i}, type: int16, register: ${200 * i}, read: 0x03}\n`,
+  );
+  plant = await startWith(`takt: 1
+lines:
+  - name: net
+    transport: tcp
+    host: 127.0.0.1
+    tcp_port: ${device.port}
+    devices:
+      - name: Meter
+        address: 7
+        poll_period: 100ms
+        variables:
+${variables.join('')}`);
+  const page = await open('#/project');
+  const line = page.locator('.unmeasured', { hasText: 'Meter' });
+  await line.getByRole('button', { name: 'Measure' }).waitFor();
+  const shown = await page.locator('main').innerText();
+  assert.doesNotMatch(shown, /at risk/);
+  assert.deepEqual(await page.locator('main .bad, main .late').allInnerTexts(), []);
+  await page.locator('nav a[href="#/live"]').click();
+  await page.locator('[role="row"]', { hasText: 'V9' }).locator('.value', { hasText: /\d/ }).waitFor();
+  assert.deepEqual(await page.locator('main .bad, .health .bad').allInnerTexts(), []);
 });
 
 test('Ctrl+S and Enter save in each view, and what was saved can be undone', async () => {
