@@ -70,19 +70,6 @@ struct TableDevice {
     Node settings;
 };
 
-// A row of a table of devices with the keys of a device.
-Node device_settings(const Node& row) {
-    constexpr std::pair<std::string_view, std::string_view> kRenamed[] = {{"register", "address"},
-                                                                          {kUnitAddressColumn, "address"},
-                                                                          {kDeviceColumn, "name"},
-                                                                          {"period", "poll_period"}};
-    Node settings = row;
-    for (auto& [key, cell] : settings.entries)
-        for (const auto& [column, name] : kRenamed)
-            if (key.text == column) key.text = name;
-    return settings;
-}
-
 // `Устройство, 16`: the name of a table as an IDE shows its device.
 std::pair<std::string, std::string> name_and_address(const std::string& title) {
     const auto comma = title.rfind(',');
@@ -91,6 +78,13 @@ std::pair<std::string, std::string> name_and_address(const std::string& title) {
     address.erase(0, address.find_first_not_of(' '));
     if (!all_digits(address) || address.size() > 3 || comma == 0) return {title, {}};
     return {title.substr(0, comma), address};
+}
+
+// The IDE shows the number also where it has no effect.
+void drop_idle_limit(Node& settings) {
+    if (model::parse_bool(text_of(settings, "group_requests")) == false)
+        std::erase_if(settings.entries,
+                      [](const auto& entry) { return entry.key.text == "registers_per_request"; });
 }
 
 // Distributes the rows of a table to their devices.
@@ -130,14 +124,25 @@ public:
 
     [[nodiscard]] std::size_t count_settings() const { return settings_.size(); }
 
-    /// The settings of a device with that name or address, for one device; nullptr: there are none.
+    /// The settings of a device with that address, else with that name and no other address, for one
+    /// device; nullptr: there are none. Every new device of an IDE has the same name.
     const Node* claim(const std::string& name, const std::string& address) {
-        for (auto& [settings, claimed] : settings_) {
-            const bool same = text_of(settings, "name") == name ||
-                              (!address.empty() && text_of(settings, "address") == address);
-            if (same && !std::exchange(claimed, true)) return &settings;
-        }
-        return nullptr;
+        const auto has_address = [&](const Settings& its) {
+            return !address.empty() && text_of(its.settings, "address") == address;
+        };
+        const auto has_name = [&](const Settings& its) {
+            return text_of(its.settings, "name") == name &&
+                   (address.empty() || its.settings.find("address") == nullptr);
+        };
+        const auto claimed = [](auto& all, const auto& is_it) -> const Node* {
+            const auto found =
+                std::ranges::find_if(all, [&](const Settings& its) { return !its.claimed && is_it(its); });
+            if (found == all.end()) return nullptr;
+            found->claimed = true;
+            return &found->settings;
+        };
+        const auto* const by_address = claimed(settings_, has_address);
+        return by_address != nullptr ? by_address : claimed(settings_, has_name);
     }
 
     /// The only settings that there are.
@@ -179,15 +184,16 @@ private:
         Node variables = {};
         std::size_t line = 0;
     };
+    struct Settings {
+        Node settings;
+        bool claimed = false;  // by a table of variables
+    };
 
     void add_lines(Node& root) {
         std::vector<Node> devices(lines_.count(), collection(Node::Kind::list));
         if (devices_.empty()) devices_.push_back({.settings = mapping_of(surroundings_.device)});
         for (auto& [settings, variables, line] : devices_) {
-            // The IDE shows the number also where it has no effect.
-            if (model::parse_bool(text_of(settings, "group_requests")) == false)
-                std::erase_if(settings.entries,
-                              [](const auto& entry) { return entry.key.text == "registers_per_request"; });
+            drop_idle_limit(settings);
             variables.kind = Node::Kind::list;
             set(settings, "variables", std::move(variables));
             devices[line].items.push_back(std::move(settings));
@@ -294,10 +300,6 @@ private:
     Reporter& reporter_;
     Disagreements disagreements_{reporter_};
     RowLines lines_{surroundings_, reporter_, disagreements_};
-    struct Settings {
-        Node settings;
-        bool claimed = false;  // by a table of variables
-    };
     std::vector<Settings> settings_;
     std::vector<Device> devices_;
     std::vector<SourceLocation> locations_;         // first row of each device
@@ -422,6 +424,19 @@ std::vector<std::pair<std::string, std::string>> connection_keys(const model::Li
     keys.emplace_back("data_bits", std::to_string(line.format.data_bits));
     if (line.rs485 != model::Rs485::automatic) keys.emplace_back("rs485", word(line.rs485, model::kRs485));
     return keys;
+}
+
+model::Node device_settings(const model::Node& row) {
+    constexpr std::pair<std::string_view, std::string_view> kRenamed[] = {{"register", "address"},
+                                                                          {kUnitAddressColumn, "address"},
+                                                                          {kDeviceColumn, "name"},
+                                                                          {"period", "poll_period"}};
+    Node settings = row;
+    for (auto& [key, cell] : settings.entries)
+        for (const auto& [column, name] : kRenamed)
+            if (key.text == column) key.text = name;
+    drop_idle_limit(settings);
+    return settings;
 }
 
 Loaded project_of_table(Loaded table, const Surroundings& surroundings) {

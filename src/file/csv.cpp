@@ -175,7 +175,7 @@ public:
             if (!columns_[i].kept) continue;
             if (columns_[i].key.text == "name" && is_placeholder(cell.text)) return empty_row(node);
             auto value = scalar(cell);
-            if (settle_cell(columns_[i], value, decimal_comma_))
+            if (settle_cell(columns_[i], value, decimal_comma_) && !is_second(node, columns_[i], value))
                 node.entries.emplace_back(columns_[i].key, std::move(value));
         }
         append_notes(node, std::move(notes));
@@ -220,10 +220,14 @@ private:
                                    [&](const auto& field) { return !field.required || has(field.key); });
     }
 
-    // Of columns with equal names only the first one counts.
+    // Of columns with equal names only the first one counts. A window shows the order of the bytes twice,
+    // under different names.
     void keep(Column& column) {
         if (!column.kept) return;
         const auto [first, added] = first_columns_.emplace(column.key.text, columns_.size());
+        if (!added && column.key.text == "byte_order" &&
+            folded(column.heading) != folded(columns_[first->second - 1].heading))
+            return;
         column.kept = added;
         if (!added) report_two_columns(column, columns_[first->second - 1]);
     }
@@ -272,6 +276,17 @@ private:
         if (!misspelt) return;
         column.key.text = likely.key;
         column.kept = true;
+    }
+
+    // Whether another column has already given the value. Another value is reported.
+    bool is_second(const Node& row, const Column& column, const Node& value) {
+        const auto* const first = column.key.text == "byte_order" ? row.find("byte_order") : nullptr;
+        if (first == nullptr) return false;
+        if (first->text != value.text)
+            reporter_.error(
+                "file.convert.two_values", value.location,
+                {.value = value.text, .arguments = {{"key", column.key.text}, {"first", first->text}}});
+        return true;
     }
 
     // `Heading: cell`, joined with those before it.
@@ -385,31 +400,66 @@ struct PropertyWindow {
     Row values;
 };
 
+std::string_view key_of(const Cell& cell) {
+    return read_heading(cell.text).key;
+}
+
+// Makes a line of a window a name and a value. A check box may stand before its name, the order of the bytes
+// in several cells or behind a colon, and the button of a list behind its value. Returns false if it has more
+// cells.
+bool settle_window_line(std::vector<Cell>& cells) {
+    const auto is_empty = [](const Cell& cell) {
+        return cell.text.empty() || cell.text == "..." || cell.text == "…";
+    };
+    while (cells.size() > 2 && is_empty(cells.back())) cells.pop_back();
+    if (cells.size() < 2) cells.push_back({cells[0].offset, {}, false});
+    if (const auto box = split_box(cells[0].text); box && cells[1].text.empty()) {
+        cells[1].text = box->state;
+        cells[0].text = std::string(box->label);
+    }
+    if (const auto colon = cells[0].text.find(':'); cells[1].text.empty() && colon < cells[0].text.size()) {
+        cells[1].text = cells[0].text.substr(
+            std::min(cells[0].text.find_first_not_of(" \t", colon + 1), cells[0].text.size()));
+        cells[0].text.erase(colon);
+    }
+    for (; cells.size() > 2 && key_of(cells[0]) == "byte_order"; cells.erase(cells.begin() + 2))
+        cells[1].text += ' ' + cells[2].text;
+    return cells.size() == 2;
+}
+
+// Whether two columns with headings are meant although their rows are named like fields: `Имя;Тип` over
+// types. The first line of a window may have the name of a field as its value: `Имя;Устройство`.
+bool is_table_of_types(const PropertyWindow& window) {
+    const auto& values = window.values.cells;
+    return key_of(window.names.cells[0]) == "name" && key_of(values[0]) == "type" &&
+           std::all_of(values.begin() + 1, values.end(), [](const Cell& cell) {
+               return std::ranges::find(model::kTypes, cell.text) != model::kTypes.end() ||
+                      type_word(cell.text);
+           });
+}
+
 // Returns nothing if the text is a table with a line of headings.
 std::optional<PropertyWindow> read_property_window(const Source& source, const CsvLayout& layout) {
     constexpr std::size_t kLeast = 3;
     constexpr std::array<std::string_view, 3> kValueWords{"значение", "value", "значення"};
-    const auto is_known = [](const Cell& cell) { return !read_heading(cell.text).key.empty(); };
     Reporter unheard;
     RowReader rows(source, layout.begin, layout.separator, unheard);
     PropertyWindow window;
-    std::size_t known = 0;
+    std::set<std::string_view> known;
     while (auto row = rows.next()) {
         if (row->empty() && !row->damaged) continue;
-        while (row->cells.size() > 2 && row->cells.back().text.empty()) row->cells.pop_back();
-        if (row->damaged || row->cells.size() > 2 || window.names.cells.size() >= kMaxColumns)
+        if (row->damaged || window.names.cells.size() >= kMaxColumns || !settle_window_line(row->cells))
             return std::nullopt;
-        if (row->cells.size() < 2) row->cells.push_back({row->cells[0].offset, {}, false});
-        if (window.names.cells.empty()) {
-            const auto heading = folded(row->cells[1].text);
-            if (std::ranges::find(kValueWords, heading) != kValueWords.end()) continue;
-            if (is_known(row->cells[0]) == is_known(row->cells[1])) return std::nullopt;
-        }
-        known += is_known(row->cells[0]) ? 1U : 0U;
+        const auto heading = folded(row->cells[1].text);
+        if (window.names.cells.empty() && std::ranges::find(kValueWords, heading) != kValueWords.end())
+            continue;
+        known.insert(key_of(row->cells[0]));
         window.names.cells.push_back(std::move(row->cells[0]));
         window.values.cells.push_back(std::move(row->cells[1]));
     }
-    if (known < kLeast || 2 * known <= window.names.cells.size()) return std::nullopt;
+    known.erase(std::string_view());
+    if (known.size() < kLeast || 2 * known.size() <= window.names.cells.size() || is_table_of_types(window))
+        return std::nullopt;
     return window;
 }
 

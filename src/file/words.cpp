@@ -106,6 +106,13 @@ constexpr Word kBooleans[] = {
     {"выкл", "false"}, {"ложь", "false"}, {"ні", "false"}, {"хибність", "false"}, {"вимк", "false"},
 };
 
+// The check boxes of a window.
+constexpr Word kBoxes[] = {
+    {"☑", "true"}, {"☒", "true"}, {"✅", "true"}, {"✓", "true"}, {"✔", "true"}, {"■", "true"},
+    {"[x]", "true"}, {"[X]", "true"}, {"[х]", "true"}, {"[Х]", "true"}, {"[v]", "true"}, {"[V]", "true"},
+    {"☐", "false"}, {"□", "false"}, {"[ ]", "false"}, {"[]", "false"},
+};
+
 constexpr Word kAreaWords[] = {
     {"coils", "coil"}, {"coil", "coil"}, {"флаги", "coil"}, {"дискретныевыходы", "coil"},
     {"дискретнівиходи", "coil"},
@@ -143,6 +150,40 @@ std::string_view meaning_of_cut(const Word (&words)[n], std::string_view text) {
             (best == nullptr || word.text.size() < best->text.size()))
             best = &word;
     return best == nullptr ? std::string_view() : best->meaning;
+}
+
+std::string_view without_blanks(std::string_view text) {
+    constexpr std::string_view kBlanks = " \t,;.";
+    text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+    return text.substr(0, text.find_last_not_of(kBlanks) + 1);
+}
+
+// The first check box of a text from an offset.
+std::size_t find_box(std::string_view text, std::size_t from) {
+    auto first = std::string_view::npos;
+    for (const auto& box : kBoxes) first = std::min(first, text.find(box.text, from));
+    return first;
+}
+
+// `☒ Старшим байтом вперед ☐ Старшим регистром вперед`: the order of the bytes in two registers. Nothing
+// if the text has another part.
+std::optional<ByteOrder> order_of_boxes(std::string_view text) {
+    ByteOrder order;
+    bool known = false;
+    for (text = without_blanks(text); !text.empty(); known = true) {
+        const auto labelled = split_box(text.substr(0, find_box(text, 1)));
+        if (!labelled) return std::nullopt;
+        const auto key = read_heading(labelled->label).key;
+        const bool ticked = labelled->state == "true";
+        if (key == "high_byte_first")
+            order.high_byte_first = ticked;
+        else if (key == "high_register_first")
+            order.high_register_first = ticked;
+        else
+            return std::nullopt;
+        text.remove_prefix(std::min(find_box(text, 1), text.size()));
+    }
+    return known ? std::optional(order) : std::nullopt;
 }
 
 template <class Words>
@@ -309,19 +350,33 @@ std::optional<std::string> function_word(std::string_view text) {
 
 std::optional<std::string> boolean_word(std::string_view text) {
     if (model::parse_bool(text)) return std::nullopt;
-    for (const auto* const tick : {"+", "✓", "✔", "☑", "☒", "✅", "■"})
-        if (text == tick) return "true";
-    if (text == "☐" || text == "□") return "false";
+    if (text == "+") return "true";
+    if (const auto box = meaning(kBoxes, text); !box.empty()) return std::string(box);
     if (text == "-" || text == "–" || text == "—") return "false";
     const auto found = meaning(kBooleans, folded(text));
     if (found.empty()) return std::nullopt;
     return std::string(found);
 }
 
+std::optional<LabelledBox> split_box(std::string_view text) {
+    text = without_blanks(text);
+    for (const auto& box : kBoxes) {
+        if (text.starts_with(box.text))
+            return LabelledBox{box.meaning, without_blanks(text.substr(box.text.size()))};
+        if (text.ends_with(box.text))
+            return LabelledBox{box.meaning, without_blanks(text.substr(0, text.size() - box.text.size()))};
+    }
+    return std::nullopt;
+}
+
 std::optional<std::string> byte_order_word(std::string_view text) {
     const auto digits = text.substr(text.find_first_of(':') + 1);  // npos + 1 is 0
     const auto permutation = model::parse_byte_order(digits);
-    if (!permutation) return std::nullopt;
+    if (!permutation) {
+        const auto order = order_of_boxes(text);
+        if (!order) return std::nullopt;
+        return std::string(model::byte_order_text(*order, 2));
+    }
     std::string word(digits);
     std::erase(word, ' ');
     if (word == text) return std::nullopt;

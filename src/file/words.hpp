@@ -28,7 +28,14 @@ std::optional<std::string> function_word(std::string_view text);
 /// `Да`, `нет`, `1`, `x`, `ИСТИНА`: `true`, `false`.
 std::optional<std::string> boolean_word(std::string_view text);
 
-/// `Float: 2 1 4 3`: `2143`.
+/// A check box of a window with the text beside it: `☒ Старшим байтом вперед`, `[ ] High register first`.
+struct LabelledBox {
+    std::string_view state;  ///< `true` or `false`
+    std::string_view label;
+};
+std::optional<LabelledBox> split_box(std::string_view text);
+
+/// `Float: 2 1 4 3`, `☒ Старшим байтом вперед ☐ Старшим регистром вперед`: `2143`.
 std::optional<std::string> byte_order_word(std::string_view text);
 
 /// `Coils`, `Holding Registers`, `Регистры хранения`: a word of model::kAreas.

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "takt/file/convert.hpp"
 #include "takt/file/load.hpp"
 #include "takt/file/table.hpp"
 #include "takt/report/findings_report.hpp"
@@ -13,9 +14,10 @@ using file::Json;
 
 constexpr std::array<std::string_view, 5> kKinds{"variables", "locals", "served", "list", "devices"};
 
-Json table_rows(const model::Node& rows) {
+Json table_rows(const file::LoadedTables::Table& table) {
     Json::Array all;
-    for (const auto& row : rows.items) {
+    for (const auto& its : table.rows.items) {
+        const auto row = table.kind == file::TableKind::devices ? file::device_settings(its) : its;
         Json::Object cells;
         for (const auto& [key, value] : row.entries) cells.emplace_back(key.text, value.text);
         all.emplace_back(std::move(cells));
@@ -37,7 +39,7 @@ ApiResponse import_table(const ApiRequest& request) {
     const auto& table = read.tables.front();
     auto object = Json::object();
     object.set("kind", kKinds[static_cast<std::size_t>(table.kind)]);
-    object.set("rows", table_rows(table.rows));
+    object.set("rows", table_rows(table));
     object.set("findings",
                report::findings_json(request.texts, read.loaded.document.files, read.loaded.findings));
     return ApiResponse::json(object, read.loaded.readable ? 200 : 422);

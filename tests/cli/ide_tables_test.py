@@ -288,6 +288,20 @@ SETTINGS = [
 ]
 
 
+# As the window prints it; the device has the name that the IDE gives to a new one.
+PRINTED = """\
+Имя;Устройство
+Адрес;16
+Период опроса, мс;100
+Таймаут ответа, мс;100
+Кол-во попыток;3
+Группировать запросы;Да
+Кол-во регистров в запросе;20
+Порядок байт;☒ Старшим байтом вперед ☐ Старшим регистром вперед
+"""
+ORDER = PRINTED.splitlines()[-1]
+
+
 def as_one_row(window):
     return "\n".join(";".join(cells)
                      for cells in zip(*(line.split(";") for line in window.splitlines()))) + "\n"
@@ -303,6 +317,59 @@ def test_the_window_of_a_device_is_its_settings(tmp_path, text):
     both = takt("convert", tmp_path / "t.csv", listed, "--to", "yaml").out
     assert [line for line in SETTINGS if line not in both] == []
     assert both.count("address: ") == 1 and "{name: V, type: int16, register: 7" in both
+
+
+@pytest.mark.parametrize("name", ["Устройство", "Device", "Адрес", "Статус", "Тип", "Период", "Device1"])
+@pytest.mark.parametrize("separator", [";", "\t"])
+@pytest.mark.parametrize("more", ["", "Float;2 1 4 3\n"])
+def test_a_device_may_have_the_name_of_a_field(tmp_path, name, separator, more):
+    window = PRINTED.replace(";Устройство", f";{name}") + more
+    result = converted(tmp_path, window.replace(";", separator))
+    settings = [
+        f"name: {name}", "address: 16", "poll_period: 100ms", "response_timeout: 100ms", "attempts: 3",
+        "group_requests: true", "registers_per_request: 20", 'byte_order: "2143"'
+    ]
+    assert [line for line in settings if line not in result.out] == []
+    assert result.err == "" and "type:" not in result.out
+
+
+@pytest.mark.parametrize("order, digits", [
+    ("Порядок байт;☒ Старшим байтом вперед, ☒ Старшим регистром вперед", "4321"),
+    ("Порядок байт;☒ Старшим байтом вперед;☐ Старшим регистром вперед;Float: 2 1 4 3", "2143"),
+    ("Порядок байт;☐ Старшим байтом вперед ☐ Старшим регистром вперед\nFloat;1 2 3 4", "1234"),
+    ("Порядок байт;[x] Старшим байтом вперед [ ] Старшим регистром вперед", "2143"),
+    ("Порядок байт;Старшим байтом вперед ☒ Старшим регистром вперед ☐", None),
+    ("Порядок байт;\n☒ Старшим байтом вперед\n☐ Старшим регистром вперед\nFloat: 2 1 4 3", "2143"),
+])
+def test_the_order_of_bytes_as_the_window_shows_it(tmp_path, order, digits):
+    result = converted(tmp_path, PRINTED.replace(ORDER, order), code=0 if digits else 1)
+    if digits:
+        assert result.err == "" and f'byte_order: "{digits}"' in result.out
+
+
+def test_two_orders_of_bytes_are_an_error(tmp_path):
+    errors = converted(tmp_path, PRINTED + "Float;4 3 2 1\n", code=1).err
+    assert "two values for `byte_order`: 2143 and 4321" in errors and errors.count("error:") == 1
+
+
+def test_devices_of_the_same_name_have_their_own_windows(tmp_path):
+    windows = [tmp_path / f"{n}.csv" for n in "ab"]
+    lists = [tmp_path / f"Устройство, {n}.csv" for n in (17, 16)]
+    for n, (window, listed) in enumerate(zip(windows, lists, strict=True)):
+        settings = PRINTED.replace("16", str(16 + n)).replace("опроса, мс;100", f"опроса, мс;{n + 1}00")
+        window.write_text(settings, encoding="utf-8")
+        listed.write_text("Имя переменной;Тип;Адрес регистра;Комментарий\n"
+                          f"V{17 - n};Целочисленное;7;\n", encoding="utf-8")
+    out = takt("convert", *windows, *lists, "--to", "yaml").out
+    devices = out.split("- name: Устройство")[1:]
+    assert [("address: 17" in d, "poll_period: 200ms" in d, "name: V17" in d) for d in devices] == [
+        (True, True, True), (False, False, False)]
+
+
+def test_a_table_of_variables_that_are_named_like_fields(tmp_path):
+    out = converted(tmp_path, "Имя;Тип\nПериод;Целочисленное\nСтатус;Целочисленное\nОпрос;Булевское\n",
+                    code=1).err
+    assert out.count(".area: the area of the variable is not given") == 3
 
 
 def test_the_number_of_registers_counts_only_where_requests_are_grouped(tmp_path):

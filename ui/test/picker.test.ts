@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { choicesOf, fitsType, searched } from '../src/views/project/choices';
-import { itemOf, merged, targetsFor } from '../src/views/project/importing';
+import { framingIn, itemOf, itemsBefore, merged, targetAt, targetsFor } from '../src/views/project/importing';
 
 const document = {
   lines: [
@@ -77,4 +77,22 @@ test('imported rows overwrite those with the same name, or replace all', () => {
     { name: 'B', register: '7', tags: ['x', 'y'], $from: 1 },
     { name: 'C' },
   ]);
+});
+
+test('the window of a device goes to its line, in place of a new device', () => {
+  const targets = targetsFor(document, 'devices', { locals: 'Standard', devices: 'Devices' });
+  const at = (path: Parameters<typeof targetAt>[1]) => targetAt(targets, path)?.path.join('/');
+  assert.equal(at(['lines', 1, 'devices', 0, 'variables']), 'lines/1/devices');
+  assert.equal(at(null), 'lines/0/devices');
+  const row = { name: 'Устройство', address: '16', protocol: 'Modbus ASCII' };
+  assert.deepEqual(itemOf(row, 'variable'), { name: 'Устройство', address: '16' });
+  assert.equal(framingIn([row], { transport: 'serial' }), 'ascii');
+  assert.equal(framingIn([row], { transport: 'tcp' }), undefined);
+  const fresh = [{ name: 'Device 1', variables: [] }];
+  assert.deepEqual(itemsBefore(fresh, 'devices', ['lines', 0, 'devices', 0, 'variables']), []);
+  assert.deepEqual(itemsBefore(fresh, 'variables', ['lines', 0, 'devices', 0, 'variables']), fresh);
+  const saved = [{ name: 'Device 1', variables: [], $from: 0 }];
+  assert.deepEqual(itemsBefore(saved, 'devices', ['lines', 0, 'devices', 0, 'variables']), saved);
+  const pasted = [{ name: 'Device 1', period: '100ms', variables: [] }];
+  assert.deepEqual(itemsBefore(pasted, 'devices', ['lines', 0, 'devices', 0, 'variables']), pasted);
 });

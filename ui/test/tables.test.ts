@@ -3,7 +3,7 @@ import test from 'node:test';
 import { functionOf, isPlaceholder, milliseconds, nodeText, rawOf } from '../src/views/project/cells';
 import type { Mapping } from '../src/api/types';
 import * as rows from '../src/views/project/rows';
-import { formatTable, parseTable } from '../src/views/project/tsv';
+import { formatTable, isImport, parseTable } from '../src/views/project/tsv';
 import { coilsOf, openRows, withChoice } from '../src/views/project/coil_choice';
 
 test('a pasted table has cells with tabs, quotes and line ends', () => {
@@ -25,6 +25,18 @@ test('what is copied is read back the same', () => {
     ['', 'c\nd', 'e'],
   ];
   assert.deepEqual(parseTable(formatTable(table)), table);
+});
+
+test('tables and windows of the IDE are known from their text', () => {
+  for (const text of [
+    'Имя переменной\tТип переменной\tАдрес регистра\nA\tБулевское\t1',
+    'Имя переменной;Тип;Адрес регистра;Комментарий\nA;Булевское;1;',
+    'Имя;Устройство\nАдрес;16\nПериод опроса, мс;100',
+    'Имя\tDevice\r\nАдрес\t16\r\nКол-во попыток\t3\r\n',
+  ])
+    assert.ok(isImport(text), text);
+  for (const text of ['Alarm\tbool\t0x01\tnone\t17', 'Имя', 'Имя;Адрес', '', 'a;b\nc;d'])
+    assert.ok(!isImport(text), text);
 });
 
 test('the words of the IDE become those of the file', () => {

@@ -107,6 +107,18 @@ TEST(Words, OtherCells) {
         EXPECT_EQ(number_word(text), Word()) << text;
 }
 
+TEST(Words, OrdersOfBytes) {
+    using Word = std::optional<std::string>;
+    EXPECT_EQ(byte_order_word("Float: 2 1 4 3"), Word("2143"));
+    EXPECT_EQ(byte_order_word("☒ Старшим байтом вперед ☐ Старшим регистром вперед"), Word("2143"));
+    EXPECT_EQ(byte_order_word("☑ Старшим регистром вперёд; □ Старшим байтом вперёд."), Word("3412"));
+    EXPECT_EQ(byte_order_word("[x] High byte first [x] High register first"), Word("4321"));
+    EXPECT_EQ(byte_order_word("☐ Старшим байтом вперед"), Word("1234"));
+    for (const auto* const text :
+         {"2143", "", "☒", "☒ Старшим", "Старшим байтом вперед", "☒ Старшим байтом вперед Комментарий"})
+        EXPECT_EQ(byte_order_word(text), Word()) << text;
+}
+
 TEST(Headings, EveryKeyOfAVariableHasThemInEveryLanguage) {
     for (const auto& field : model::fields(model::Object::variable)) {
         EXPECT_TRUE(has_headings(field.key)) << field.key;

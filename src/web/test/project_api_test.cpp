@@ -410,6 +410,11 @@ TEST_F(ProjectApiTest, GivesFieldsSchemaAndImportedRows) {
     EXPECT_EQ(text_at(imported, {"kind"}), "variables");
     EXPECT_NE(text_at(imported, {"rows"}).find("\"Variable-1\""), std::string::npos);
     EXPECT_NE(text_at(imported, {"rows"}).find("\"bool\""), std::string::npos);
+    pasted.set("text", "Имя;Устройство\nАдрес;16\nПериод опроса, мс;100\nКол-во регистров в запросе;20\n");
+    const auto window = Json::parse(call(Method::post, "/import", pasted).body).value();
+    EXPECT_EQ(text_at(window, {"kind"}), "devices");
+    EXPECT_NE(text_at(window, {"rows"}).find("\"address\":\"16\""), std::string::npos);
+    EXPECT_NE(text_at(window, {"rows"}).find("\"poll_period\":\"100ms\""), std::string::npos);
 }
 
 TEST_F(ProjectApiTest, TwoBrowsersDoNotOverwriteEachOther) {

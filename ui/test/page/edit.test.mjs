@@ -390,6 +390,50 @@ ${variables.join('')}`);
   assert.deepEqual(await page.locator('main .bad, .health .bad').allInnerTexts(), []);
 });
 
+test('the window of a device is pasted as the IDE shows it', async () => {
+  plant = await startWith('takt: 1\nlines: []\n');
+  const page = await open('#/project');
+  const lines = (name, address) => [
+    `Имя;${name}`,
+    `Адрес;${address}`,
+    'Период опроса, мс;100',
+    'Таймаут ответа, мс;150',
+    'Кол-во попыток;3',
+    'Протокол;Modbus ASCII',
+    'Группировать запросы;Да',
+    'Кол-во регистров в запросе;20',
+    'Порядок байт;☒ Старшим байтом вперед ☐ Старшим регистром вперед',
+    'Float;2 1 4 3',
+  ];
+  await page.getByRole('button', { name: 'Paste a table' }).click();
+  const dialog = page.getByRole('dialog');
+  await dialog.getByRole('textbox').fill(lines('Устройство', 16).join('\n'));
+  await dialog.locator('td', { hasText: '2143' }).waitFor();
+  assert.equal(await dialog.locator('.error, .warning').count(), 0);
+  await dialog.getByRole('button', { name: 'Take over' }).click();
+  await dialog.waitFor({ state: 'detached' });
+  await page.getByRole('treeitem', { name: 'Устройство, 16' }).click();
+  // A second window, into the grid of the first device.
+  await page.getByRole('tab', { name: /Variables/ }).click();
+  const grid = page.getByRole('grid', { name: 'Variables' });
+  await grid.evaluate((element, window) => {
+    const data = new DataTransfer();
+    data.setData('text/plain', window);
+    element.dispatchEvent(new ClipboardEvent('paste', { clipboardData: data, bubbles: true }));
+  }, lines('Device', 17).join('\n'));
+  await dialog.locator('td', { hasText: '2143' }).waitFor();
+  await dialog.getByRole('button', { name: 'Take over' }).click();
+  await page.getByRole('treeitem', { name: 'Device, 17' }).waitFor();
+  await save(page);
+  const settings = 'poll_period: 100ms, response_timeout: 150ms, attempts: 3, group_requests: true, ';
+  const saved = text().replace(/\n\s+(?=\w+:)/g, ', ');
+  assert.equal(saved.split(settings).length, 3, text());
+  assert.match(saved, /name: Устройство, address: 16/);
+  assert.match(saved, /byte_order: "2143"/);
+  assert.match(saved, /framing: ascii/);
+  assert.doesNotMatch(saved, /protocol|Device 1/);
+});
+
 test('Ctrl+S and Enter save in each view, and what was saved can be undone', async () => {
   plant = await startWith(SMALL);
   const page = await open('#/project');

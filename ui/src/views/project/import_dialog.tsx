@@ -1,15 +1,15 @@
 // Tables of the IDE, or of a spreadsheet, by pasting them: a preview, then one step in the draft.
 import { useEffect, useState } from 'preact/hooks';
 import { post } from '../../api/client';
-import type { ImportedRows } from '../../api/types';
+import type { ImportedRows, Mapping, Node } from '../../api/types';
 import { t } from '../../i18n';
 import { Dialog } from '../../shell/dialog';
 import { errorText, toast } from '../../shell/toasts';
-import { formatPath, listAt, type Path } from '../../store/document';
+import { at, formatPath, listAt, type Path } from '../../store/document';
 import { draft, setNodes } from '../../store/project';
 import { type CoilChoice, openRows, withChoice } from './coil_choice';
 import { CoilQuestion } from './coil_question';
-import { importing, itemOf, merged, targetsFor } from './importing';
+import { framingIn, importing, itemOf, itemsBefore, merged, targetAt, targetsFor } from './importing';
 import { keyText } from './rules';
 import { select, tab } from './selection';
 
@@ -96,19 +96,22 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
         devices: t.value.keys.devices,
       })
     : [];
-  const wanted = into ?? (path && formatPath(path));
-  const target = targets.find((its) => formatPath(its.path) === wanted) ?? targets[0];
+  const target = targets.find((its) => formatPath(its.path) === into) ?? targetAt(targets, path);
   const close = () => {
     importing.value = null;
   };
-  const before = target ? listAt(draft.value, target.path) : [];
+  const before = found && target ? itemsBefore(listAt(draft.value, target.path), found.kind, path) : [];
   const items = found && target ? found.rows.map((row) => itemOf(row, target.object)) : [];
   const list = merged(before, items, replace);
   const open = openRows(list, before);
   const accept = () => {
     if (!target) return;
     const value = choice ? withChoice(list, open, choice) : list;
-    setNodes([{ path: target.path, value }], `import ${formatPath(target.path)}`);
+    const changes: { path: Path; value: Node }[] = [{ path: target.path, value }];
+    const line = target.path.slice(0, 2);
+    const framing = found?.kind === 'devices' && framingIn(found.rows, at(draft.value, line) as Mapping);
+    if (framing) changes.push({ path: [...line, 'framing'], value: framing });
+    setNodes(changes, `import ${formatPath(target.path)}`);
     select(target.path[0] === 'locals' ? target.path : target.path.slice(0, -1));
     if (target.path.at(-1) === 'variables') tab.value = 'variables';
     toast('good', texts.done(items.length));

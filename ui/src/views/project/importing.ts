@@ -1,9 +1,10 @@
 // A table that is pasted: into which part of the project its rows go.
 import { signal } from '@preact/signals';
 import type { ImportedRows, Mapping, Node } from '../../api/types';
-import { listAt, type Path, textAt } from '../../store/document';
+import { formatPath, listAt, type Path, textAt } from '../../store/document';
 import { rawOf } from './cells';
 import { COLUMNS, type TableObject } from './columns';
+import { transportOf } from './tree';
 
 /** The import dialog: the text so far and the table where it was pasted; null: it is closed. */
 export const importing = signal<{ text: string; path: Path | null } | null>(null);
@@ -50,11 +51,34 @@ export function targetsFor(
   );
 }
 
+/** The target where a table was pasted, else the one of that line, else the first one. */
+export function targetAt(targets: Target[], path: Path | null): Target | undefined {
+  const wanted = path === null ? '' : formatPath(path);
+  const exact = targets.find((its) => formatPath(its.path) === wanted);
+  return exact ?? targets.find((its) => wanted.startsWith(`${formatPath(its.path)}[`)) ?? targets[0];
+}
+
+/** The items of a list before an import. The window of a device takes the place of a new one. */
+export function itemsBefore(list: Mapping[], kind: ImportedRows['kind'], path: Path | null): Mapping[] {
+  if (kind !== 'devices' || path?.[2] !== 'devices') return list;
+  const isNew = ({ name: _, address: __, variables, ...more }: Mapping) =>
+    Object.keys(more).length === 0 && Array.isArray(variables) && variables.length === 0;
+  return list.filter((its, i) => i !== path[3] || !isNew(its));
+}
+
+/** The framing of the line that the windows of its devices call their protocol; undefined: none or TCP. */
+export function framingIn(rows: Record<string, string>[], line: Mapping): string | undefined {
+  if (transportOf(line) === 'tcp') return undefined;
+  const word = rows.find((its) => its.protocol)?.protocol?.toLowerCase() ?? '';
+  return ['rtu', 'ascii'].find((its) => word.endsWith(its));
+}
+
 /** A row of the answer as an item of the document. */
 export function itemOf(row: Record<string, string>, object: TableObject): Mapping {
   const kinds = new Map(COLUMNS[object].map((its) => [its.key, its.kind]));
   const item: Mapping = {};
   for (const [key, text] of Object.entries(row)) {
+    if (key === 'protocol') continue; // of the line
     // The program has understood the row: only lists and words are no texts in a document.
     const kind = kinds.get(key);
     const raw: Node | undefined = kind === 'words' || kind === 'list' ? rawOf(kind, text) : text;

@@ -18,7 +18,7 @@ import { CellView } from './table_cell';
 import { type TableState, useTable } from './table_state';
 import { TableTools } from './table_tools';
 import { markOf } from './tree';
-import { hasHeadings, parseTable } from './tsv';
+import { isImport } from './tsv';
 
 const inEditor = (event: Event) =>
   (event.target as Element).closest('input, select, textarea, dialog') !== null;
@@ -133,7 +133,7 @@ export function VariableTable({ path, object, label }: { path: Path; object: Tab
   };
   const paste = (text: string) => {
     if (state.locked || text.trim() === '') return;
-    if (object !== 'bank' && hasHeadings(parseTable(text))) importing.value = { text, path };
+    if (object !== 'bank' && isImport(text)) importing.value = { text, path };
     else state.paste(text);
   };
   const findings = currentFindings(state);

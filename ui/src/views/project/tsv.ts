@@ -70,8 +70,34 @@ const HEADINGS = [
   'register address',
   'read function',
 ];
-const HEADING = new RegExp(`^(${HEADINGS.join('|')})$`, 'i');
-/** Whether the first row has headings of the IDE: then the table is imported by them. */
-export function hasHeadings(cells: string[][]): boolean {
-  return (cells[0] ?? []).filter((its) => HEADING.test(its.trim())).length >= 2;
+/** The names of the fields in the windows of the IDE, at the begin of a line. */
+const FIELDS = [
+  'имя',
+  'тип',
+  'адрес',
+  'регистр',
+  'бит',
+  'период( опроса)?(, мс)?',
+  'таймаут ответа(, мс)?',
+  'кол-во попыток',
+  'кол-во регистров в запросе',
+  'группировать запросы',
+  'протокол',
+  'функция (чтения|записи)',
+  'запись по изменению',
+  'порядок байт',
+];
+const whole = (words: string[]) => new RegExp(`^(${words.join('|')})$`, 'i');
+const HEADING = whole(HEADINGS);
+const FIELD = whole(FIELDS);
+
+/**
+ * Whether a text is a table or a window of the IDE, which the import understands: its first row has headings,
+ * or its lines begin with the names of fields.
+ */
+export function isImport(text: string): boolean {
+  const rows = text.includes('\t') ? parseTable(text) : text.split(/\r?\n/).map((line) => line.split(';'));
+  const headings = (rows[0] ?? []).filter((its) => HEADING.test(its.trim()));
+  const fields = new Set(rows.map((row) => row[0]!.trim().toLowerCase()).filter((its) => FIELD.test(its)));
+  return headings.length >= 2 || fields.size >= 3;
 }

@@ -40,6 +40,10 @@ struct Surroundings {
 [[nodiscard]] Loaded project_of_tables(LoadedTables tables, const Surroundings& surroundings,
                                        const std::vector<std::string>& titles);
 
+/// A row of a table of devices with the keys of a device, and kProtocolColumn. The number of registers in a
+/// request is left out where requests are not grouped.
+[[nodiscard]] model::Node device_settings(const model::Node& row);
+
 /// The locals of a project, and the variables of its servers, as rows of tables.
 [[nodiscard]] std::vector<model::Node> rows_of_locals(const model::Document& document);
 [[nodiscard]] std::vector<model::Node> rows_of_servers(const model::Document& document);
