@@ -44,9 +44,15 @@ std::optional<Reason> function_boundary(Pass pass, const Neighbours& at) {
     return std::nullopt;
 }
 
-// Rule 4: 2-register ints of either sign and floats are one kind.
+// Rule 4: the sign of an integer is only a reading of it, and 2-register integers and floats are one kind.
 DataType kind(DataType type) {
-    return type == DataType::uint32 || type == DataType::float32 ? DataType::int32 : type;
+    switch (type) {
+        case DataType::uint16: return DataType::int16;
+        case DataType::uint32:
+        case DataType::float32: return DataType::int32;
+        case DataType::uint64: return DataType::int64;
+        default: return type;
+    }
 }
 
 std::optional<Reason> type_boundary(const Neighbours& at) {

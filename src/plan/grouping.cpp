@@ -7,10 +7,10 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <iterator>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "boundary.hpp"
@@ -21,13 +21,6 @@ namespace {
 using model::Strategy;
 using model::Variable;
 using wire::Function;
-
-// Tie-breaker for variables at the same position: every setting that affects grouping. So the plan does not
-// depend on the order of the file.
-auto settings(const Variable& v) {
-    return std::tie(v.type, v.registers, v.read, v.write, v.period, v.status, v.read_trigger, v.write_trigger,
-                    v.write_on_change);
-}
 
 class DevicePlanner {
 public:
@@ -79,6 +72,7 @@ DevicePlanner::Indices DevicePlanner::sorted(Pass pass) const {
     struct SortKey {
         std::uint32_t key;
         std::size_t index;
+        auto operator<=>(const SortKey&) const = default;  // what is equal keeps the order of the file
     };
     std::vector<SortKey> keys;
     for (std::size_t i = 0; i < device_.variables.size(); ++i) {
@@ -88,14 +82,9 @@ DevicePlanner::Indices DevicePlanner::sorted(Pass pass) const {
         const std::uint32_t key = function << 20 | std::uint32_t{v.register_number} << 4 | v.bit.value_or(0);
         keys.push_back({key, i});
     }
-    std::sort(keys.begin(), keys.end(), [this](const SortKey& a, const SortKey& b) {
-        if (a.key != b.key) return a.key < b.key;
-        const auto first = settings(device_.variables[a.index]);
-        const auto second = settings(device_.variables[b.index]);
-        return first != second ? first < second : a.index < b.index;
-    });
+    std::ranges::sort(keys);
     Indices order(keys.size());
-    std::transform(keys.begin(), keys.end(), order.begin(), [](const SortKey& entry) { return entry.index; });
+    std::ranges::transform(keys, order.begin(), &SortKey::index);
     return order;
 }
 

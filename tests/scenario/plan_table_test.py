@@ -167,7 +167,7 @@ def test_scenario_3_has_its_periods_and_triggers(project):
 CONDITIONS = {
     "same type": (at([0, 2, 4], FLOAT), 1),
     "another type": (at([0], FLOAT) + at([2], INT16), 2),
-    "signed beside unsigned": (at([0], INT16) + at([1], "type: uint16, read: 0x03"), 2),
+    "signed beside unsigned": (at([0], INT16) + at([1], "type: uint16, read: 0x03"), 1),
     "no gaps": (at([0, 2, 4], FLOAT), 1),
     "a gap": (at([0, 3], FLOAT), 2),
     "an overlap": (at([0, 1], FLOAT), 2),

@@ -61,7 +61,8 @@ INSTANTIATE_TEST_SUITE_P(
         Condition{"OtherStatus", pair(kRead.reports_to(0), [](const Item& v) { return v.reports_to(1); }), 2},
         Condition{"OnlyOneStatus", pair(kRead, [](const Item& v) { return v.reports_to(0); }), 2},
         Condition{"Int32AndUint32", {int32(0).read(3), item(DataType::uint32, 2).read(3)}, 1},
-        Condition{"Int16AndUint16", {int16(0).read(3), item(DataType::uint16, 1).read(3)}, 2},
+        Condition{"Int16AndUint16", {int16(0).read(3), item(DataType::uint16, 1).read(3)}, 1},
+        Condition{"Int64AndUint64", {item(DataType::int64, 0).read(3), item(DataType::uint64, 4).read(3)}, 1},
         Condition{
             "Int64AndDouble", {item(DataType::int64, 0).read(3), item(DataType::float64, 4).read(3)}, 2},
         Condition{"StringsOfOneLength",

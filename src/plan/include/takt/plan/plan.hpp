@@ -140,10 +140,11 @@ struct Options {
 };
 
 /// Plans a checked project. Deterministic: the same project gives the same requests in any order of its
-/// variables (single and classic: except for equal variables, which keep the order of the file). O(n log n).
+/// variables (single and classic: variables with equal function, register and bit keep the order of the
+/// file). O(n log n).
 ///
-/// Single and classic follow docs/specification.md, section 4, exactly. Under rule 4 a 2-register int of
-/// either sign may share a request with a float.
+/// Single and classic follow docs/specification.md, section 4, exactly. Under rule 4 the sign of an integer
+/// does not matter, and a 2-register int may share a request with a float.
 ///
 /// Optimal reads each used variable with the least bus time that its period allows. Its type, status
 /// and triggers do not matter. On TCP the cost is round_trip / in_flight + frame_gap + 10 ns a byte, at least
