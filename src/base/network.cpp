@@ -1,5 +1,6 @@
 #include "takt/base/network.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstddef>
 
@@ -82,6 +83,14 @@ bool IpAddress::is_ipv4() const {
     for (std::size_t i = 0; i < kIpv4At; ++i)
         if (bytes[i] != kIpv4Prefix[i]) return false;
     return true;
+}
+
+bool IpAddress::is_nearby() const {
+    static const std::array kNearby{*parse_network("127.0.0.0/8"),    *parse_network("10.0.0.0/8"),
+                                    *parse_network("172.16.0.0/12"),  *parse_network("192.168.0.0/16"),
+                                    *parse_network("169.254.0.0/16"), *parse_network("::1"),
+                                    *parse_network("fc00::/7"),       *parse_network("fe80::/10")};
+    return std::ranges::any_of(kNearby, [&](const Network& network) { return network.contains(*this); });
 }
 
 std::optional<IpAddress> parse_ip(std::string_view text) {

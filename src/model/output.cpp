@@ -13,10 +13,10 @@
 namespace takt::model {
 namespace {
 
-constexpr std::string_view kMqttKeys[] = {"brokers",          "version",      "client_id",     "user",
-                                          "password_file",    "password_env", "ca_file",       "key_file",
-                                          "certificate_file", "alpn",         "keep_alive",    "in_flight",
-                                          "control_topic",    "commands",     "command_expiry"};
+constexpr std::string_view kMqttKeys[] = {
+    "brokers",       "version",  "client_id",        "user",    "password_file", "password_env",
+    "ca_file",       "key_file", "certificate_file", "alpn",    "keep_alive",    "in_flight",
+    "control_topic", "commands", "command_expiry",   "backoff", "round_trip",    "backlog"};
 
 /// Lower-case letters, digits, - and _, so that the name is a folder and a level of a topic everywhere.
 bool is_plain(std::string_view name) {
@@ -91,6 +91,12 @@ std::string read_control_topic(Reader& reader, std::string_view name) {
     return text;
 }
 
+void read_pauses(Interpretation& state, Reader& reader, MqttSettings& mqtt) {
+    mqtt.backoff = read_backoff(state, reader, mqtt.backoff).value_or(mqtt.backoff);
+    const bool limited = reader.is_mapping("backoff") && reader.value("backoff")->find("limit") != nullptr;
+    mqtt.nearby_limit = limited ? mqtt.backoff.limit : std::max(mqtt.nearby_limit, mqtt.backoff.first);
+}
+
 MqttSettings read_mqtt(Interpretation& state, Reader& reader, std::string_view name) {
     MqttSettings mqtt;
     mqtt.brokers = read_brokers(state, reader);
@@ -99,7 +105,10 @@ MqttSettings read_mqtt(Interpretation& state, Reader& reader, std::string_view n
     read_credentials(reader, mqtt);
     read_certificates(reader, mqtt);
     mqtt.keep_alive = reader.duration("keep_alive").value_or(mqtt.keep_alive);
+    read_pauses(state, reader, mqtt);
     mqtt.in_flight = static_cast<std::uint16_t>(reader.integer("in_flight").value_or(mqtt.in_flight));
+    mqtt.round_trip = reader.duration("round_trip").value_or(mqtt.round_trip);
+    mqtt.backlog = reader.choice<Backlog>("backlog").value_or(mqtt.backlog);
     mqtt.control_topic = read_control_topic(reader, name);
     check_others(state, reader, mqtt);
     return mqtt;
@@ -148,6 +157,7 @@ Output interpret_output(Interpretation& state, const Node& node, const std::stri
     if (output.transport == OutputTransport::mqtt) {
         read_commands(state, reader, output);
         check_quota(state, reader, output);
+        check_window(state, reader, output);
     }
     return output;
 }

@@ -43,7 +43,10 @@ inline constexpr auto kOutput = joined(
         {.key = "key_file", .range = kPath, .names_host_resource = true, .secret = true},
         {.key = "alpn", .range = between<1, 255>, .directs_secret = true},
         {.key = "keep_alive", .kind = Kind::duration, .range = between<in_ns(5s), in_ns(18h)>},
+        kBackoffKey,
         {.key = "in_flight", .kind = Kind::integer, .range = between<1, 256>},
+        {.key = "round_trip", .kind = Kind::duration, .range = between<in_ns(1us), in_ns(60s)>},
+        {.key = "backlog", .kind = Kind::word, .words = kBacklogs},
     },
     kSelectionKeys,
     {

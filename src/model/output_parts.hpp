@@ -30,6 +30,9 @@ void read_selections(Interpretation& state, Reader& reader, Output& output);
 /// Warns of a journal that an outage of a day fills. Needs `values`.
 void check_quota(const Interpretation& state, Reader& reader, const Output& output);
 
+/// Reports arrays of retained topics, and more messages than the window takes. Needs `values`.
+void check_window(const Interpretation& state, Reader& reader, const Output& output);
+
 /// `commands`: fills `commandable`.
 void read_commands(Interpretation& state, Reader& reader, Output& output);
 

@@ -184,6 +184,7 @@ constexpr std::array kRules{
     RuleInfo{Rule::output_empty, "output.empty"},
     RuleInfo{Rule::output_retain_partial, "output.retain_partial", Severity::warning},
     RuleInfo{Rule::output_quota_short, "output.quota_short", Severity::warning},
+    RuleInfo{Rule::output_falls_behind, "output.falls_behind", Severity::note},
     RuleInfo{Rule::topic_unknown_part, "topic.unknown_part"},
     RuleInfo{Rule::topic_brace, "topic.brace"},
     RuleInfo{Rule::topic_wildcard, "topic.wildcard"},

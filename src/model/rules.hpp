@@ -184,6 +184,7 @@ enum class Rule : std::uint8_t {
     output_empty,
     output_retain_partial,  // {message}
     output_quota_short,     // {output}, {time}, {rate}, {needed}
+    output_falls_behind,    // {output}, {rate}, {limit}, {window}, {round_trip}, {needed}
     topic_unknown_part,     // {part}, {nearest}
     topic_brace,
     topic_wildcard,

@@ -91,6 +91,7 @@ private:
             {"version", word_of(model::kMqttVersions, output.mqtt.version)},
             {"keep_alive", model::to_text(output.mqtt.keep_alive)},
             {"in_flight", std::to_string(output.mqtt.in_flight)},
+            {"backlog", word_of(model::kBacklogs, output.mqtt.backlog)},
             {"message", word_of(model::kMessageScopes, selection.message)},
             {"dead_band", "0"},
             {"bad_quality", word_of(model::kBadQuality, selection.policy.skip_bad)},

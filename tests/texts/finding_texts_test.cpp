@@ -187,8 +187,8 @@ std::vector<std::string> bad_projects() {
             "retain: true}\n"
             "- {name: o6, transport: mqtt, brokers: [mqtt://b], control_topic: c, topic: c/set}\n"
             "- {name: h1, transport: history, variables: [A, A]}\n- {name: h2, transport: history}\n"
-            "- {name: o7, transport: mqtt, brokers: [mqtt://b], control_topic: c, quota_mb: 32, period: "
-            "1ms}\n",
+            "- {name: o7, transport: mqtt, brokers: [mqtt://b], control_topic: c, quota_mb: 32, round_trip: "
+            "1s, period: 1ms}\n",
         "takt: 1\n" + line +
             "{name: A, type: int, register: 1, read: 3}, {name: B, type: int, register: 2, read: 3}]}]}\n"
             "outputs:\n- {name: o, transport: mqtt, brokers: [mqtt://b], topic: a}\n",

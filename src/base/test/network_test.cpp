@@ -14,6 +14,17 @@ std::string text_of(const IpAddress& address) {
     return ::inet_ntop(AF_INET6, address.bytes.data(), text, sizeof text);
 }
 
+TEST(Network, NearbyAddressesAreLoopbackPrivateAndLinkLocal) {
+    for (const auto* text :
+         {"127.0.0.1", "127.255.0.1", "10.1.2.3", "172.16.0.1", "172.31.255.255", "192.168.0.7",
+          "169.254.1.1", "::1", "fc00::1", "fdff::1", "fe80::1%eth0", "febf::1", "::ffff:10.0.0.1"})
+        EXPECT_TRUE(parse_ip(text)->is_nearby()) << text;
+    for (const auto* text :
+         {"126.0.0.1", "11.0.0.1", "172.15.0.1", "172.32.0.1", "192.169.0.1", "169.253.1.1", "0.0.0.0",
+          "::", "::2", "fb00::1", "fe00::1", "fec0::1", "2001:db8::1", "192.0.2.1"})
+        EXPECT_FALSE(parse_ip(text)->is_nearby()) << text;
+}
+
 TEST(Network, ReadsAddresses) {
     const std::pair<const char*, const char*> rows[] = {
         {"192.0.2.7", "::ffff:192.0.2.7"},

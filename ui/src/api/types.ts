@@ -151,6 +151,7 @@ export interface OutputStatus {
   waiting: number;
   dropped: number;
   failure: string | null;
+  falls_behind: { samples_per_s: number; text: string; advice: string } | null;
 }
 
 export interface Finding {

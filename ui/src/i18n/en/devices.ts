@@ -125,6 +125,7 @@ export const devices = {
   outputState: {
     connecting: 'connecting',
     delivering: 'delivering',
+    falls_behind: 'falls behind',
     waiting: 'waiting',
     stopped: 'stopped',
     ended: 'ended',

@@ -10,6 +10,7 @@ export const keys = {
   attempts: 'Attempts',
   backoff: 'Back-off, ms',
   in_flight: 'Requests in flight',
+  backlog: 'Waiting samples',
   group_requests: 'Group requests',
   registers_per_request: 'Registers per request',
   strategy: 'Strategy',
@@ -196,6 +197,7 @@ export const objectKeys = {
   'measurement.offset': 'Offset, bytes',
   'instrument.every': 'Every, ms',
   'mirror.order': 'Order of values',
+  'output.in_flight': 'Messages in flight',
 };
 
 export const words = {
@@ -235,6 +237,7 @@ export const words = {
   mqtt: 'MQTT',
   history: 'History',
   publish: 'Publish',
+  array: 'In arrays',
   skip: 'Skip',
   variable: 'Variable',
   device: 'Device',

@@ -127,6 +127,7 @@ export const devices: Translated<typeof source> = {
   outputState: {
     connecting: 'соединяется',
     delivering: 'доставляет',
+    falls_behind: 'отстаёт',
     waiting: 'ждёт',
     stopped: 'остановлен',
     ended: 'завершён',

@@ -12,6 +12,7 @@ export const keys: Translated<typeof keySource> = {
   attempts: 'Кол-во попыток',
   backoff: 'Отсрочка, мс',
   in_flight: 'Запросов одновременно',
+  backlog: 'Ждущие отсчёты',
   group_requests: 'Группировать запросы',
   registers_per_request: 'Кол-во регистров в запросе',
   strategy: 'Способ группировки',
@@ -197,6 +198,7 @@ export const objectKeys: Translated<typeof objectKeySource> = {
   'measurement.offset': 'Смещение, байт',
   'instrument.every': 'Период опроса, мс',
   'mirror.order': 'Порядок значений',
+  'output.in_flight': 'Сообщений без подтверждения',
 };
 
 export const words: Translated<typeof wordSource> = {
@@ -236,6 +238,7 @@ export const words: Translated<typeof wordSource> = {
   mqtt: 'MQTT',
   history: 'История',
   publish: 'Передавать',
+  array: 'Массивами',
   skip: 'Пропускать',
   variable: 'Переменную',
   device: 'Устройство',

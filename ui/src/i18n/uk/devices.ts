@@ -132,6 +132,7 @@ export const devices: Translated<typeof source> = {
   outputState: {
     connecting: 'з’єднується',
     delivering: 'доставляє',
+    falls_behind: 'відстає',
     waiting: 'чекає',
     stopped: 'зупинено',
     ended: 'завершено',

@@ -12,6 +12,7 @@ export const keys: Translated<typeof keySource> = {
   attempts: 'Кількість спроб',
   backoff: 'Відстрочка, мс',
   in_flight: 'Запитів одночасно',
+  backlog: 'Відліки, що чекають',
   group_requests: 'Групувати запити',
   registers_per_request: 'Регістрів у запиті',
   strategy: 'Спосіб групування',
@@ -197,6 +198,7 @@ export const objectKeys: Translated<typeof objectKeySource> = {
   'measurement.offset': 'Зміщення, байтів',
   'instrument.every': 'Період опитування, мс',
   'mirror.order': 'Порядок значень',
+  'output.in_flight': 'Повідомлень без підтвердження',
 };
 
 export const words: Translated<typeof wordSource> = {
@@ -236,6 +238,7 @@ export const words: Translated<typeof wordSource> = {
   mqtt: 'MQTT',
   history: 'Історія',
   publish: 'Передавати',
+  array: 'Масивами',
   skip: 'Пропускати',
   variable: 'Змінну',
   device: 'Пристрій',

@@ -51,7 +51,11 @@ export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
             key: 'failure',
             title: texts.output.failure,
             width: 'minmax(110px, 1fr)',
-            cell: (its) => <span title={its.failure ?? ''}>{its.failure ?? '–'}</span>,
+            cell: (its) => {
+              const behind = its.falls_behind;
+              const text = its.failure ?? behind?.text;
+              return <span title={[text, behind?.advice].filter(Boolean).join('. ')}>{text ?? '–'}</span>;
+            },
           },
         ]}
         rows={outputs}

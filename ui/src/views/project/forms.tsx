@@ -117,7 +117,18 @@ export function UnitForm({ path }: { path: Path }) {
   );
 }
 
-const MQTT = ['version', 'client_id', 'user', 'password_file', 'password_env', 'keep_alive', 'in_flight'];
+const MQTT = [
+  'version',
+  'client_id',
+  'user',
+  'password_file',
+  'password_env',
+  'keep_alive',
+  'backoff',
+  'in_flight',
+  'round_trip',
+  'backlog',
+];
 const TLS = ['ca_file', 'certificate_file', 'key_file', 'alpn'];
 const SELECTION = [
   'variables',

@@ -14,6 +14,8 @@ struct IpAddress {
     friend constexpr bool operator==(const IpAddress&, const IpAddress&) = default;
 
     [[nodiscard]] bool is_ipv4() const;
+    /// Loopback, private (RFC 1918, RFC 4193) or link-local: no other network is between.
+    [[nodiscard]] bool is_nearby() const;
 };
 
 /// Parses "192.0.2.7", "2001:db8::1", "fe80::1%eth0" (the zone is ignored). Nothing: no address.

@@ -133,6 +133,7 @@ struct RateLimit {
 struct Backoff {
     Duration first = std::chrono::seconds(1);
     Duration limit = std::chrono::seconds(60);
+    friend bool operator==(const Backoff&, const Backoff&) = default;
 };
 
 /// A word for a number, or the name of a bit.

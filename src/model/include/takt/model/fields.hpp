@@ -43,6 +43,8 @@ inline constexpr std::array<std::string_view, 2> kOutputTransports{"mqtt", "hist
 inline constexpr std::array<std::string_view, 3> kMqttVersions{"auto", "5", "3.1.1"};
 /// What a message of an output carries.
 inline constexpr std::array<std::string_view, 3> kMessageScopes{"variable", "device", "request"};
+/// How samples that wait for the broker travel.
+inline constexpr std::array<std::string_view, 2> kBacklogs{"single", "array"};
 inline constexpr std::array<std::string_view, 2> kBadQuality{"publish", "skip"};
 inline constexpr std::array<std::string_view, 4> kChecksums{"none", "sum", "xor", "crc16"};
 /// Numbers in the answer of an instrument.

@@ -41,6 +41,12 @@ enum class MqttVersionChoice : std::uint8_t {
     v3_1_1,
 };
 
+/// How samples of a topic that wait for the broker travel.
+enum class Backlog : std::uint8_t {
+    single,
+    array,  ///< together in JSON arrays, but the last one alone; only if the topic is not retained
+};
+
 /// The connection of an output with transport mqtt. Paths are relative to the project's file; empty: none.
 struct MqttSettings {
     std::vector<Broker> brokers;  ///< in order of preference; 1 to 8
@@ -54,7 +60,13 @@ struct MqttSettings {
     std::string key_file;
     std::string alpn;
     Duration keep_alive = std::chrono::seconds(30);
+    Backoff backoff;  ///< pauses between attempts to connect
+    /// The longest pause after a refused, unreachable or timed-out attempt at a nearby address
+    /// (IpAddress::is_nearby); at least `backoff.first`.
+    Duration nearby_limit = std::chrono::seconds(10);
     std::uint16_t in_flight = 64;  ///< messages that are not acknowledged
+    Duration round_trip{};         ///< from a message to its acknowledgement; zero: unknown
+    Backlog backlog = Backlog::single;
     /// What is not a sample has topics below it: see control_levels(). No sample has one of these topics.
     std::string control_topic;
     friend bool operator==(const MqttSettings&, const MqttSettings&) = default;
@@ -140,14 +152,18 @@ struct Output {
     friend bool operator==(const Output&, const Output&) = default;
 };
 
-/// Bytes of the journal that a sample takes, with its share of the record. An estimate for check_quota().
-inline constexpr double kJournalBytesOfASample = 40;
-
 struct Project;
 
 /// The most samples that an output can have in the long run: of a value with `period` that many, on change at
 /// most one for each read. A value that is read as fast as the line allows counts as read ten times a second,
 /// one that is not read by period as changing once a second.
 [[nodiscard]] double most_samples_per_second(const Project& project, const Output& output);
+
+/// Bytes that the journal of an output needs for these samples. An estimate: src/publish/sample_codec.cpp.
+[[nodiscard]] double most_journal_bytes_per_second(const Project& project, const Output& output);
+
+/// The messages of these samples that need an acknowledgement each. An estimate: values of a device or
+/// request count once, arrays not at all.
+[[nodiscard]] double most_messages_per_second(const Project& project, const Output& output);
 
 }  // namespace takt::model
