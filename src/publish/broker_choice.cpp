@@ -21,6 +21,12 @@ bool needs_user(MqttFailureKind kind) {
     }
 }
 
+// No program answers there: an attempt costs the broker nothing.
+bool is_absent(MqttFailureKind kind) {
+    return kind == MqttFailureKind::refused || kind == MqttFailureKind::unreachable ||
+           kind == MqttFailureKind::timed_out;
+}
+
 // A broker of 3.1.1 answers CONNECT of MQTT 5 with a return code or closes the connection (3.1.1, 3.1.2.2).
 bool may_be_version(const MqttFailure& failure) {
     if (failure.kind == MqttFailureKind::version) return true;
@@ -56,7 +62,7 @@ void BrokerChoice::on_connected(Instant now) {
     known.version = version();
     known.try_3_1_1 = false;
     connected_at_ = now;
-    all_need_user_ = true;
+    all_need_user_ = all_nearby_ = true;
     if (index_ == 0) {
         failed_returns_ = 0;
         return_at_ = kNever;
@@ -66,13 +72,16 @@ void BrokerChoice::on_connected(Instant now) {
     }
 }
 
-Duration BrokerChoice::on_failed(const MqttFailure& failure) {
+Duration BrokerChoice::on_failed(const MqttFailure& failure, bool nearby) {
     if (try_otherwise(failure)) return Duration::zero();
     all_need_user_ = all_need_user_ && needs_user(failure.kind);
+    all_nearby_ = all_nearby_ && nearby && is_absent(failure.kind);
     if (++index_ < known_.size()) return Duration::zero();
     index_ = 0;
     const bool need_user = std::exchange(all_need_user_, true);
-    return next_pause(need_user ? options_.refused_pause : Duration::zero());
+    const bool are_nearby = std::exchange(all_nearby_, true);
+    return next_pause(need_user ? options_.refused_pause : Duration::zero(),
+                      are_nearby ? options_.longest_nearby_pause : kNoLimit);
 }
 
 Duration BrokerChoice::on_lost(Instant now, const MqttFailure& failure) {
@@ -99,8 +108,8 @@ bool BrokerChoice::try_otherwise(const MqttFailure& failure) {
     return false;
 }
 
-Duration BrokerChoice::next_pause(Duration least) {
-    const Duration pause = std::max(pause_, 2 * least);
+Duration BrokerChoice::next_pause(Duration least, Duration most) {
+    const Duration pause = std::min(std::max(pause_, 2 * least), most);
     pause_ = std::min(2 * pause_, options_.longest_pause);
     return pause - pause * static_cast<Duration::rep>(draw() % 1024) / 2048;
 }

@@ -28,7 +28,8 @@ public:
     void on_connected(Instant now);
     /// The attempt failed. @returns the pause before the next attempt, which may be at another broker or with
     /// another version
-    [[nodiscard]] Duration on_failed(const MqttFailure& failure);
+    /// @param nearby  see MqttClosed
+    [[nodiscard]] Duration on_failed(const MqttFailure& failure, bool nearby);
     /// The connection is lost. @returns the pause before the attempt at the preferred broker
     [[nodiscard]] Duration on_lost(Instant now, const MqttFailure& failure);
     /// The connection was left for the preferred broker.
@@ -37,6 +38,8 @@ public:
     [[nodiscard]] Instant return_at() const { return return_at_; }
 
 private:
+    static constexpr Duration kNoLimit = Duration::max();
+
     struct Known {
         std::optional<MqttVersion> version;  // of the last connection
         bool try_3_1_1 = false;              // the attempt with 5 failed so that 3.1.1 may work
@@ -45,13 +48,15 @@ private:
     };
 
     bool try_otherwise(const MqttFailure& failure);
-    Duration next_pause(Duration least);
+    Duration next_pause(Duration least, Duration most = kNoLimit);
     std::uint64_t draw();
 
     const MqttSessionOptions& options_;
     std::vector<Known> known_;
     std::size_t index_ = 0;
-    bool all_need_user_ = true;  // failures of this round
+    // Failures of this round.
+    bool all_need_user_ = true;
+    bool all_nearby_ = true;
     Duration pause_;
     Instant connected_at_{};
     Instant return_at_ = kNever;

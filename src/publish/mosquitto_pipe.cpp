@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "mosquitto_client.hpp"
+#include "takt/base/network.hpp"
 #include "takt/os/descriptor.hpp"
 #include "takt/os/priority.hpp"
 #include "takt/os/worker.hpp"
@@ -133,6 +134,7 @@ private:
     // Of the thread.
     std::optional<MqttConnect> connect_;  // none: no connection
     std::deque<std::string> addresses_;   // not tried yet
+    bool nearby_ = false;                 // all of them and those that were tried
     std::unique_ptr<MosquittoClient> client_;
     Clock::time_point next_tick_{};
     std::optional<Clock::time_point> deadline_;  // of the address, or of DISCONNECT
@@ -198,6 +200,7 @@ void MosquittoPipe::Thread::wait() {
 
 void MosquittoPipe::Thread::act(const MqttConnect& action) {
     connect_ = action;
+    nearby_ = false;
     const bool posted = resolver_.post(
         [shared = shared_, request = std::make_unique<std::pair<MqttConnectionId, std::string>>(
                                action.connection, action.broker.host)] {
@@ -229,6 +232,10 @@ void MosquittoPipe::Thread::on_resolved(ResolvedBroker&& resolved) {
     if (!connect_ || connect_->connection != resolved.connection) return;
     if (resolved.addresses.empty()) return close({MqttFailureKind::dns, {}, resolved.error});
     addresses_.assign(resolved.addresses.begin(), resolved.addresses.end());
+    nearby_ = std::ranges::all_of(addresses_, [](const std::string& address) {
+        const auto ip = parse_ip(address);
+        return ip && ip->is_nearby();
+    });
     try_next_address();
 }
 
@@ -270,7 +277,7 @@ void MosquittoPipe::Thread::close(MqttFailure failure) {
     connect_.reset();
     addresses_.clear();
     deadline_.reset();
-    emit(MqttClosed{connection, std::move(failure)});
+    emit(MqttClosed{connection, std::move(failure), nearby_});
 }
 
 MosquittoPipe::MosquittoPipe()

@@ -209,7 +209,7 @@ void MqttSession::State::on(Instant now, const MqttClosed& event) {
         return connect(now);
     }
     note(now, Concern::connection, failure);
-    if (!was_open) return wait(now, choice.on_failed(failure));
+    if (!was_open) return wait(now, choice.on_failed(failure, event.nearby));
     ++counters.lost_connections;
     taken_over = failure.kind == MqttFailureKind::session_taken_over;
     if (failure.kind == MqttFailureKind::quota) allowed = 1;
@@ -317,7 +317,7 @@ std::optional<MqttAction> MqttSession::State::next_of_source(Instant now) {
             window.unsendable(now, token, next->token, reason);
             continue;
         }
-        window.sent(token, next->token, std::min(next->message.qos, connected.maximum_qos) > 0);
+        window.sent(now, token, next->token, std::min(next->message.qos, connected.maximum_qos) > 0);
         ++counters.published;
         if (next->repeated) ++counters.repeated;
         return publish_action(now, std::move(next->message));
@@ -429,6 +429,7 @@ MqttStatus MqttSession::status() const {
                             ? std::chrono::seconds(*state.connected.server_keep_alive)
                             : state.options.keep_alive;
     status.window = state.window_now();
+    status.round_trip = state.window.round_trip();
     status.in_flight = state.in_flight();
     return status;
 }

@@ -115,6 +115,9 @@ MqttSessionOptions session_options(const model::Output& output, const MqttCompos
     options.user = settings.user;
     options.password = password;
     options.keep_alive = std::chrono::duration_cast<std::chrono::seconds>(settings.keep_alive);
+    options.first_pause = settings.backoff.first;
+    options.longest_pause = settings.backoff.limit;
+    options.longest_nearby_pause = settings.nearby_limit;
     options.window = settings.in_flight;
     options.birth = state_topic(composer, true);
     options.will = state_topic(composer, false);
@@ -241,6 +244,10 @@ std::string settings_text(const model::Output& output, const host::Configuration
     add(static_cast<int>(mqtt.version));
     add(mqtt.keep_alive.count());
     add(mqtt.in_flight);
+    add(mqtt.backoff.first.count());
+    add(mqtt.backoff.limit.count());
+    add(mqtt.nearby_limit.count());
+    add(static_cast<int>(mqtt.backlog));
     add(output.journal.quota);
     add(output.journal.retention.count());
     add(output.journal.buffer);

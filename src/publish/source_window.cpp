@@ -9,8 +9,8 @@ bool is_final(MqttReason reason) {
            reason == MqttReason::payload_format_invalid;
 }
 
-void SourceWindow::sent(MqttToken token, std::uint64_t of_source, bool proved) {
-    entries_.push_back({.token = token, .of_source = of_source, .proved = proved});
+void SourceWindow::sent(Instant now, MqttToken token, std::uint64_t of_source, bool proved) {
+    entries_.push_back({.token = token, .sent = now, .of_source = of_source, .proved = proved});
     ++waiting_;
 }
 
@@ -38,6 +38,11 @@ SourceWindow::Settled SourceWindow::settle(Instant now, MqttToken token, MqttRea
     const auto settled = entry->answer == Answer::rejected ? Settled::rejected
                          : entry->proved                   ? Settled::accepted
                                                            : Settled::handed_over;
+    if (settled == Settled::accepted) {
+        constexpr int kSmoothing = 8;  // as RFC 6298
+        const Duration measured = now - entry->sent;
+        round_trip_ = round_trip_ ? *round_trip_ + (measured - *round_trip_) / kSmoothing : measured;
+    }
     move_cursor(now);
     return settled;
 }
@@ -50,6 +55,7 @@ MqttToken SourceWindow::oldest_waiting() const {
 void SourceWindow::rewind() {
     blocked_ = false;
     waiting_ = 0;
+    round_trip_.reset();
     if (entries_.empty()) return;
     entries_.clear();
     source_.rewind();

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 
 #include "takt/base/time.hpp"
 #include "takt/publish/message_source.hpp"
@@ -18,7 +19,7 @@ public:
     /// A message was handed to the pipe.
     /// @param token   ascending
     /// @param proved  the broker will acknowledge it (QoS > 0)
-    void sent(MqttToken token, std::uint64_t of_source, bool proved);
+    void sent(Instant now, MqttToken token, std::uint64_t of_source, bool proved);
     /// A message can never be sent.
     void unsendable(Instant now, MqttToken token, std::uint64_t of_source, MqttReason reason);
 
@@ -26,6 +27,9 @@ public:
     /// The broker answered. A refused message stays: blocked() until rewind().
     Settled settle(Instant now, MqttToken token, MqttReason reason);
 
+    /// From sent() to settle() of messages that the broker accepted, smoothed; none: there was none since
+    /// rewind().
+    [[nodiscard]] std::optional<Duration> round_trip() const { return round_trip_; }
     /// Messages without an answer.
     [[nodiscard]] std::size_t waiting() const { return waiting_; }
     /// The first of them; 0: there is none.
@@ -41,6 +45,7 @@ private:
     enum class Answer : std::uint8_t { none, accepted, rejected, refused };
     struct Entry {
         MqttToken token = 0;
+        Instant sent{};
         std::uint64_t of_source = 0;
         Answer answer = Answer::none;
         MqttReason reason = MqttReason::success;
@@ -52,6 +57,7 @@ private:
     MessageSource& source_;
     std::deque<Entry> entries_;
     std::size_t waiting_ = 0;
+    std::optional<Duration> round_trip_;
     bool blocked_ = false;
 };
 

@@ -63,6 +63,64 @@ TEST_F(MqttSessionConnection, PausesDoubleUpToTheirLimitAndAreUpToHalfShorter) {
     EXPECT_EQ(status().counters.attempts, 9U);
 }
 
+TEST_F(MqttSessionConnection, PausesAreShortWhereNoProgramAnswersNearby) {
+    const auto longest_pause = [](MqttFailureKind kind, bool nearby) {
+        SessionRig rig;
+        rig.options.versions = MqttVersions::only_5;
+        rig.start();
+        Duration longest{};
+        for (int i = 0; i < 20; ++i) {
+            rig.connection = rig.expect<MqttConnect>().connection;
+            rig.event(MqttClosed{rig.connection, {kind, {}, {}}, nearby});
+            longest = std::max(longest, rig.until_attempt());
+        }
+        return longest;
+    };
+    for (const auto kind :
+         {MqttFailureKind::refused, MqttFailureKind::unreachable, MqttFailureKind::timed_out}) {
+        EXPECT_LE(longest_pause(kind, true), 10s) << name(kind);
+        EXPECT_GT(longest_pause(kind, true), 5s);
+        EXPECT_GT(longest_pause(kind, false), 30s);
+    }
+    for (const auto kind : {MqttFailureKind::not_authorized, MqttFailureKind::lost,
+                            MqttFailureKind::unavailable, MqttFailureKind::tls, MqttFailureKind::dns})
+        EXPECT_GT(longest_pause(kind, true), 30s) << name(kind);
+}
+
+TEST_F(MqttSessionConnection, ShortConnectionsAndTakeoversKeepTheirPausesNearby) {
+    options.versions = MqttVersions::only_5;
+    start();
+    for (int i = 0; i < 8; ++i) {
+        accept();
+        event(MqttClosed{connection, {MqttFailureKind::lost, {}, {}}, true});
+        const Duration pause = until_attempt();
+        if (i == 7) EXPECT_GT(pause, 30s);
+    }
+    connection = expect<MqttConnect>().connection;
+    event(MqttClosed{connection, {MqttFailureKind::refused, {}, {}}, true});
+    EXPECT_LE(until_attempt(), 10s);
+    accept();
+    event(MqttClosed{
+        connection, {MqttFailureKind::session_taken_over, MqttReason::session_taken_over, {}}, true});
+    EXPECT_EQ(status().state, MqttState::stopped);
+    EXPECT_GT(until_attempt(), 4min);
+}
+
+TEST_F(MqttSessionConnection, OneBrokerThatIsNotNearbyMakesTheRoundLong) {
+    options.versions = MqttVersions::only_5;
+    options.brokers = {{.host = "near"}, {.host = "far"}};
+    start();
+    Duration longest{};
+    for (int i = 0; i < 20; ++i) {
+        for (const bool nearby : {true, false}) {
+            connection = expect<MqttConnect>().connection;
+            event(MqttClosed{connection, {MqttFailureKind::refused, {}, {}}, nearby});
+        }
+        longest = std::max(longest, until_attempt());
+    }
+    EXPECT_GT(longest, 30s);
+}
+
 TEST_F(MqttSessionConnection, TheJitterComesFromTheSeed) {
     const auto pauses = [](std::uint64_t seed) {
         SessionRig rig;

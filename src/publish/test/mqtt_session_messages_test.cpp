@@ -318,5 +318,21 @@ TEST_F(MqttSessionMessages, AnIdleConnectionIsNotReplaced) {
     EXPECT_TRUE(actions.empty()) << "the time counts from the first message after the pause";
 }
 
+TEST_F(MqttSessionMessages, TheRoundTripIsThatOfAcknowledgements) {
+    start();
+    accept();
+    EXPECT_EQ(status().round_trip, std::nullopt);
+    produce(2);
+    published();
+    now += 100ms;
+    acknowledge({"1"});
+    EXPECT_EQ(status().round_trip, 100ms);
+    now += 80ms;
+    acknowledge({"2"});
+    EXPECT_EQ(status().round_trip, 110ms) << "smoothed";
+    close(MqttFailureKind::lost);
+    EXPECT_EQ(status().round_trip, std::nullopt);
+}
+
 }  // namespace mqtt_session_messages_test
 }  // namespace takt::publish

@@ -167,6 +167,7 @@ struct MqttFailure {
 struct MqttClosed {
     MqttConnectionId connection = 0;
     MqttFailure failure;
+    bool nearby = false;  ///< all addresses of the broker are nearby (IpAddress::is_nearby)
 };
 
 /// QoS 1 and 2: PUBACK or PUBCOMP. QoS 0: the packet was handed to the operating system. A message that the

@@ -45,6 +45,8 @@ struct MqttSessionOptions {
     /// After the first failure; doubles with each further one.
     Duration first_pause = std::chrono::seconds(1);
     Duration longest_pause = std::chrono::seconds(60);
+    /// Instead of longest_pause, after refused, unreachable and timed-out attempts at nearby addresses only.
+    Duration longest_nearby_pause = std::chrono::seconds(10);
     /// The least pause after a failure that a user must clear: password, certificate, quota.
     Duration refused_pause = std::chrono::seconds(30);
     Duration taken_over_pause = std::chrono::minutes(5);  ///< after session_taken_over

@@ -54,6 +54,7 @@ struct MqttStatus {
     std::optional<std::uint32_t> maximum_packet;  ///< bytes of a packet that the broker takes; none: no limit
     std::chrono::seconds keep_alive{0};           ///< of the connection, possibly the broker's
     std::size_t window = 0;                       ///< messages that may be in flight now
+    std::optional<Duration> round_trip;           ///< from a message to its acknowledgement, smoothed
     std::size_t in_flight = 0;                    ///< messages that the broker has not acknowledged
     std::size_t live_waiting = 0;                 ///< live messages in the queue, those in flight included
     bool refusing = false;  ///< the broker refuses a message of the source; it is sent again after pauses
