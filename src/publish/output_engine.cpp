@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "delivery_pace.hpp"
 #include "output_log.hpp"
 #include "takt/base/assert.hpp"
 
@@ -17,7 +18,8 @@ OutputEngine::OutputEngine(Options options, std::unique_ptr<OutputWork> work)
     : options_(std::move(options)),
       queue_(options_.queue_bytes),
       work_(std::move(work)),
-      output_log_(std::make_unique<OutputLog>(options_.log)) {
+      output_log_(std::make_unique<OutputLog>(options_.log)),
+      pace_(std::make_unique<DeliveryPace>()) {
     TAKT_ASSERT(options_.open_storage && options_.wall_ns && work_);
     status_.name = options_.name;
 }
@@ -167,6 +169,8 @@ void OutputEngine::publish_status(Instant now) {
         if (now >= status_at_ || !oldest_ns_) find_oldest(now);
         if (counters.waiting > 0) status.oldest_waiting_ns = oldest_ns_;
         work_->report(now, status);
+        status.behind_per_s = pace_->note(now, status);
+        if (status.behind_per_s > 0) status.state = OutputState::falls_behind;
     }
     output_log_->note(status);
     const std::lock_guard lock(status_mutex_);

@@ -1,13 +1,15 @@
 #include "output_log.hpp"
 
 #include <array>
+#include <chrono>
 #include <string>
 
 namespace takt::publish {
 namespace {
 
 bool is_lasting(OutputState state) {
-    return state == OutputState::delivering || state == OutputState::waiting || state == OutputState::stopped;
+    return state == OutputState::delivering || state == OutputState::falls_behind ||
+           state == OutputState::waiting || state == OutputState::stopped;
 }
 
 }  // namespace
@@ -28,6 +30,7 @@ void OutputLog::note_destination(const OutputStatus& status) {
     if (!is_lasting(status.state) || (status.state == state_ && status.failure == failure_)) return;
     state_ = status.state;
     failure_ = status.failure;
+    if (state_ == OutputState::falls_behind) return note_behind(status);
     const std::string code = "app.output." + std::string(publish::name(status.state));
     const std::array arguments{LogArgument{.name = "name", .text = status.name},
                                LogArgument{.name = "destination", .text = status.destination},
@@ -37,6 +40,20 @@ void OutputLog::note_destination(const OutputStatus& status) {
         log_.message(LogLevel::info, "log.output.state", arguments);
     else
         log_.message(LogLevel::warning, "log.output.failed", arguments);
+}
+
+void OutputLog::note_behind(const OutputStatus& status) {
+    const auto mqtt = status.mqtt.value_or(MqttStatus());
+    const auto rate = std::to_string(status.behind_per_s);
+    const auto window = std::to_string(mqtt.window);
+    const auto round_trip = std::to_string(
+        std::chrono::round<std::chrono::milliseconds>(mqtt.round_trip.value_or(Duration{})).count());
+    const std::array arguments{LogArgument{.name = "name", .text = status.name},
+                               LogArgument{.name = "destination", .text = status.destination},
+                               LogArgument{.name = "rate", .text = rate},
+                               LogArgument{.name = "window", .text = window},
+                               LogArgument{.name = "round_trip", .text = round_trip}};
+    log_.message(LogLevel::warning, "log.output.falls_behind", arguments);
 }
 
 // The first of a series; their number is in the status.

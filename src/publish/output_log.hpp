@@ -18,6 +18,7 @@ public:
 
 private:
     void note_destination(const OutputStatus& status);
+    void note_behind(const OutputStatus& status);
     void note_journal(const OutputStatus& status);
     void note_unrecorded(const OutputStatus& status);
     void note_too_large(const OutputStatus& status);

@@ -7,6 +7,7 @@ std::string_view name(OutputState state) {
         case OutputState::starting: return "starting";
         case OutputState::connecting: return "connecting";
         case OutputState::delivering: return "delivering";
+        case OutputState::falls_behind: return "falls_behind";
         case OutputState::waiting: return "waiting";
         case OutputState::stopped: return "stopped";
         case OutputState::ended: return "ended";

@@ -23,6 +23,9 @@ file::Json mqtt_json(const publish::MqttStatus& status) {
     auto object = file::Json::object();
     object.set("state", publish::name(status.state));
     if (status.version) object.set("version", *status.version == publish::MqttVersion::v5 ? "5" : "3.1.1");
+    object.set("window", status.window);
+    object.set("round_trip_ms",
+               status.round_trip ? file::Json(milliseconds(*status.round_trip)) : file::Json());
     object.set("in_flight", status.in_flight);
     object.set("published", status.counters.published);
     object.set("acknowledged", status.counters.acknowledged);
@@ -38,6 +41,22 @@ file::Json mqtt_json(const publish::MqttStatus& status) {
     last.set("topic", status.last_oversized.topic);
     last.set("bytes", status.last_oversized.bytes);
     object.set("last_oversized", std::move(last));
+    return object;
+}
+
+/// Null unless it falls behind.
+file::Json behind_json(const Texts& texts, const publish::OutputStatus& status) {
+    if (status.behind_per_s == 0 || !status.mqtt) return {};
+    const auto round_trip = status.mqtt->round_trip.value_or(Duration{});
+    auto object = file::Json::object();
+    object.set("samples_per_s", status.behind_per_s);
+    object.set("text",
+               texts("app.output.behind",
+                     {{"rate", std::to_string(status.behind_per_s)},
+                      {"window", std::to_string(status.mqtt->window)},
+                      {"round_trip",
+                       std::to_string(std::chrono::round<std::chrono::milliseconds>(round_trip).count())}}));
+    object.set("advice", texts("problem.advice.falls_behind"));
     return object;
 }
 
@@ -66,11 +85,16 @@ std::string scalar_text(const file::Json& object, std::string_view key) {
 
 /// The line of an object of output_json(); keys that are missing are left out.
 std::string output_line(const Texts& texts, const file::Json& output) {
-    auto text = texts("app.output.state", {{"name", scalar_text(output, "name")},
-                                           {"state", texts("app.output." + scalar_text(output, "state"))},
-                                           {"destination", scalar_text(output, "destination")},
-                                           {"delivered", scalar_text(output, "delivered")},
-                                           {"waiting", scalar_text(output, "waiting")}});
+    const auto* const behind = output.find("falls_behind");
+    const auto behind_text =
+        behind != nullptr && !behind->is_null() ? scalar_text(*behind, "text") : std::string();
+    auto text =
+        texts("app.output.state",
+              {{"name", scalar_text(output, "name")},
+               {"state", texts("app.output." + scalar_text(output, "state"), {{"behind", behind_text}})},
+               {"destination", scalar_text(output, "destination")},
+               {"delivered", scalar_text(output, "delivered")},
+               {"waiting", scalar_text(output, "waiting")}});
     if (const auto* const age = output.find("oldest_waiting_ms"); age != nullptr && !age->is_null())
         text += texts("app.output.oldest",
                       {{"age", age_text(time_member(output, "oldest_waiting_ms").value_or(Duration{}))}});
@@ -151,6 +175,7 @@ file::Json output_json(const Texts& texts, const publish::OutputStatus& status, 
                                         ? file::Json(milliseconds(waiting_since(status, wall_ns)))
                                         : file::Json());
     object.set("failure", status.failure.empty() ? file::Json() : file::Json(status.failure));
+    object.set("falls_behind", behind_json(texts, status));
     object.set("commands", status.commands);
     object.set("commands_refused", status.commands_refused);
     object.set("answers_dropped", status.answers_dropped);
@@ -171,12 +196,18 @@ void add_outputs(const Texts& texts, file::Json& status, std::span<const publish
                output.commands_unrecorded > 0 || output.state == stopped || output.state == removed;
     };
     file::Json::Array problems;
-    for (const auto& output : outputs)
-        if (in_trouble(output))
-            problems.push_back(problem_json({.severity = Problem::Severity::error,
-                                             .kind = Problem::Kind::output,
-                                             .output = output.name,
-                                             .text = output_text(texts, output, wall_ns)}));
+    for (const auto& output : outputs) {
+        Problem problem{.kind = Problem::Kind::output, .output = output.name};
+        problem.severity = in_trouble(output) ? Problem::Severity::error : Problem::Severity::warning;
+        const bool is_behind = output.behind_per_s > 0;
+        if (!is_behind && !in_trouble(output)) continue;
+        problem.text = output_text(texts, output, wall_ns);
+        if (is_behind) {
+            problem.tried = texts("problem.tried.journal");
+            problem.advice = texts("problem.advice.falls_behind");
+        }
+        problems.push_back(problem_json(problem));
+    }
     if (!problems.empty() && string_member(status, "health") == "ok") status.set("health", "degraded");
     const auto& others = array_member(status, "problems");
     problems.insert(problems.end(), others.begin(), others.end());

@@ -48,6 +48,16 @@ TEST(OutputLog, HasChangesAndNoAttempts) {
                                         "3 log.output.failed cloud mqtt://b:1883 lost app.output.waiting"}));
 }
 
+TEST(OutputLog, HasTheWindowOfAnOutputThatFallsBehind) {
+    Lines lines;
+    OutputLog log(lines.log());
+    OutputStatus status{.name = "cloud", .state = OutputState::falls_behind, .destination = "mqtt://b:1883"};
+    status.mqtt = MqttStatus{.window = 20, .round_trip = std::chrono::milliseconds(100)};
+    for (status.behind_per_s = 640; status.behind_per_s < 643; ++status.behind_per_s) log.note(status);
+    EXPECT_EQ(lines.lines,
+              (std::vector<std::string>{"3 log.output.falls_behind cloud mqtt://b:1883 640 20 100"}));
+}
+
 TEST(OutputLog, HasSamplesThatAreTooLargeOnce) {
     Lines lines;
     OutputLog log(lines.log());

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "sample.hpp"
+#include "takt/report/problems.hpp"
 #include "takt/report/state_report.hpp"
 
 namespace takt::report {
@@ -45,7 +46,8 @@ TEST(OutputsReport, ALineForEachOutput) {
 
 TEST(OutputsReport, EveryStateHasItsWords) {
     using enum publish::OutputState;
-    for (const auto state : {starting, connecting, delivering, waiting, stopped, ended, removed})
+    for (const auto state :
+         {starting, connecting, delivering, falls_behind, waiting, stopped, ended, removed})
         for (const auto language : kLanguages) {
             auto one = status();
             one.state = state;
@@ -85,6 +87,30 @@ TEST(OutputsReport, TroubleOfAnOutputShowsInTheHealth) {
                                [](auto& its) { its.state = publish::OutputState::stopped; }};
     for (const auto change : troubles) EXPECT_EQ(health_with("ok", change), "degraded");
     EXPECT_EQ(health_with("failed", troubles[0]), "failed");
+}
+
+TEST(OutputsReport, AnOutputThatFallsBehindNamesItsWindowAndARemedy) {
+    auto made = status();
+    made.state = publish::OutputState::falls_behind;
+    made.failure.clear();
+    made.behind_per_s = 640;
+    made.mqtt = publish::MqttStatus{.window = 20, .round_trip = std::chrono::microseconds(100'300)};
+    EXPECT_TRUE(output_text(english(), made, 0)
+                    .starts_with("output cloud: falls behind: 640 samples/s waiting, window 20 × 100 ms, at "
+                                 "mqtts://broker.example:8883, 100 samples delivered, 25 waiting"));
+    const auto json = output_json(english(), made, 0);
+    EXPECT_JSON(*json.find("state"), "falls_behind");
+    EXPECT_JSON(*json.find("falls_behind")->find("samples_per_s"), 640U);
+    EXPECT_JSON(*json.find("mqtt")->find("window"), 20U);
+    EXPECT_JSON(*json.find("mqtt")->find("round_trip_ms"), 100.3);
+    auto answer = file::Json::object();
+    answer.set("health", "ok");
+    add_outputs(english(), answer, std::span(&made, 1), 0);
+    EXPECT_JSON(*answer.find("health"), "degraded");
+    const auto text = problems_text(english(), *answer.find("problems"));
+    for (const auto* part : {"falls behind: 640 samples/s waiting, window 20 × 100 ms", "`backlog: array`",
+                             "`max_inflight_messages`", "journal"})
+        expect_contains(text, part);
 }
 
 TEST(OutputsReport, JsonHasTheCountsAndTheOldest) {

@@ -17,6 +17,7 @@
 
 namespace takt::publish {
 
+class DeliveryPace;
 class OutputLog;
 
 /// Appends queued samples to a journal, synchronises it, and lets an OutputWork deliver its records. A
@@ -85,6 +86,7 @@ private:
     std::optional<store::Journal> journal_;           // outlives the work
     std::unique_ptr<OutputWork> work_;
     std::unique_ptr<OutputLog> output_log_;
+    std::unique_ptr<DeliveryPace> pace_;
     Instant open_again_{};
     std::optional<Error> open_failure_;
     std::uint64_t taken_ = 0;            // samples from the queue

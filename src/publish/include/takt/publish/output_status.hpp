@@ -23,11 +23,12 @@ struct OutputSamples {
 };
 
 enum class OutputState : std::uint8_t {
-    starting,    ///< the journal is being opened
-    connecting,  ///< to a broker
-    delivering,  ///< the destination takes samples
-    waiting,     ///< the destination is away; the next attempt follows
-    stopped,     ///< a user must act; see the failure
+    starting,      ///< the journal is being opened
+    connecting,    ///< to a broker
+    delivering,    ///< the destination takes samples
+    falls_behind,  ///< it takes fewer than are sampled
+    waiting,       ///< the destination is away; the next attempt follows
+    stopped,       ///< a user must act; see the failure
     ended,
     removed,  ///< from the project, with samples that wait; the destination is the directory of the journal
 };
@@ -41,8 +42,9 @@ struct OutputStatus {
     std::optional<std::int64_t> oldest_waiting_ns;  ///< wall time of the oldest durable sample not delivered
     std::string destination;                        ///< the broker in use, or the file
     std::optional<Error> journal_failure;           ///< of its disk; none as soon as it works again
-    Duration disk_waits{};  ///< for so long the disk has not answered; zero: less than 2 s
-    std::string failure;    ///< the last one of the destination; empty: none since the last success
+    Duration disk_waits{};           ///< for so long the disk has not answered; zero: less than 2 s
+    std::uint64_t behind_per_s = 0;  ///< of falls_behind: samples a second that are not delivered
+    std::string failure;             ///< the last one of the destination; empty: none since the last success
     store::JournalStatus journal;
     std::optional<MqttStatus> mqtt;  ///< of an MQTT output
     // Of this run.

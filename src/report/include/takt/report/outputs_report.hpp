@@ -29,7 +29,7 @@ namespace takt::report {
                                       std::int64_t wall_ns);
 
 /// Adds the key `outputs` to the answer to `status`. Its health is not `ok` where an output loses samples,
-/// cannot write its journal, or needs a person.
+/// falls behind, cannot write its journal, or needs a person.
 void add_outputs(const Texts& texts, file::Json& status, std::span<const publish::OutputStatus> outputs,
                  std::int64_t wall_ns);
 
