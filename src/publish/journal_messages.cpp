@@ -1,7 +1,7 @@
-// The token of a message is the sequence number of its record and its index in it: it is the same after a
-// rewind, also where the record gets another place in the queue. A record has its cursor moved when its last
-// message is finished. A gap has the last index: where it replaces a record whose first messages are
-// finished, it is behind them.
+// The token of a message is the sequence number of the first record of its portion, and its index in it: it
+// is the same after a rewind, also where the record gets another place in the queue. The cursor moves when
+// the last message of a portion is finished. A gap has the last index: where it replaces a record whose first
+// messages are finished, it is behind them.
 #include "takt/publish/journal_messages.hpp"
 
 #include <algorithm>
@@ -29,14 +29,16 @@ std::optional<SourceMessage> JournalMessages::next(Instant now, const MessageLim
     if (!have_same_messages(limits, limits_)) change_limits(limits);
     for (;;) {
         while (next_ < composed_.size()) {
-            const auto token = records_.back().first_token + next_;
-            auto& message = composed_[next_++].message;
+            const auto index = next_++;
+            const auto token = portions_.back().first_token + index;
             if (token <= finished_token_) continue;  // acknowledged before a rewind
-            const bool repeated = token <= highest_token_ || records_.back().sequence <= last_of_earlier_run_;
             highest_token_ = std::max(highest_token_, token);
-            return SourceMessage{.token = token, .repeated = repeated, .message = std::move(message)};
+            highest_returned_ = std::max(highest_returned_, portions_.back().records.back().sequence);
+            return SourceMessage{.token = token,
+                                 .repeated = index < repeated_,
+                                 .message = std::move(composed_[index].message)};
         }
-        if (!read_record(now)) return std::nullopt;
+        if (!read_portion(now)) return std::nullopt;
     }
 }
 
@@ -45,105 +47,171 @@ void JournalMessages::change_limits(const MessageLimits& limits) {
     limits_ = limits;
     if (highest_token_ == 0) return;
     rewind();
-    other_limits_token_ = highest_token_;
+    other_messages_token_ = highest_token_;
     finished_token_ = std::min(finished_token_, token_of(journal_.acknowledged(destination_) + 1, 0) - 1);
 }
 
-bool JournalMessages::read_record(Instant now) {
+std::optional<JournalMessages::Entry> JournalMessages::take_entry() {
+    if (pending_) return std::exchange(pending_, {});
     const auto entry = journal_.read(destination_);
     failure_.reset();
     if (!entry) failure_ = entry.error();
-    if (!entry || !*entry) return false;
+    if (!entry || !*entry) return std::nullopt;
     const auto& header = (*entry)->header;
     if ((*entry)->repeated && header.sequence > highest_record_) last_of_earlier_run_ = header.sequence;
     highest_record_ = std::max(highest_record_, header.sequence);
-    const bool is_gap = (*entry)->gap.has_value();
-    const auto first_token = token_of(header.sequence, is_gap ? MessageComposer::kMostMessages - 1 : 0);
-    const bool readable = compose(**entry, place_of(header, first_token));
-    TAKT_ASSERT(composed_.size() <= (is_gap ? 1 : MessageComposer::kMostMessages));
+    Entry taken{.header = header, .gap = (*entry)->gap, .batch = {}};
+    if (taken.gap) return taken;
+    if (auto batch = decode_samples((*entry)->payload)) taken.batch = *std::move(batch);
+    return taken;
+}
 
-    Record record{
-        .sequence = header.sequence, .first_token = first_token, .wall_ns = header.wall_ns, .samples = {}};
+bool JournalMessages::read_portion(Instant now) {
+    auto entry = take_entry();
+    if (!entry) return false;
+    const auto header = entry->header;
+    const auto gap = entry->gap;
+    Portion portion{.records = {{header.sequence, gap ? 0 : header.samples}},
+                    .first_token = token_of(header.sequence, gap ? MessageComposer::kMostMessages - 1 : 0),
+                    .wall_ns = header.wall_ns};
+    composed_.clear();
+    next_ = 0;
+    if (entry->batch) {
+        const auto records = join_records(*std::move(entry), portion);
+        if (composer_.joins_records()) note_end(portion);
+        const auto place = place_of(header, portion);
+        repeated_ = place.repeated;
+        composer_.compose(records, place, composed_);
+    } else if (gap) {
+        const auto place = place_of(header, portion);
+        repeated_ = place.repeated;
+        composer_.compose(*gap, place, composed_);
+    } else {
+        rejected_ += header.samples;
+        drop(portion, header.samples, 0);
+    }
+    TAKT_ASSERT(composed_.size() <= (gap ? 1 : MessageComposer::kMostMessages));
     std::uint64_t gaps = 0;
     for (const auto& composed : composed_) {
-        record.samples.push_back(composed.samples);
-        record.too_large += composed.too_large;
+        portion.samples.push_back(composed.samples);
+        portion.too_large += composed.too_large;
         gaps += composed.too_large > 0 ? 1 : 0;
     }
-    // The entry is in flight, and has that many samples: this cannot fail.
-    const auto dropped = readable ? record.too_large : header.samples;
-    if (dropped > 0) static_cast<void>(journal_.reject(destination_, header.sequence, dropped, gaps));
-    if (!readable) rejected_ += header.samples;
-    records_.push_back(std::move(record));
-    finish_records(now, finished_token_);
+    if (portion.too_large > 0) drop(portion, portion.too_large, gaps);
+    portions_.push_back(std::move(portion));
+    finish_portions(now, finished_token_);
     return true;
 }
 
-StreamPlace JournalMessages::place_of(const store::RecordHeader& header, std::uint64_t first_token) const {
+std::vector<RecordSamples> JournalMessages::join_records(Entry&& first, Portion& portion) {
+    const auto header = first.header;
+    std::vector<RecordSamples> records;
+    records.push_back({*std::move(first.batch), header.samples_before + 1});
+    std::size_t samples = records.back().batch.samples.size();
+    while (composer_.joins_records()) {
+        pending_ = take_entry();
+        if (!pending_ || !may_join(portion, header, *pending_, samples)) break;
+        portion.records.push_back({pending_->header.sequence, pending_->header.samples});
+        records.push_back({*std::move(pending_->batch), pending_->header.samples_before + 1});
+        samples += records.back().batch.samples.size();
+        pending_.reset();
+    }
+    return records;
+}
+
+// A portion that was read before ends where it ended then.
+bool JournalMessages::may_join(const Portion& portion, const store::RecordHeader& first, const Entry& next,
+                               std::size_t samples) const {
+    if (!next.batch || next.header.epoch != first.epoch) return false;
+    if ((next.header.sequence <= last_of_earlier_run_) != (first.sequence <= last_of_earlier_run_))
+        return false;
+    const auto last = portion.records.back().sequence;
+    const auto end = std::ranges::lower_bound(ends_, last);
+    if (end != ends_.end()) return last < *end;
+    return samples + next.batch->samples.size() <= kMostSamples;
+}
+
+// A portion without the records that the journal has lost since has other messages.
+void JournalMessages::note_end(const Portion& portion) {
+    const auto last = portion.records.back().sequence;
+    while (!ends_.empty() && ends_.front() <= journal_.acknowledged(destination_)) ends_.pop_front();
+    const auto end = std::ranges::lower_bound(ends_, last);
+    if (end == ends_.end()) {
+        ends_.push_back(last);
+    } else if (*end != last) {
+        ends_.insert(end, last);
+        other_messages_token_ = highest_token_;
+        finished_token_ = std::min(finished_token_, portion.first_token - 1);
+    }
+}
+
+StreamPlace JournalMessages::place_of(const store::RecordHeader& header, const Portion& portion) const {
     StreamPlace place{.epoch = header.epoch,
                       .first = header.samples_before + 1,
                       .packet_limit = limits_.packet,
                       .version = limits_.version};
-    if (header.sequence <= last_of_earlier_run_ || other_limits_token_ >= first_token)
+    const bool was_in_other_portion =
+        portion.first_token > highest_token_ && header.sequence <= highest_returned_;
+    if (header.sequence <= last_of_earlier_run_ || other_messages_token_ >= portion.first_token ||
+        (was_in_other_portion && portion.records.front().samples > 0))
         place.repeated = MessageComposer::kMostMessages;
-    else if (highest_token_ >= first_token)
-        place.repeated = static_cast<std::size_t>(highest_token_ - first_token) + 1;
+    else if (highest_token_ >= portion.first_token)
+        place.repeated = static_cast<std::size_t>(highest_token_ - portion.first_token) + 1;
     return place;
 }
 
-/// @returns whether the record can be read
-bool JournalMessages::compose(const store::JournalEntry& entry, const StreamPlace& place) {
-    composed_.clear();
-    next_ = 0;
-    if (entry.gap) {
-        composer_.compose(*entry.gap, place, composed_);
-        return true;
+// The records are in flight, and have that many samples together: this cannot fail.
+void JournalMessages::drop(Portion& portion, std::uint64_t samples, std::uint64_t gaps) {
+    for (auto& record : portion.records) {
+        const auto dropped = std::min(samples, record.samples);
+        if (dropped == 0) continue;
+        static_cast<void>(journal_.reject(destination_, record.sequence, dropped, std::exchange(gaps, 0)));
+        record.samples -= dropped;
+        samples -= dropped;
     }
-    const auto batch = decode_samples(entry.payload);
-    if (batch) composer_.compose(*batch, place, composed_);
-    return batch.has_value();
 }
 
 void JournalMessages::acknowledge(Instant now, std::uint64_t token) {
     TAKT_ASSERT(token > finished_token_);
     finished_token_ = token;
-    finish_records(now, token);
+    finish_portions(now, token);
 }
 
 void JournalMessages::reject(Instant now, std::uint64_t token, MqttReason) {
-    TAKT_ASSERT(!records_.empty());
-    const auto& record = records_.front();
-    const auto index = static_cast<std::size_t>(token - record.first_token);
-    TAKT_ASSERT(index < record.samples.size());
-    const auto samples = record.samples[index];
+    TAKT_ASSERT(!portions_.empty());
+    auto& portion = portions_.front();
+    const auto index = static_cast<std::size_t>(token - portion.first_token);
+    TAKT_ASSERT(index < portion.samples.size());
+    const auto samples = portion.samples[index];
     rejected_ += samples;
-    if (samples > 0) static_cast<void>(journal_.reject(destination_, record.sequence, samples));
+    drop(portion, samples, 0);
     acknowledge(now, token);
 }
 
-// A record without messages has no token of its own, and ends with the one before it.
-void JournalMessages::finish_records(Instant now, std::uint64_t token) {
-    while (!records_.empty()) {
-        const auto& record = records_.front();
-        const bool has_messages = !record.samples.empty();
-        if (has_messages && record.first_token + record.samples.size() - 1 > token) return;
-        static_cast<void>(journal_.acknowledge(now, destination_, record.sequence));
-        too_large_ += record.too_large;
-        records_.pop_front();
-        if (records_.empty()) composed_.clear();
+// A portion without messages has no token of its own, and ends with the one before it.
+void JournalMessages::finish_portions(Instant now, std::uint64_t token) {
+    while (!portions_.empty()) {
+        const auto& portion = portions_.front();
+        const bool has_messages = !portion.samples.empty();
+        if (has_messages && portion.first_token + portion.samples.size() - 1 > token) return;
+        static_cast<void>(journal_.acknowledge(now, destination_, portion.records.back().sequence));
+        too_large_ += portion.too_large;
+        portions_.pop_front();
+        if (portions_.empty()) composed_.clear();
     }
 }
 
 void JournalMessages::rewind() {
     journal_.rewind(destination_);
-    records_.clear();
+    portions_.clear();
+    pending_.reset();
     composed_.clear();
     next_ = 0;
 }
 
 std::optional<std::int64_t> JournalMessages::oldest_in_flight_ns() const {
-    if (records_.empty()) return std::nullopt;
-    return records_.front().wall_ns;
+    if (portions_.empty()) return std::nullopt;
+    return portions_.front().wall_ns;
 }
 
 }  // namespace takt::publish

@@ -1,6 +1,7 @@
 #include "takt/publish/mqtt_composer.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "mqtt_packet.hpp"
 #include "takt/publish/output_slot.hpp"
@@ -8,7 +9,10 @@
 namespace takt::publish {
 
 MqttComposer::MqttComposer(const model::Output& output, const host::Configuration& configuration)
-    : name_(output.name), control_topic_(output.mqtt.control_topic), fallback_(output.selections.at(0)) {
+    : name_(output.name),
+      control_topic_(output.mqtt.control_topic),
+      joins_(output.mqtt.backlog == model::Backlog::array),
+      fallback_(output.selections.at(0)) {
     for (const auto& value : output.values) {
         const auto slot = slot_of(configuration.slots(), value.subject);
         const auto* const device = configuration.device_of(slot);
@@ -47,27 +51,67 @@ void MqttComposer::add_to_group(const Route& route, const PlacedSample& sample) 
     groups_.push_back({&route, {sample}});
 }
 
-void MqttComposer::compose(const SampleBatch& batch, const StreamPlace& place,
+void MqttComposer::compose(std::span<const RecordSamples> portion, const StreamPlace& place,
                            std::vector<ComposedMessage>& out) {
     groups_.clear();
-    open_.clear();
-    for (std::size_t i = 0; i < batch.samples.size(); ++i) {
-        const auto& sample = batch.samples[i];
-        const auto& series = batch.series[sample.series];
-        add_to_group(route_of(series), {&series, &sample, place.first + i});
+    for (const auto& [batch, first] : portion) {
+        open_.clear();
+        for (std::size_t i = 0; i < batch.samples.size(); ++i) {
+            const auto& sample = batch.samples[i];
+            const auto& series = batch.series[sample.series];
+            add_to_group(route_of(series), {&series, &sample, first + i});
+        }
     }
     if (place.packet_limit != kNoPacketLimit) split_groups(place);
+    make_parcels(place);
     too_large_.reset();
-    for (const auto& group : groups_) {
-        if (group.too_large) {
+    for (const auto& parcel : parcels_) {
+        if (const auto& group = groups_[parcel.front()]; group.too_large) {
             add_missing(group.samples.front(), place, out);
             continue;
         }
         add_gap(place, out);
-        out.push_back({.message = message_of(*group.route, group.samples, place, out.size() < place.repeated),
-                       .samples = group.samples.size()});
+        out.push_back(message_of(parcel, place, out.size() < place.repeated));
     }
     add_gap(place, out);
+}
+
+void MqttComposer::make_parcels(const StreamPlace& place) {
+    parcels_.clear();
+    std::map<std::string_view, Parcel> waiting;  // that may be joined, by topic
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+        const auto& group = groups_[i];
+        if (joins_ && !group.route->retain && !group.too_large)
+            waiting[group.route->topic].push_back(i);
+        else
+            parcels_.push_back({i});
+    }
+    if (waiting.empty()) return;
+    for (auto& [topic, groups] : waiting) {
+        parcels_.push_back({groups.back()});
+        groups.pop_back();
+        join_groups(groups, place);
+    }
+    std::ranges::sort(parcels_, {}, [](const Parcel& parcel) { return parcel.front(); });
+}
+
+// Sizes are those of repeated messages of MQTT 5, as in split_groups().
+void MqttComposer::join_groups(const Parcel& groups, const StreamPlace& place) {
+    const std::size_t limit = place.packet_limit == kNoPacketLimit ? kLongestArray : place.packet_limit;
+    constexpr std::size_t kLengths = 3 + 3;  // the fields of an empty packet and its payload grow by at most
+    std::size_t bytes = limit;               // of the packet; so the first group begins a parcel
+    for (const auto index : groups) {
+        const auto& group = groups_[index];
+        auto message = message_of(*group.route, group.samples, place, true);
+        const auto payload = message.payload.size() + 1;  // with a comma
+        if (bytes + payload > limit) {
+            message.payload.clear();
+            bytes = publish_packet_size(message, MqttVersion::v5) + kLengths;
+            parcels_.emplace_back();
+        }
+        bytes += payload;
+        parcels_.back().push_back(index);
+    }
 }
 
 // Halves each message that the broker does not take. Sizes are those of a repeated message, which is the
@@ -100,6 +144,26 @@ MqttMessage MqttComposer::message_of(const Route& route, std::span<const PlacedS
                           ? variable_message(samples.front(), place.epoch, repeated)
                           : group_message(samples, place.epoch, repeated);
     return message;
+}
+
+ComposedMessage MqttComposer::message_of(const Parcel& parcel, const StreamPlace& place,
+                                         bool repeated) const {
+    ComposedMessage composed;
+    for (const auto index : parcel) {
+        const auto& group = groups_[index];
+        auto message = message_of(*group.route, group.samples, place, repeated);
+        composed.samples += group.samples.size();
+        if (parcel.size() == 1) {
+            composed.message = std::move(message);
+        } else if (composed.message.topic.empty()) {
+            composed.message = std::move(message);
+            composed.message.payload.insert(0, 1, '[');
+        } else {
+            composed.message.payload.append(",").append(message.payload);
+        }
+    }
+    if (parcel.size() > 1) composed.message.payload += ']';
+    return composed;
 }
 
 /// Joins samples that follow each other to one gap.

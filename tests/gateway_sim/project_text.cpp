@@ -115,6 +115,8 @@ private:
         if (several) add_selection(R"(variables: ["*v1", Mode], )", true);
         if (several) add_selection("", true);
         if (!several) add_selection("", false);
+        // The last draw: a project without it has the other keys of before.
+        if (chance(40)) add("    ", "backlog", "array");
     }
 
     void add_selection(const std::string& what, bool entry) {

@@ -23,8 +23,13 @@ const Series kSeries{"Power", "Meter", "rs485-1", "kW", DataType::int16, false};
 /// of a packet is too large.
 class PlainComposer final : public MessageComposer {
 public:
-    void compose(const SampleBatch& batch, const StreamPlace& place,
+    bool joins = false;  // samples of several records become one message, but the last one
+
+    [[nodiscard]] bool joins_records() const override { return joins; }
+    void compose(std::span<const RecordSamples> portion, const StreamPlace& place,
                  std::vector<ComposedMessage>& out) override {
+        if (joins) return join(portion, place, out);
+        const auto& batch = portion.front().batch;
         for (std::size_t i = 0; i < batch.samples.size(); ++i) {
             if (batch.samples[i].cause == SampleCause::heartbeat) continue;  // not for this output
             if (std::get<std::int64_t>(batch.samples[i].value) >
@@ -37,6 +42,25 @@ public:
     }
     void compose(const store::Gap& gap, const StreamPlace&, std::vector<ComposedMessage>& out) override {
         out.push_back({{.topic = "gap", .payload = std::to_string(gap.samples)}, gap.samples});
+    }
+
+private:
+    /// "1-7" and "8".
+    static void join(std::span<const RecordSamples> portion, const StreamPlace& place,
+                     std::vector<ComposedMessage>& out) {
+        const auto first = portion.front().first;
+        const auto last = portion.back().first + portion.back().batch.samples.size() - 1;
+        std::uint64_t too_large = 0;
+        for (const auto& [batch, number] : portion)
+            for (const auto& sample : batch.samples)
+                if (std::get<std::int64_t>(sample.value) > 1'000) ++too_large;
+        if (last > first)
+            out.push_back({{.topic = "t", .payload = std::to_string(first) + "-" + std::to_string(last - 1)},
+                           last - first - too_large});
+        if (too_large > 0)
+            out.push_back({.message = {.topic = "gap", .payload = "large"}, .too_large = too_large});
+        out.push_back({{.topic = "t", .payload = std::to_string(last)}, 1});
+        for (std::size_t i = 0; i < out.size() && i < place.repeated; ++i) out[i].message.payload += '*';
     }
 };
 
@@ -229,6 +253,158 @@ TEST_F(JournalMessagesTest, ARecordOfALaterVersionIsDropped) {
     for (const auto token : tokens_) messages_->acknowledge(now_, token);
     EXPECT_EQ(counters().dropped, 4U);
     EXPECT_EQ(counters().delivered, 1U);
+}
+
+TEST_F(JournalMessagesTest, JoinedRecordsMoveTheCursorTogether) {
+    composer_.joins = true;
+    append(2);
+    append(3);
+    append(1);
+    EXPECT_EQ(all(), (Texts{"0", "1-5", "6"}));
+    append(2);
+    EXPECT_EQ(all(), (Texts{"7-7", "8"}));
+    messages_->acknowledge(now_, tokens_[0]);
+    messages_->acknowledge(now_, tokens_[1]);
+    EXPECT_EQ(counters().delivered, 0U);
+    messages_->acknowledge(now_, tokens_[2]);
+    EXPECT_EQ(counters().delivered, 6U);
+    messages_->acknowledge(now_, tokens_[3]);
+    messages_->rewind();
+    append(1);
+    const auto last = tokens_[4];
+    tokens_.clear();
+    EXPECT_EQ(all(), (Texts{"8*", "9"}))
+        << "the portion ends where it ended, and its first message is acknowledged";
+    EXPECT_EQ(tokens_[0], last);
+    for (const auto token : tokens_) messages_->acknowledge(now_, token);
+    EXPECT_EQ(counters().delivered, 9U);
+    EXPECT_EQ(counters().waiting, 0U);
+}
+
+TEST_F(JournalMessagesTest, AKillWithinAnArrayRepeatsItAndLosesNothing) {
+    composer_.joins = true;
+    append(2);
+    append(2);
+    EXPECT_EQ(all(), (Texts{"0", "1-3", "4"}));
+    messages_->acknowledge(now_, tokens_[0]);
+    messages_->acknowledge(now_, tokens_[1]);
+    sync();
+    messages_.reset();
+    journal_.reset();
+    SetUp();
+    append(2);
+    append(1);
+    tokens_.clear();
+    EXPECT_EQ(all(), (Texts{"0", "1-3*", "4*", "0", "5-6", "7"})) << "none is in a message with new samples";
+    for (const auto token : tokens_) messages_->acknowledge(now_, token);
+    EXPECT_EQ(counters().delivered, 7U);
+    EXPECT_EQ(counters().dropped, 0U);
+}
+
+TEST_F(JournalMessagesTest, DroppedSamplesOfJoinedRecordsAreCountedOnce) {
+    composer_.joins = true;
+    append_values({1, 2'000});
+    append_values({2'000, 2'000});
+    append_values({1, 1});
+    EXPECT_EQ(all(), (Texts{"0", "1-5", "large", "6"}));
+    EXPECT_EQ(counters().dropped, 3U);
+    EXPECT_EQ(counters().gaps, 1U);
+    messages_->acknowledge(now_, tokens_[0]);
+    messages_->reject(now_, tokens_[1], MqttReason::payload_format_invalid);
+    EXPECT_EQ(counters().dropped, 5U);
+    messages_->rewind();
+    EXPECT_EQ(counters().dropped, 0U) << "it is not acknowledged";
+    tokens_.clear();
+    EXPECT_EQ(all(), (Texts{"large*", "6*"}));
+    for (const auto token : tokens_) messages_->acknowledge(now_, token);
+    EXPECT_EQ(messages_->too_large(), 3U);
+    EXPECT_EQ(counters().waiting, 0U);
+    EXPECT_EQ(counters().appended, 6U);
+}
+
+// The record in the middle is damaged on the disk after an array was acknowledged.
+TEST_F(JournalMessagesTest, APortionThatHasLostARecordIsSentWholeAgain) {
+    composer_.joins = true;
+    append(1);
+    const auto intact = disk_.contents().begin()->second.size();
+    append(2);
+    append(2);
+    EXPECT_EQ(all(), (Texts{"0", "1-4", "5"}));
+    messages_->acknowledge(now_, tokens_[0]);
+    messages_->acknowledge(now_, tokens_[1]);
+    messages_->rewind();
+    disk_.flip(disk_.contents().begin()->first, intact + store::kRecordHeaderBytes);
+    tokens_.clear();
+    EXPECT_EQ(all(), (Texts{"1*", "2", "4-4*", "5*"})) << "the gap of two samples in its place";
+    for (const auto token : tokens_) messages_->acknowledge(now_, token);
+    EXPECT_EQ(counters().dropped, 2U);
+    EXPECT_EQ(counters().delivered, 3U);
+    EXPECT_EQ(counters().waiting, 0U);
+}
+
+TEST_F(JournalMessagesTest, APortionHasALimit) {
+    composer_.joins = true;
+    std::uint64_t samples = 0;
+    for (; samples < JournalMessages::kMostSamples; samples += 500) append(500);
+    const auto texts = all();
+    ASSERT_EQ(texts.size(), 5U);
+    EXPECT_EQ(texts[1], "1-15999");
+    EXPECT_EQ(texts[4], std::to_string(samples));
+}
+
+// Any order of appends, deliveries and lost connections with joined records: every sample arrives, marked
+// where it was sent before, and an acknowledged message is not sent again.
+TEST_F(JournalMessagesTest, NothingIsLostInAnyOrderOfArrays) {
+    composer_.joins = true;
+    std::mt19937 random(11);
+    std::uint64_t appended = 0;
+    std::uint64_t acknowledged = 0;  // number of the last sample
+    std::uint64_t sent = 0;          // likewise
+    std::deque<SourceMessage> in_flight;
+    const auto last_of = [](const std::string& text) { return std::stoull(text.substr(text.find('-') + 1)); };
+    for (int step = 0; step < 4000; ++step) {
+        switch (random() % 8) {
+            case 0: {
+                const auto samples = 1 + random() % 4;
+                append(samples);
+                appended += samples;
+                break;
+            }
+            case 1:
+                if (random() % 4 != 0) break;
+                messages_->rewind();
+                in_flight.clear();
+                break;
+            case 2:
+            case 3:
+            case 4: {
+                auto message = next();
+                if (!message) break;
+                if (message->message.topic != "gap") {
+                    const auto last = last_of(message->message.payload);
+                    ASSERT_EQ(message->repeated, last <= sent) << message->message.payload;
+                    ASSERT_EQ(message->repeated, message->message.payload.ends_with('*'));
+                    sent = std::max<std::uint64_t>(sent, last);
+                }
+                in_flight.push_back(*std::move(message));
+                break;
+            }
+            default: {
+                if (in_flight.empty()) break;
+                const auto message = in_flight.front();
+                in_flight.pop_front();
+                messages_->acknowledge(now_, message.token);
+                if (message.message.topic == "gap") break;
+                ASSERT_EQ(std::stoull(message.message.payload), acknowledged + 1);
+                acknowledged = last_of(message.message.payload);
+            }
+        }
+        ASSERT_EQ(counters().appended, appended);
+        ASSERT_LE(counters().delivered, acknowledged);
+    }
+    messages_->rewind();
+    while (const auto message = next()) messages_->acknowledge(now_, message->token);
+    EXPECT_EQ(counters().delivered, appended);
 }
 
 // Any order of appends, deliveries and lost connections: every sample arrives, in order but for repeats.

@@ -1,8 +1,10 @@
 #include "message.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace takt::gatewaysim {
 namespace {
@@ -70,28 +72,55 @@ std::string differs(const char* key, const std::string& expected, const Json* se
     return std::string(key) + ": " + expected + " became " + (seen ? seen->dump() : "nothing");
 }
 
+std::optional<SeenMessage> read_object(const Json& json) {
+    const auto epoch = integer(json.find("epoch"));
+    if (!epoch) return std::nullopt;
+    SeenMessage message{.epoch = *epoch};
+    const auto* repeated = json.find("repeated");
+    message.repeated = repeated != nullptr && repeated->value() == Json::Value(true);
+    message.device = string_of(json.find("device")).value_or("");
+    if (const auto* gap = json.find("gap")) {
+        message.gap = read_gap(json, *gap);
+        return message.gap ? std::optional(message) : std::nullopt;
+    }
+    if (const auto* values = json.find("values"))
+        return read_group(*values, message) ? std::optional(message) : std::nullopt;
+    const auto number = integer(json.find("seq"));
+    const auto variable = string_of(json.find("variable"));
+    if (!number || !variable) return std::nullopt;
+    message.samples.push_back({*number, *variable, json});
+    return message;
+}
+
+/// The elements are in order and alike but for their samples.
+std::optional<SeenMessage> read_array(const Json::Array& array) {
+    if (array.size() < 2) return std::nullopt;
+    std::optional<SeenMessage> all;
+    std::uint64_t last_start = 0;
+    for (const auto& element : array) {
+        const auto message = read_object(element);
+        if (!message || message->gap) return std::nullopt;
+        const auto start = std::ranges::min(message->samples, {}, &SeenSample::number).number;
+        if (start <= std::exchange(last_start, start)) return std::nullopt;
+        if (!all) {
+            all = message;
+            continue;
+        }
+        if (message->epoch != all->epoch || message->repeated != all->repeated ||
+            message->device != all->device)
+            return std::nullopt;
+        all->samples.insert(all->samples.end(), message->samples.begin(), message->samples.end());
+    }
+    return all;
+}
+
 }  // namespace
 
 std::optional<SeenMessage> read_message(std::string_view payload) {
     const auto json = Json::parse(payload);
     if (!json) return std::nullopt;
-    const auto epoch = integer(json->find("epoch"));
-    if (!epoch) return std::nullopt;
-    SeenMessage message{.epoch = *epoch};
-    const auto* repeated = json->find("repeated");
-    message.repeated = repeated != nullptr && repeated->value() == Json::Value(true);
-    message.device = string_of(json->find("device")).value_or("");
-    if (const auto* gap = json->find("gap")) {
-        message.gap = read_gap(*json, *gap);
-        return message.gap ? std::optional(message) : std::nullopt;
-    }
-    if (const auto* values = json->find("values"))
-        return read_group(*values, message) ? std::optional(message) : std::nullopt;
-    const auto number = integer(json->find("seq"));
-    const auto variable = string_of(json->find("variable"));
-    if (!number || !variable) return std::nullopt;
-    message.samples.push_back({*number, *variable, *json});
-    return message;
+    if (const auto* array = std::get_if<Json::Array>(&json->value())) return read_array(*array);
+    return read_object(*json);
 }
 
 std::string time_text(std::int64_t wall_ns) {

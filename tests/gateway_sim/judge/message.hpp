@@ -27,6 +27,7 @@ struct SeenGap {
     friend bool operator==(const SeenGap&, const SeenGap&) = default;
 };
 
+/// An array is one with the samples of its elements.
 struct SeenMessage {
     std::uint64_t epoch = 0;
     bool repeated = false;
