@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <tuple>
 
 namespace takt::text {
 namespace catalogue_test {
@@ -53,6 +54,45 @@ TEST(Catalogue, EveryAdviceBelongsToAMessage) {
         if (code.ends_with(kEnding)) {
             code.remove_suffix(kEnding.size());
             EXPECT_TRUE(has(Language::english, code)) << code;
+        }
+}
+
+TEST(Catalogue, PluralFormsFollowTheNumber) {
+    const auto at_most = [](Language language, const char* count) {
+        return message(language, "app.learnt.most_items", std::array{Argument{"count", count}});
+    };
+    EXPECT_EQ(at_most(Language::english, "1"), "longest read: 1 item");
+    EXPECT_EQ(at_most(Language::english, "21"), "longest read: 21 items");
+    const auto exchanges = [](Language language, const char* count) {
+        const std::string text =
+            message(language, "app.turnaround.learnt", std::array{Argument{"count", count}});
+        return text.substr(text.rfind(' ') + 1);
+    };
+    for (const auto& [count, russian, ukrainian] : {std::tuple{"1", "обмен", "обмін"},
+                                                    {"3", "обмена", "обміни"},
+                                                    {"5", "обменов", "обмінів"},
+                                                    {"11", "обменов", "обмінів"},
+                                                    {"112", "обменов", "обмінів"},
+                                                    {"1021", "обмен", "обмін"},
+                                                    {"1..3", "обмена", "обміни"},
+                                                    {"0", "обменов", "обмінів"}}) {
+        EXPECT_EQ(exchanges(Language::russian, count), russian) << count;
+        EXPECT_EQ(exchanges(Language::ukrainian, count), ukrainian) << count;
+    }
+}
+
+TEST(Catalogue, EachPluralHasItsForms) {
+    for (const auto language : kLanguages)
+        for (const auto code : codes(language)) {
+            const auto text = pattern(language, code);
+            for (auto open = text.find('{'); open != std::string_view::npos;
+                 open = text.find('{', open + 1)) {
+                const auto place = text.substr(open, text.find('}', open) - open);
+                const auto forms = std::ranges::count(place, '|');
+                if (forms > 0) {
+                    EXPECT_EQ(forms, language == Language::english ? 2 : 3) << code;
+                }
+            }
         }
 }
 

@@ -21,9 +21,9 @@ struct Argument {
     std::string_view text;
 };
 
-/// The text of `code` with each {name} replaced by its argument; placeholders without an argument stay. Falls
-/// back to English, and for an unknown code to the code with its arguments: `field.odd (value: 7, allowed:
-/// 0..5)`.
+/// The text of `code` with each {name} replaced by its argument, and each {name|one|few|many} by the plural
+/// form for it (English has two); placeholders without an argument stay. Falls back to English, and for an
+/// unknown code to the code with its arguments: `field.odd (value: 7, allowed: 0..5)`.
 [[nodiscard]] std::string message(Language language, std::string_view code,
                                   std::span<const Argument> arguments = {});
 
