@@ -1,5 +1,6 @@
 #include "takt/web/project_api.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -107,6 +108,22 @@ TEST_F(ProjectApiTest, EvaluatesADocumentWithoutSavingIt) {
     EXPECT_NE(wrong.body.find("lines[0].devices[0].address"), std::string::npos) << wrong.body;
     EXPECT_NE(wrong.body.find("\"line\":8"), std::string::npos) << wrong.body;
     EXPECT_EQ(folder_.read("plant.yaml"), kProject);
+}
+
+TEST_F(ProjectApiTest, JudgesAnUnknownResponseTimeAsCheckDoes) {
+    std::string text =
+        "takt: 1\nlines:\n  - name: net\n    transport: tcp\n    host: 127.0.0.1\n    devices:\n"
+        "      - name: Meter\n        address: 7\n        poll_period: 100ms\n        variables:\n";
+    for (int i = 0; i < 10; ++i)
+        text += fmt::format("          - {{name: V{0}, type: int16, register: {0}00, read: 0x03}}\n", 2 * i);
+    folder_.write("plant.yaml", text);
+    const auto answer = call(Method::post, "/project/evaluate", body_of(*project().find("document")));
+    const auto judged = Json::parse(answer.body, std::size_t{8} << 20).value();
+    const auto& findings = std::get<Json::Array>(judged.find("findings")->value());
+    ASSERT_EQ(findings.size(), 1U) << answer.body;
+    EXPECT_EQ(text_at(findings[0], {"severity"}), "note");
+    EXPECT_EQ(text_at(findings[0], {"code"}), "guarantee.response_unknown");
+    EXPECT_NE(text_at(judged, {"lines"}).find(R"("verdict":"response_unknown")"), std::string::npos);
 }
 
 TEST_F(ProjectApiTest, AnEvaluationThatIsToStopEnds) {
