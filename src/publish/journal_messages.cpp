@@ -131,16 +131,19 @@ bool JournalMessages::may_join(const Portion& portion, const store::RecordHeader
     return samples + next.batch->samples.size() <= kMostSamples;
 }
 
-// A portion without the records that the journal has lost since has other messages.
+// A portion without the records that the journal has lost since has other messages, before and behind them.
 void JournalMessages::note_end(const Portion& portion) {
     const auto last = portion.records.back().sequence;
+    const bool is_rest =
+        portion.first_token > highest_token_ && portion.records.front().sequence <= highest_returned_;
+    if (is_rest) other_messages_token_ = std::max(other_messages_token_, portion.first_token);
     while (!ends_.empty() && ends_.front() <= journal_.acknowledged(destination_)) ends_.pop_front();
     const auto end = std::ranges::lower_bound(ends_, last);
     if (end == ends_.end()) {
         ends_.push_back(last);
     } else if (*end != last) {
         ends_.insert(end, last);
-        other_messages_token_ = highest_token_;
+        other_messages_token_ = std::max(other_messages_token_, highest_token_);
         finished_token_ = std::min(finished_token_, portion.first_token - 1);
     }
 }
@@ -150,10 +153,7 @@ StreamPlace JournalMessages::place_of(const store::RecordHeader& header, const P
                       .first = header.samples_before + 1,
                       .packet_limit = limits_.packet,
                       .version = limits_.version};
-    const bool was_in_other_portion =
-        portion.first_token > highest_token_ && header.sequence <= highest_returned_;
-    if (header.sequence <= last_of_earlier_run_ || other_messages_token_ >= portion.first_token ||
-        (was_in_other_portion && portion.records.front().samples > 0))
+    if (header.sequence <= last_of_earlier_run_ || other_messages_token_ >= portion.first_token)
         place.repeated = MessageComposer::kMostMessages;
     else if (highest_token_ >= portion.first_token)
         place.repeated = static_cast<std::size_t>(highest_token_ - portion.first_token) + 1;

@@ -1,5 +1,5 @@
-"""More samples than a broker acknowledges: mosquitto as Debian has it (20 messages in flight) behind a delay of
-50 ms each way, and 850 samples a second."""
+"""More samples than a broker acknowledges: mosquitto as Debian has it (20 messages in flight) behind a delay
+of 50 ms each way, and 850 samples a second."""
 import contextlib
 import time
 

@@ -194,6 +194,17 @@ TEST(MosquittoPipe, SaysWhyThereIsNoConnection) {
     EXPECT_TRUE(unknown.fails_with(MqttFailureKind::dns));
 }
 
+TEST(MosquittoPipe, ABrokerOfThisComputerIsNearby) {
+    for (const auto* host : {"127.0.0.1", "localhost"}) {
+        LiveSession refused(free_port());
+        refused.options.brokers[0].host = host;
+        refused.options.first_pause = 1h;
+        refused.options.longest_nearby_pause = 20ms;
+        refused.start();
+        EXPECT_TRUE(refused.run([&] { return refused.status().counters.attempts > 2; }, 2s)) << host;
+    }
+}
+
 TEST(MosquittoPipe, TheNextBrokerIsTriedWhenTheFirstIsDown) {
     TestBroker broker;
     LiveSession live(broker.port());

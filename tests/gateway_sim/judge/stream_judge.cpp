@@ -34,6 +34,7 @@ StreamJudge::StreamJudge(Account& account, const JournalJudge& journal, const Cl
         const auto slot = publish::slot_of(configuration.slots(), value.subject);
         routes_[configuration.info(slot).name] = {value.topic, selection.retain};
     }
+    limited_ = output.mqtt.backlog == model::Backlog::array;
     for (const auto& broker : scenario.brokers) limited_ = limited_ || broker.limits.maximum_packet;
 }
 

@@ -96,7 +96,8 @@ private:
     const Clock& clock_;
     const Scenario& scenario_;
     Complaints& complaints_;
-    bool limited_ = false;                       ///< a broker takes packets up to a size only
+    /// Messages may be made anew: a broker takes packets up to a size only, or an array has lost a part.
+    bool limited_ = false;
     std::optional<std::uint32_t> packet_limit_;  ///< of the connection
     struct Route {
         std::string topic;
