@@ -437,7 +437,7 @@ def test_a_port_that_is_lost_is_reported(tmp_path):
     with listener:
         until(lambda: any("the connection is lost" in text for text in listener.err), "the loss")
         result = listener.interrupt(code=3)
-    assert f"{capture}: 1 packets" in result.err, result
+    assert f"{capture}: 1 packet" in result.err, result
     assert len(fields(capture, "frame.number")) == 1
 
 

@@ -87,7 +87,7 @@ function Bar() {
   );
 }
 
-/** What a key does with Ctrl: saving is for each view, undo and redo are for the one that shows the project. */
+/** The shortcut of a key with Ctrl: saving in each view, undo and redo where the project is shown. */
 function shortcut(event: KeyboardEvent): (() => void) | null {
   const key = event.key.toLowerCase();
   if (key === 's') return askToSave;

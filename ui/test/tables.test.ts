@@ -31,6 +31,7 @@ test('tables and windows of the IDE are known from their text', () => {
   for (const text of [
     'Имя переменной\tТип переменной\tАдрес регистра\nA\tБулевское\t1',
     'Имя переменной;Тип;Адрес регистра;Комментарий\nA;Булевское;1;',
+    'name,type,register\nA,int16,1',
     'Имя;Устройство\nАдрес;16\nПериод опроса, мс;100',
     'Имя\tDevice\r\nАдрес\t16\r\nКол-во попыток\t3\r\n',
   ])

@@ -96,7 +96,10 @@ const FIELD = whole(FIELDS);
  * or its lines begin with the names of fields.
  */
 export function isImport(text: string): boolean {
-  const rows = text.includes('\t') ? parseTable(text) : text.split(/\r?\n/).map((line) => line.split(';'));
+  const separator = text.includes(';') ? ';' : ',';
+  const rows = text.includes('\t')
+    ? parseTable(text)
+    : text.split(/\r?\n/).map((line) => line.split(separator));
   const headings = (rows[0] ?? []).filter((its) => HEADING.test(its.trim()));
   const fields = new Set(rows.map((row) => row[0]!.trim().toLowerCase()).filter((its) => FIELD.test(its)));
   return headings.length >= 2 || fields.size >= 3;
