@@ -96,6 +96,10 @@ std::vector<SampleFeed*> Outputs::on_configuration(Instant now, const host::Conf
         for (auto& running : running_)
             if (running.thread->name() == setups[i].thread.name && running.settings == setups[i].settings)
                 continued[i] = running.thread;
+    for (auto& setup : setups)
+        if (std::ranges::any_of(running_,
+                                [&](const auto& its) { return its.directory == setup.thread.directory; }))
+            setup.thread.journal.start = store::GapCause::replaced;
     end_others(continued, setups);
 
     std::vector<SampleFeed*> feeds;

@@ -195,7 +195,7 @@ file::Json gaps_json(std::span<const store::HistoryGap> gaps) {
         auto item = file::Json::object();
         item.set("from", utc_time_text(gap.first_ns));
         item.set("to", utc_time_text(gap.last_ns));
-        item.set("cause", gap_word(gap.cause));
+        item.set("cause", store::name(gap.cause));
         item.set("samples", gap.samples > 0 ? file::Json(gap.samples) : file::Json());
         items.push_back(std::move(item));
     }
@@ -222,21 +222,8 @@ file::Json damage_json(std::span<const store::HistoryDamage> damage) {
 
 }  // namespace
 
-std::string_view gap_word(store::GapCause cause) {
-    switch (cause) {
-        case store::GapCause::restart: return "restart";
-        case store::GapCause::buffer_full: return "buffer_full";
-        case store::GapCause::disk_failed: return "disk_failed";
-        case store::GapCause::disk_full: return "disk_full";
-        case store::GapCause::source_lost: return "source_lost";
-        case store::GapCause::quota: return "quota";
-        case store::GapCause::damaged: return "damaged";
-    }
-    return "other";
-}
-
 std::string gap_text(const Texts& texts, store::GapCause cause) {
-    return texts("app.history.cause." + std::string(gap_word(cause)));
+    return texts("app.history.cause." + std::string(store::name(cause)));
 }
 
 std::string history_text(const Texts& texts, const std::vector<HistoryView>& views, std::size_t columns) {

@@ -22,7 +22,7 @@ bool is_type(RecordType type) {
 
 bool is_cause(std::uint16_t cause) {
     return cause >= static_cast<std::uint16_t>(GapCause::restart) &&
-           cause <= static_cast<std::uint16_t>(GapCause::damaged);
+           cause <= static_cast<std::uint16_t>(GapCause::replaced);
 }
 
 }  // namespace
@@ -36,6 +36,7 @@ std::string_view name(GapCause cause) {
         case GapCause::source_lost: return "source_lost";
         case GapCause::quota: return "quota";
         case GapCause::damaged: return "damaged";
+        case GapCause::replaced: return "replaced";
     }
     return "";
 }

@@ -41,7 +41,7 @@ void JournalWriter::begin_epoch(Instant now, std::int64_t wall_ns, const StreamP
                   .first_wall_ns = end->first_wall_ns,
                   .last_wall_ns = end->last_wall_ns});
     const std::int64_t first = end_.sequence == 0 ? wall_ns : end_.wall_ns;
-    push_gap({.cause = GapCause::restart, .first_wall_ns = first, .last_wall_ns = wall_ns});
+    push_gap({.cause = options_.start, .first_wall_ns = first, .last_wall_ns = wall_ns});
     schedule(now);
 }
 

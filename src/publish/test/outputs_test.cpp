@@ -122,7 +122,7 @@ protected:
         std::vector<SelectedSlot> all;
         for (std::uint32_t i = 0; i < configuration.slot_count(); ++i) all.push_back({{i}, policy});
         std::vector<OutputSetup> setups;
-        setups.push_back({.settings = "1",
+        setups.push_back({.settings = std::to_string(settings_),
                           .thread = {.name = "cloud", .directory = folder_ / "journal/cloud", .journal = {}},
                           .selected = all,
                           .make_work = [this] { return std::make_unique<MemoryWork>(received_, away_); }});
@@ -148,6 +148,7 @@ protected:
     std::shared_ptr<std::atomic<bool>> away_ = std::make_shared<std::atomic<bool>>(false);
     std::atomic<int> configured_ = 0;
     std::atomic<bool> removed_ = false;  // the output, with the next configuration
+    std::atomic<int> settings_ = 1;      // of the output, with the next configuration
     std::unique_ptr<host::ProjectHost> host_;
     std::optional<Outputs> outputs_;
 };
@@ -233,6 +234,23 @@ TEST_F(OutputsTest, AnOutputContinuesOverAChangeOfTheProject) {
     // One gap only: the journal was not opened again.
     EXPECT_EQ(std::ranges::count(items, std::string(), &Received::Item::variable), 1);
     EXPECT_EQ(items.back().variable.find("Speed"), std::string::npos);
+}
+
+// "The program was not running" would be wrong.
+TEST_F(OutputsTest, AnOutputWithOtherSettingsReplacesTheRunningOne) {
+    start();
+    ASSERT_GE(received_->wait_for(10).size(), 10U);
+    settings_ = 2;
+    auto project = host::test::project_of(kPlant);
+    auto plan = plan::make_plan(project);
+    ASSERT_TRUE(host_->apply(std::move(project), std::move(plan)));
+    for (int i = 0; i < 3000 && configured_ < 2; ++i) std::this_thread::sleep_for(10ms);
+    const auto items = received_->wait_for(received_->all().size() + 20);
+    stop();
+    std::vector<store::GapCause> causes;
+    for (const auto& item : items)
+        if (item.variable.empty()) causes.push_back(item.cause);
+    EXPECT_EQ(causes, (std::vector{store::GapCause::restart, store::GapCause::replaced}));
 }
 
 TEST_F(OutputsTest, ARemovedOutputWithSamplesThatWaitIsReported) {

@@ -92,8 +92,9 @@ std::string text(const RecordFacts& facts) {
 }
 
 std::string cause_name(std::uint16_t cause) {
-    constexpr std::array<std::string_view, 8> kNames{"?",         "restart",     "buffer_full", "disk_failed",
-                                                     "disk_full", "source_lost", "quota",       "damaged"};
+    constexpr std::array<std::string_view, 9> kNames{"?",           "restart",   "buffer_full",
+                                                     "disk_failed", "disk_full", "source_lost",
+                                                     "quota",       "damaged",   "replaced"};
     return std::string(kNames[cause < kNames.size() ? cause : 0]);
 }
 

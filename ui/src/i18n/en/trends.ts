@@ -36,6 +36,7 @@ export const trends = {
   now: 'Last',
   legend: {
     restart: 'Takt was not running',
+    replaced: 'a changed project was applied',
     lost: 'samples lost',
     damaged: 'damaged: samples may be missing',
     bad: 'bad value',

@@ -39,6 +39,7 @@ export const trends: Translated<typeof source> = {
   now: 'Последнее',
   legend: {
     restart: 'Takt не работал',
+    replaced: 'применён изменённый проект',
     lost: 'потеряны отсчёты',
     damaged: 'повреждено: отсчёты могут отсутствовать',
     bad: 'недостоверное значение',

@@ -39,6 +39,7 @@ export const trends: Translated<typeof source> = {
   now: 'Останнє',
   legend: {
     restart: 'Takt не працював',
+    replaced: 'застосовано змінений проєкт',
     lost: 'втрачено відліки',
     damaged: 'пошкоджено: відліки можуть бути відсутні',
     bad: 'недостовірне значення',

@@ -17,6 +17,7 @@ const penCanvasColor = (index: number) => color(`--pen-${(index % 6) + 1}`);
 
 const HATCHES: Record<SpanKind, { color: string; step: number; rising: boolean }> = {
   restart: { color: '--idle', step: 9, rising: true },
+  replaced: { color: '--idle', step: 14, rising: false },
   lost: { color: '--warn', step: 6, rising: true },
   damaged: { color: '--bad', step: 4, rising: true },
   bad: { color: '--bad', step: 7, rising: false },

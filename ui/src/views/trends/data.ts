@@ -14,7 +14,7 @@ export interface Change {
   before: number;
   after: number;
 }
-export type SpanKind = 'restart' | 'lost' | 'damaged' | 'bad' | 'uncertain';
+export type SpanKind = 'restart' | 'replaced' | 'lost' | 'damaged' | 'bad' | 'uncertain';
 export interface Span {
   from: number;
   to: number;
@@ -37,7 +37,8 @@ function pointsOf(variable: HistoryVariable): HistoryPoint[] {
   return all;
 }
 
-const gapKind = (cause: string): SpanKind => (cause === 'restart' || cause === 'damaged' ? cause : 'lost');
+const gapKind = (cause: string): SpanKind =>
+  cause === 'restart' || cause === 'replaced' || cause === 'damaged' ? cause : 'lost';
 
 /** Times in which nothing is known of a variable: gaps, damage of the file, and values that are not good. */
 export function spansOf(history: History, variable: HistoryVariable): Span[] {

@@ -138,7 +138,7 @@ function Legend() {
   const texts = t.value.trends.legend;
   return (
     <p class="legend small muted">
-      {(['restart', 'lost', 'damaged', 'bad', 'uncertain'] as const).map((kind) => (
+      {(['restart', 'replaced', 'lost', 'damaged', 'bad', 'uncertain'] as const).map((kind) => (
         <span key={kind}>
           <i class={`hatch ${kind}`} /> {texts[kind]}
         </span>

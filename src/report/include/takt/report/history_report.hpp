@@ -20,8 +20,6 @@ struct HistoryView {
     std::optional<store::HistorySample> last;  ///< the newest sample before the end of the range
 };
 
-/// The word for a cause in JSON and CSV: "restart", "buffer_full", …
-[[nodiscard]] std::string_view gap_word(store::GapCause cause);
 /// The cause in the language of `texts`.
 [[nodiscard]] std::string gap_text(const Texts& texts, store::GapCause cause);
 

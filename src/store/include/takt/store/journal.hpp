@@ -23,6 +23,8 @@ struct JournalOptions {
     Duration cursor_interval{1'000'000'000};     ///< > 0: from an acknowledgement to the sync of its cursor
     Duration retention{7 * 86'400'000'000'000};  ///< time for which acknowledged records stay
     std::size_t max_in_flight = 4096;            ///< records read and not acknowledged, of a destination; > 0
+    /// Of the gap that each start writes: restart, or replaced if this program had the journal open before.
+    GapCause start = GapCause::restart;
 };
 
 /// A number of samples that are written and acknowledged together.
@@ -96,7 +98,7 @@ struct DestinationId {
 ///
 /// A segment is removed as soon as every destination has durably acknowledged its records and the retention
 /// is over. Above the quota the oldest segment is removed in any case: each destination that did not
-/// acknowledge it reads a gap. Each start writes a gap of cause restart.
+/// acknowledge it reads a gap. Each start writes a gap (JournalOptions::start).
 ///
 /// The end of the stream is noted after each sync, and each second while the disk fails. So a start knows
 /// records that another program removed behind the last good one, and samples that a failing disk did not

@@ -26,6 +26,7 @@ enum class GapCause : std::uint16_t {
     source_lost,  ///< the source lost events before they reached the journal
     quota,        ///< the oldest segment was removed before it was delivered
     damaged,      ///< the bytes on the disk are not the ones that were written, or the file is gone
+    replaced,     ///< a changed project took the place of the running one
 };
 
 /// The stable name of a cause, as in "buffer_full".
@@ -47,11 +48,11 @@ struct RecordHeader {
 /// Missing samples. A gap is in the stream in the place of the samples.
 struct Gap {
     GapCause cause{};
-    std::uint64_t samples = 0;         ///< exact. Zero for a restart: the number is not known
+    std::uint64_t samples = 0;         ///< exact. Zero for a start: the number is not known
     std::uint64_t first_sequence = 0;  ///< the gap replaces these records; a gap that was written as a record
     std::uint64_t last_sequence = 0;   ///< replaces only itself
     /// For a gap that was written: of the oldest missing sample. For quota and damaged: of the record before
-    /// the gap, or of the one after it if that is older. Not after `last_wall_ns`, except of a restart.
+    /// the gap, or of the one after it if that is older. Not after `last_wall_ns`, except of a start.
     std::int64_t first_wall_ns = 0;
     std::int64_t last_wall_ns = 0;  ///< of the newest missing sample; quota and damaged: of the record after
 
