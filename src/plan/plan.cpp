@@ -1,4 +1,5 @@
 #include "takt/plan/plan.hpp"
+#include "takt/plan/priced.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -169,6 +170,19 @@ std::optional<LinePlan> plan_devices(const model::Project& project, std::size_t 
 
 LinePlan plan_line(const model::Project& project, std::size_t index, const Options& options) {
     return *plan_devices(project, index, options, nullptr);
+}
+
+LinePlan priced(const model::Project& project, std::size_t line, std::vector<Request> requests) {
+    LinePlanner planner(project, line);
+    for (Request& request : requests) {
+        const std::size_t device = request.device;
+        std::vector<Request> alone;
+        alone.push_back(std::move(request));
+        planner.add(std::move(alone), device);
+    }
+    const auto& devices = project.lines[line].devices;
+    for (const model::Device& device : devices) planner.count_ungrouped(device);
+    return std::move(planner).finish(std::vector<bool>(devices.size()));
 }
 
 std::optional<LinePlan> trial_plan(const model::Project& project, std::size_t index, std::size_t& planned) {

@@ -189,7 +189,8 @@ void OwenBuilder::check_request(const plan::Request& request, const Variables& m
         if (code == 0x16 || code == 0x17) refuse("table.function", *members[0], {{"function", hex(code)}});
     }
     if (request.phase != Duration::zero()) refuse("table.phase", *members[0]);
-    if (request.read_modify_write) refuse("table.read_modify_write", *members[0]);
+    // The entry of one bit has its number. Several bits of a register have one only by `optimal`.
+    if (request.read_modify_write && members.size() > 1) refuse("table.read_modify_write", *members[0]);
     if (request.admission) refuse("table.admission", *members[0]);
     if (request.period && !milliseconds(*request.period)) refuse("table.period", *members[0]);
     std::size_t place = place_of(*members[0]);

@@ -112,8 +112,42 @@ def test_another_place(project, tmp_path, pair, blank_device):
 def test_tables_that_cannot_run(project, tmp_path):
     path = project(scenario_1())
     takt("table", "build", path, "-o", tmp_path / "owen.bin", "--profile", "owen-kc1")
-    assert "owen-kc1" in takt("run", "--table", tmp_path / "owen.bin", code=2).err
+    assert "--port" in takt("run", "--table", tmp_path / "owen.bin", code=2).err
     assert "not a request table" in takt("run", "--table", path, code=2).err
     takt("run", "--table", tmp_path / "none.bin", code=2)
     takt("run", path, "--table", tmp_path / "owen.bin", code=2)
     takt("run", code=2)
+
+
+OWEN = serial([
+    "name: F, type: float, register: 0, read: 0x03, write: 0x10, write_on_change: true, period: 1h",
+    "name: G, type: float, register: 2, read: 0x03, write: 0x10, write_on_change: true, period: 1h",
+    "name: B, type: bool, register: 5, bit: 3, read: 0x03, write: 0x06, write_on_change: true, period: 1h",
+    "name: P, type: bool, register: 0, bit: 2, read: 0x01, write: 0x05, write_trigger: out, period: 1h",
+    "name: T, type: int, register: 10, read: 0x04, period: 1h, read_trigger: go",
+], port="{port}", local=["name: go, type: bool", "name: out, type: bool"], read_modify_write="true").replace(
+    "1h", "60s")
+
+
+def test_a_table_of_the_controller_sends_the_frames_of_its_project(project, tmp_path, pair):
+    path = project(OWEN.replace("{port}", pair.a).replace("profile: generic", "profile: owen-kc1"))
+    table = tmp_path / "owen.bin"
+    takt("table", "build", path, "-o", table, "--profile", "owen-kc1")
+    entries = takt("table", "show", table, "--json").json["lines"][0]["devices"][0]["entries"]
+    bit = next(e for e in entries if e["write_function"] == 6)
+    assert (bit["type"], bit["bit"], bit["function"], bit["start"], bit["quantity"]) == ("bit", 3, None, 5, 1)
+    changes = {"project": ("F", "B", "go", "out"), "table": ("value4", "value6", "local1", "local2")}
+    frames = {}
+    for name, (number, bit, go, out) in changes.items():
+        script = [f"set {number} 7", f"set {bit} true", f"set {go} true", f"set {out} true"]
+        if name == "project":
+            script[0] = "set F 9.8e-45"  # the bits of the integer 7
+        command = ["run", path] if name == "project" else ["run", "--table", table, "--port", pair.a]
+        with start("serve", "--port", f"rtu://{pair.b}?baud=115200&parity=none", "--unit", 16, "--fill",
+                   "ramp") as device:
+            endpoints.wait_slave(pair.a, 16, "rtu", device)
+            frames[name] = frames_of(command, tmp_path, name, 4, script)
+            device.interrupt()
+    assert frames["project"] == frames["table"]
+    assert any(f.startswith("10 10 00 00 00 04 08 00 07 00 00") for f in frames["table"])
+    assert any(f.startswith("10 06 00 05 00") for f in frames["table"])

@@ -50,26 +50,41 @@ bool move_line(const Texts& texts, model::Project& project, const std::string& t
     return true;
 }
 
+ExitCode run_restored(const Texts& texts, table::Restored restored, const RunOptions& options) {
+    if (!options.target.empty() && !move_line(texts, restored.project, options.target))
+        return ExitCode::usage;
+    RunOptions exact = options;
+    exact.learn = false;
+    return run_project(texts, restored.project, restored.plan, exact);
+}
+
+// The table of a controller has no port.
+ExitCode run_owen_table(const Texts& texts, const RunOptions& options, Bytes image) {
+    const auto opened = table::read_owen(image);
+    if (!opened) {
+        print_status("takt: " + report::table_error_text(texts, options.table, opened.error()));
+        return ExitCode::usage;
+    }
+    if (options.target.empty()) {
+        print_error(texts("app.table.no_port", {{"file", options.table}}));
+        print_status("    " + texts("app.table.no_port.advice", {{"file", options.table}}) + '\n');
+        return ExitCode::usage;
+    }
+    return run_restored(texts, table::restored(*opened), options);
+}
+
 // The poller runs the plan that is in the table, so that nothing can differ from the project's own run; the
 // executor is for controllers (docs/decisions/0008-what-runs-a-table.md).
 ExitCode run_table(const Texts& texts, const RunOptions& options) {
     const auto file = read_table_file(texts, options.table);
     if (!file) return ExitCode::usage;
-    if (file->owen) {
-        print_error(texts("app.table.not_to_run", {{"file", options.table}}));
-        print_status("    " + texts("app.table.not_to_run.advice") + '\n');
-        return ExitCode::usage;
-    }
+    if (file->owen) return run_owen_table(texts, options, file->image);
     const auto view = table::View::open(file->image);
     if (!view) {
         print_status("takt: " + report::table_error_text(texts, options.table, view.error()));
         return ExitCode::usage;
     }
-    auto project = table::project_of(*view);
-    if (!options.target.empty() && !move_line(texts, project, options.target)) return ExitCode::usage;
-    RunOptions exact = options;
-    exact.learn = false;
-    return run_project(texts, project, table::plan_of(*view), exact);
+    return run_restored(texts, {table::project_of(*view), table::plan_of(*view)}, options);
 }
 
 constexpr std::string_view kEmptyProject =

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "project.hpp"
+#include "takt/table/restore.hpp"
 #include "takt/text/catalogue.hpp"
 
 namespace takt::table {
@@ -160,6 +162,70 @@ TEST(Owen, RefusesWhatItsEntriesCannotSay) {
     EXPECT_EQ(codes, (std::vector<std::string>{"table.function A", "table.phase A",
                                                "table.read_modify_write A", "table.admission A",
                                                "table.period A", "table.gap B", "table.mixed_types C"}));
+}
+
+// A bit of a register is read in a group and written by an entry of its own.
+TEST(Owen, WritesABitOfARegister) {
+    auto node = device("Node", 1);
+    node.read_modify_write = true;
+    node.variables = {variable("A", DataType::boolean, 5, Function::read_holding_registers),
+                      variable("B", DataType::boolean, 5, Function::read_holding_registers)};
+    for (std::uint8_t bit = 0; auto& v : node.variables) {
+        v.bit = bit++;
+        v.write = Function::write_single_register;
+        v.write_on_change = true;
+    }
+    const auto described = project({node});
+    const auto plan = plan::make_plan(described);
+    const auto built = build_owen(described, plan);
+    EXPECT_TRUE(built.findings.empty());
+    ASSERT_EQ(built.table.entries.size(), 3U);
+    EXPECT_EQ(built.table.entries[0].quantity, 2);
+    const auto& second = built.table.entries[2];
+    EXPECT_EQ(second.type_and_bit, OwenEntry::kBit | 1 << 4);
+    EXPECT_EQ(second.read, 0);
+    EXPECT_EQ(second.write, 0x06);
+    EXPECT_EQ(second.flags, OwenEntry::kWrittenOnChange);
+    EXPECT_EQ(second.quantity, 1);
+    EXPECT_EQ(second.start, 5);
+    EXPECT_EQ(second.data, built.table.entries[0].data + 1);
+}
+
+// The restored project makes the same table again.
+TEST(Owen, IsRestored) {
+    auto node = device("Node", 3);
+    node.read_modify_write = true;
+    node.variables = {variable("B", DataType::boolean, 5, Function::read_holding_registers),
+                      variable("W", DataType::int16, 6, Function::read_holding_registers),
+                      variable("D", DataType::int32, 7, Function::read_holding_registers),
+                      variable("E", DataType::int32, 9, Function::read_holding_registers)};
+    node.variables[0].bit = std::uint8_t{4};
+    node.variables[0].write = Function::write_single_register;
+    node.variables[2].write = node.variables[3].write = Function::write_multiple_registers;
+    for (auto& v : node.variables) v.write_on_change = v.write.has_value();
+    node.variables[1].period = 50ms;
+    node.variables[1].read_trigger = 0;
+    auto described = project({node});
+    described.locals = {local("go")};
+    const auto plan = plan::make_plan(described);
+    const auto table = build_owen(described, plan).table;
+    const auto back = restored(table);
+    EXPECT_EQ(build_owen(back.project, back.plan).table, table);
+    ASSERT_EQ(back.plan.lines.size(), 1U);
+    EXPECT_EQ(back.plan.lines[0].cycle, plan.lines[0].cycle);
+    EXPECT_EQ(back.plan.lines[0].utilization, plan.lines[0].utilization);
+    ASSERT_EQ(back.plan.lines[0].requests.size(), plan.lines[0].requests.size());
+    for (std::size_t i = 0; i < plan.lines[0].requests.size(); ++i) {
+        const auto& got = back.plan.lines[0].requests[i];
+        const auto& made = plan.lines[0].requests[i];
+        EXPECT_EQ(
+            std::tie(got.read, got.write, got.start, got.quantity, got.period, got.read_modify_write),
+            std::tie(made.read, made.write, made.start, made.quantity, made.period, made.read_modify_write));
+    }
+    // An entry with a function that no controller has makes no request.
+    auto foreign = table;
+    foreign.entries[0].read = 0x63;
+    EXPECT_EQ(restored(foreign).plan.lines[0].requests.size(), plan.lines[0].requests.size() - 1);
 }
 
 TEST(Owen, EveryRefusalHasItsWords) {

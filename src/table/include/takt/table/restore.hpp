@@ -3,6 +3,7 @@
 
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
+#include "takt/table/owen.hpp"
 #include "takt/table/view.hpp"
 
 namespace takt::table {
@@ -14,5 +15,17 @@ namespace takt::table {
 
 /// The requests of the plan, without their reasons.
 [[nodiscard]] plan::Plan plan_of(const View& view);
+
+/// A project with its plan.
+struct Restored {
+    model::Project project;
+    plan::Plan plan;
+};
+
+/// The requests of a table of owen-kc1 and what they are about. Lines have no port. Lines, devices, locals
+/// and values are named by kind and number: `value3` is at place 3. A word is an int16, a double word an
+/// int32, because the table does not distinguish signs and floats. Locals that only the program used are
+/// bools. Entries with functions that no controller has are left out.
+[[nodiscard]] Restored restored(const OwenTable& table);
 
 }  // namespace takt::table
