@@ -22,13 +22,15 @@ constexpr std::size_t kMostErrors = 10;
 constexpr std::size_t kMostWarnings = 3;
 constexpr std::size_t kMostNames = 3;
 
-constexpr std::array<std::string_view, 11> kCodes{
+constexpr std::array<std::string_view, 13> kCodes{
     "guarantee.late",
     "guarantee.unbounded",
     "guarantee.overload",
+    "guarantee.overload_grouped",
     "guarantee.late_with_fault",
     "guarantee.late_with_dead",
     "guarantee.response_unknown",
+    "guarantee.response_not_learnt",
     "guarantee.unlimited",
     "guarantee.rough",
     "guarantee.more",
@@ -260,7 +262,9 @@ Finding LineVerdict::line_finding(const char* code, Severity severity) const {
 // The source of owen-kc1 defines what its master does with too short a period: it polls without pause.
 void LineVerdict::add_overload() {
     const bool tolerated = project_.profile == model::Profile::owen_kc1 && !prove_;
-    Finding finding = line_finding("guarantee.overload", tolerated ? Severity::warning : Severity::error);
+    const bool grouped = std::ranges::all_of(line_.devices, &model::Device::group_requests);
+    Finding finding = line_finding(grouped ? "guarantee.overload_grouped" : "guarantee.overload",
+                                   tolerated ? Severity::warning : Severity::error);
     finding.value = percent(plan_.utilization);
     finding.allowed = "100 %";
     const StreamShare largest = largest_shares(plan_, 1).front();
@@ -275,7 +279,10 @@ void LineVerdict::add_overload() {
 void LineVerdict::add_response_unknown() {
     const bool learning = std::ranges::all_of(
         unknown_, [&](std::size_t device) { return line_.devices[device].learn_turnaround; });
-    const auto* const code = learning ? "guarantee.response_learning" : "guarantee.response_unknown";
+    const bool learns = project_.profile != model::Profile::owen_kc1;
+    const auto* const code = learning ? "guarantee.response_learning"
+                             : learns ? "guarantee.response_unknown"
+                                      : "guarantee.response_not_learnt";
     Finding finding = line_finding(code, prove_ ? Severity::error : Severity::note);
     finding.arguments.emplace_back("devices", device_names(line_, unknown_));
     finding.arguments.emplace_back("utilization", percent(busy(plan_)));

@@ -188,7 +188,8 @@ def written(text, changes):
 # A line that holds can be late with a dead device. That is the next finding, not the one that a measure
 # removes.
 WITHOUT_FAILURES = {
-    "guarantee.late", "guarantee.unbounded", "guarantee.overload", "guarantee.response_unknown"
+    "guarantee.late", "guarantee.unbounded", "guarantee.overload", "guarantee.overload_grouped",
+    "guarantee.response_unknown"
 }
 
 
@@ -219,3 +220,17 @@ def test_measures_name_what_helps_most_first(project):
     assert kinds["relayed requests"][0] == ["relay_interval"]
     text = takt("plan", project(LATE["one request overloads"][0]), code=None).out
     assert "V1_0" in text and re.search(r"largest share of the line, \d+\.\d %", text)
+
+
+def test_the_advice_for_a_controller_is_none_that_was_followed(project):
+    """All requests are grouped, and `turnaround: learn` has no effect in that profile."""
+    text = serial(at([0, 10, 20], "type: float, read: 0x03"), profile="owen-kc1")
+    busy = takt("check", project(text.replace("115200", "1200"))).out
+    assert "Lengthen the period" in busy and "Group the requests" not in busy
+    ungrouped = serial(at([0, 10, 20], "type: float, read: 0x03"), profile="owen-kc1",
+                       group_requests="false", strategy="single").replace("115200", "1200")
+    alone = takt("check", project(ungrouped)).out
+    assert "Group the requests" in alone
+    unknown = takt("check", project(text)).out
+    assert "Write it as `turnaround:`" in unknown and "learn" not in unknown
+    assert "learn" in takt("check", project(text.replace("owen-kc1", "generic"))).out
