@@ -9,7 +9,8 @@ from program import takt
 COUNT = {"bool": 1, "int16": 1, "uint16": 1, "int32": 2, "uint32": 2, "float": 2}
 KIND = {"int16": "int", "uint16": "int", "int32": "two", "uint32": "two", "float": "two", "bool": "bool"}
 LIMIT = {1: 2000, 2: 2000, 3: 125, 4: 125, 5: 1, 6: 1, 15: 1968, 16: 123}
-LOCALS = "locals: [{name: t1, type: bool}, {name: t2, type: bool}, {name: s1, type: int}, {name: s2, type: int}]"
+LOCALS = "locals: [{name: t1, type: bool}, {name: t2, type: bool}, " \
+    "{name: s1, type: int}, {name: s2, type: int}]"
 
 
 def random_variables(random_, prefix):
@@ -65,9 +66,10 @@ def follows(a, b, write):
         adjoins = a["type"] == "bool" and a["register"] == b["register"] and b["bit"] == a["bit"] + 1
     else:
         adjoins = b["register"] == a["register"] + COUNT[a["type"]]
-    same = ["status", "period"] + (["write", "write_trigger", "on_change"] if write else ["read", "read_trigger"])
-    return adjoins and KIND[a["type"]] == KIND[b["type"]] and all(a[k] == b[k] for k in same) and not (
-        write and b["write"] in (5, 6))
+    same = ["status", "period"]
+    same += ["write", "write_trigger", "on_change"] if write else ["read", "read_trigger"]
+    alone = write and b["write"] in (5, 6)
+    return adjoins and KIND[a["type"]] == KIND[b["type"]] and all(a[k] == b[k] for k in same) and not alone
 
 
 def entries_of(variables, most):
@@ -82,25 +84,25 @@ def entries_of(variables, most):
         groups = []
         for v in taking:
             last = groups[-1] if groups else None
-            if last and sum(COUNT[its["type"]] for its in [*last, v]) <= min(
-                    LIMIT[v[function]], most) and follows(last[-1], v, write) and number[
-                        v["name"]] == number[last[-1]["name"]] + 1:
+            items = sum(COUNT[its["type"]] for its in [*(last or []), v])
+            if last and items <= min(LIMIT[v[function]], most) and follows(
+                    last[-1], v, write) and number[v["name"]] == number[last[-1]["name"]] + 1:
                 last.append(v)
             else:
                 groups.append([v])
         for group in groups:
             names = [v["name"] for v in group]
-            partner = next((e for e in entries if write and e[0] and e[2][0] == names[0] and len(e[2]) == len(names)),
-                           None)
-            if partner:
-                partner[1] = group[0]["write"]
+            partners = [e for e in entries if write and e[0] and e[2][0] == names[0]]
+            if partners and len(partners[0][2]) == len(names):
+                partners[0][1] = group[0]["write"]
             else:
-                entries.append([None, group[0]["write"], names] if write else [group[0]["read"], None, names])
+                functions = [None, group[0]["write"]] if write else [group[0]["read"], None]
+                entries.append([*functions, names])
     return sorted(map(tuple, entries), key=str)
 
 
 def as_text(v):
-    keys = [f"name: {v['name']}", f"type: {v['type']}", f"register: {v['register']}", f"period: {v['period']}ms"]
+    keys = [f"{k}: {v[k]}" for k in ("name", "type", "register")] + [f"period: {v['period']}ms"]
     keys += [f"{k}: {v[k]}" for k in ("status", "read_trigger", "write_trigger", "bit") if v[k] is not None]
     keys += [f"{k}: {'none' if v[k] is None else v[k]}" for k in ("read", "write")]
     return "{" + ", ".join(keys + [f"write_on_change: {str(v['on_change']).lower()}"]) + "}"
@@ -114,8 +116,9 @@ def test_400_random_projects_are_grouped_like_the_reference(project, seed):
         most = random_.choice([2, 3, 4, 7, 16, 125])
         variables = random_variables(random_, f"l{line}")
         expected.append(entries_of(variables, most))
-        text.append(f"  - {{name: l{line}, port: /dev/ttyS{line}, baud: 9600, devices: [{{name: d, address: 1, "
-                    f"group_requests: true, strategy: classic, registers_per_request: {most}, variables: [")
+        text.append(f"  - {{name: l{line}, port: /dev/ttyS{line}, baud: 9600, devices: [{{name: d, "
+                    "address: 1, group_requests: true, strategy: classic, "
+                    f"registers_per_request: {most}, variables: [")
         text += [f"      {as_text(v)}," for v in variables] + ["  ]}]}"]
     plan = takt("plan", project("\n".join(text) + "\n"), "--json", code=None).json
     for line, reference in zip(plan["lines"], expected, strict=True):
