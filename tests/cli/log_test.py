@@ -5,7 +5,7 @@ import time
 from endpoints import free_port
 from fake_slave import TcpSlave
 from peer_base import TcpPeer
-from program import DEADLINE, start, until
+from program import DEADLINE, start, takt, until
 
 PROJECT = """
 takt: 1
@@ -121,6 +121,16 @@ def test_a_peer_that_closes_before_the_first_request_may_be_sent(tmp_path):
     assert re.search(
         r"warning host: line plant: the peer closed the connection \d+(\.\d)? ms after it was opened, "
         r"before `pause_after_connect` \(1000 ms\) had passed: no request was sent\. ", early[0]), lines
+
+
+def test_what_a_profile_leaves_out(tmp_path):
+    path, log = tmp_path / "plant.yaml", tmp_path / "takt.log"
+    devices = "".join(f"      - {{name: D{n}, address: {n}, variables: []}}\n" for n in range(1, 35))
+    path.write_text("takt: 1\nprofile: owen-kc1\nlines:\n  - name: L\n    port: /dev/takt-no-such-port\n"
+                    f"    devices:\n{devices}")
+    takt("run", path, "--log", log, code=3)  # there is no such port
+    lines = [line for line in log.read_text().splitlines() if "project" in line and "32" in line]
+    assert ["D33" in line or "D34" in line for line in lines] == [True, True], lines
 
 
 def test_it_speaks_the_language_of_the_program(tmp_path):

@@ -1,17 +1,43 @@
 #include "commands/input_files.hpp"
 
+#include <vector>
+
+#include "log.hpp"
 #include "output.hpp"
+#include "takt/base/log.hpp"
 #include "takt/file/read.hpp"
 #include "takt/report/findings_report.hpp"
 #include "takt/table/format.hpp"
 
 namespace takt::app {
 
+namespace {
+
+// What the project does not do as written, such as variables beyond a limit, is also in the log.
+void log_findings(const std::vector<model::Finding>& findings) {
+    const auto to = log("project");
+    if (!to.enabled()) return;
+    for (const auto& finding : findings) {
+        if (finding.severity == model::Severity::note) continue;
+        std::vector<LogArgument> arguments{
+            {.name = "value", .text = finding.value},
+            {.name = "allowed", .text = finding.allowed},
+            {.name = "path", .text = finding.path},
+        };
+        for (const auto& [name, text] : finding.arguments) arguments.push_back({.name = name, .text = text});
+        to.message(finding.severity == model::Severity::error ? LogLevel::error : LogLevel::warning,
+                   finding.code, arguments);
+    }
+}
+
+}  // namespace
+
 std::optional<host::LoadedProject> load_to_run(const Texts& texts, const std::string& path,
                                                std::string* learnt) {
     auto loaded = host::load_project(path);
     if (learnt) *learnt = host::recall_learnt(loaded, path);
     print_status(report::findings_text(texts, loaded));
+    log_findings(loaded.findings);
     if (loaded.has_errors()) return std::nullopt;
     return loaded;
 }
