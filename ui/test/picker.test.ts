@@ -40,8 +40,14 @@ test('the picker has standard, service and network variables', () => {
     name: 'Speed',
     type: 'int16',
     comment: 'turns',
+    retain: false,
+    initial: '',
+    used: true,
     group: 'Pump, 1',
   });
+  const kept = { name: 'r1', type: 'int', retain: 'true', default: '1', used: 'false' };
+  const { retain, initial, used } = choicesOf({ locals: [kept] })[0]!.choices[0]!;
+  assert.deepEqual([retain, initial, used], [true, '1', false]);
 });
 
 test('the picker searches names, comments and devices, and knows the types', () => {

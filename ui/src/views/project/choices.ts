@@ -1,13 +1,17 @@
 // The variables that the picker offers: standard, service, network. Pure.
 import type { Mapping } from '../../api/types';
 import { listAt, textAt } from '../../store/document';
-import { plainType } from './cells';
+import { isYes, plainType } from './cells';
 
 export type ChoiceKind = 'standard' | 'service' | 'network';
 export interface Choice {
   name: string;
   type: string;
   comment: string;
+  retain: boolean;
+  /** The value until one is read or set; '' for none. */
+  initial: string;
+  used: boolean;
   /** The device of a network variable, or what a service variable is about; '' for the program. */
   group: string;
 }
@@ -69,10 +73,21 @@ export function choicesOf(document: Mapping): ChoiceTab[] {
     name: textAt(its, ['name']) ?? '',
     type: plainType(textAt(its, ['type']) ?? ''),
     comment: textAt(its, ['comment']) ?? '',
+    retain: isYes(textAt(its, ['retain'])),
+    initial: textAt(its, ['default']) ?? '',
+    used: its.used === undefined || isYes(textAt(its, ['used'])),
     group,
   });
   const service = (prefix: string, group: string, words: [string, string][]) =>
-    words.map(([word, type]) => ({ name: `system.${prefix}${word}`, type, comment: '', group }));
+    words.map(([word, type]) => ({
+      name: `system.${prefix}${word}`,
+      type,
+      comment: '',
+      retain: false,
+      initial: '',
+      used: true,
+      group,
+    }));
   return [
     {
       kind: 'standard',

@@ -17,9 +17,12 @@ import {
 } from './choices';
 import { addLocal, takenNames } from './edit';
 import { nextName } from './rows';
+import { keyText } from './rules';
 import { wordType } from './words';
 
 const MOST_SHOWN = 400;
+/** As in the IDE. */
+const COLUMNS = ['name', 'type', 'retain', 'default', 'used', 'comment'];
 
 export interface PickerProps {
   wants: Wanted;
@@ -93,6 +96,9 @@ function List(props: {
             >
               <span class={typeClass(its.type)}>{its.name}</span>
               <span class="muted small">{wordType(its.type)}</span>
+              <span class="small">{its.retain ? '☑' : '☐'}</span>
+              <span class="small">{its.initial}</span>
+              <span class="small">{its.used ? t.value.shell.yes : t.value.shell.no}</span>
               <span class="muted small comment">{its.comment}</span>
             </div>
           </>
@@ -199,6 +205,13 @@ export function Picker(props: PickerProps) {
           </div>
         )}
         <div role="tabpanel" id="picker-panel" aria-labelledby={`picker-${tab}`}>
+          <div class="headings" aria-hidden="true">
+            {COLUMNS.map((key) => (
+              <span key={key} class="muted small">
+                {keyText(key)}
+              </span>
+            ))}
+          </div>
           <List
             choices={searched(its.choices, search)}
             program={its.kind === 'service' ? texts.program : ''}
