@@ -65,7 +65,7 @@ def test_a_turnaround_is_measured_and_offered_and_leaves_no_file(project, pair, 
             result = run.interrupt()
     measured = device["turnaround"]
     assert measured["exchanges"] >= ENOUGH and not measured["learnt"], measured
-    assert 0 <= measured["p999_ms"] <= measured["longest_ms"], measured
+    assert measured["longest_ms"] >= 0 and measured["p999_ms"] is None, "99.9 % need 1,000 exchanges"
     assert measured["advised"].endswith("ms") and device["late_responses"] is None
     assert "turnaround at most" in result.out or "0x03" in result.out
     assert not path.with_suffix(".learnt.json").exists(), "nobody asked to learn"
