@@ -7,6 +7,7 @@
 #include "takt/sim/device.hpp"
 
 #include <algorithm>
+#include <type_traits>
 
 #include "takt/value/codec.hpp"
 
@@ -37,6 +38,16 @@ bool has_gap(const model::Device& device, Area area, unsigned first, unsigned la
            std::ranges::none_of(device.no_read[index], touches);
 }
 
+/// @param value  a number or a bool
+double number_of(const value::Value& value) {
+    return std::visit(
+        [](const auto& its) -> double {
+            if constexpr (std::is_arithmetic_v<std::decay_t<decltype(its)>>) return static_cast<double>(its);
+            return 0;
+        },
+        value);
+}
+
 }  // namespace
 
 Device::Device(const model::Device& device, bool moving)
@@ -48,7 +59,7 @@ Device::Device(const model::Device& device, bool moving)
         of(variable.area)
             .variables.push_back({variable.start(), variable.items(), Pattern(variable.type, names_.back()),
                                   variable.type, variable.order, bit_area ? std::nullopt : variable.bit,
-                                  !moving});
+                                  !moving, names_.back(), variable.scale, variable.offset});
     }
     for (const Area area : kAreas) lay_out(device, area);
 }
@@ -140,6 +151,9 @@ std::optional<wire::ExceptionCode> Device::before(const serve::Context& context,
 
 void Device::written(const serve::Context& context, const serve::Access& access) {
     hold(access.area, access.start, access.count);
+    if (model_)
+        for (const Variable& variable : touching(access.area, access.start, access.count))
+            tell_model(access.area, variable, context.time);
     if (!observer_) return;
     observer_->on_write({context.time, address_, access.area, access.start,
                          items(access.area, access.start, access.count), context.broadcast});
@@ -240,8 +254,39 @@ void Device::follow_source(const serve::Access& access, Instant t) {
     }
 }
 
+value::Layout Device::layout_of(const Variable& variable) {
+    value::Layout layout;
+    layout.type = variable.type;
+    layout.order = variable.order;
+    layout.registers = variable.count;
+    layout.bit = variable.bit;
+    return layout;
+}
+
+/// @param layout  gets the scale of the value
+value::Value Device::now(const Variable& variable, value::Layout& layout, Instant t) const {
+    const auto number = model_ ? model_->value(variable.name, t) : std::nullopt;
+    if (!number) return variable.pattern.at(t);
+    if (variable.type == DataType::boolean) return *number != 0;
+    layout.scale = variable.scale;
+    layout.offset = variable.offset;
+    return *number;
+}
+
+void Device::tell_model(Area area, const Variable& variable, Instant t) {
+    if (variable.type == DataType::string) return;
+    if (wire::is_bit_area(area))
+        return model_->on_written(variable.name, bit_bank(area).get(variable.start) ? 1 : 0, t);
+    auto layout = layout_of(variable);
+    layout.scale = variable.scale;
+    layout.offset = variable.offset;
+    const auto written = value::decode(layout, items(area, variable.start, variable.count));
+    if (written) model_->on_written(variable.name, number_of(*written), t);
+}
+
 void Device::refresh(Area area, const Variable& variable, Instant t) {
-    value::Value now = variable.pattern.at(t);
+    auto layout = layout_of(variable);
+    value::Value now = this->now(variable, layout, t);
     if (auto* text = std::get_if<std::string>(&now))
         text->resize(std::min(text->size(), std::size_t{2} * variable.count));
     if (wire::is_bit_area(area)) {
@@ -250,11 +295,6 @@ void Device::refresh(Area area, const Variable& variable, Instant t) {
         if (before != std::get<bool>(now)) tell_change(t, area, variable.start, 1);
         return;
     }
-    value::Layout layout;
-    layout.type = variable.type;
-    layout.order = variable.order;
-    layout.registers = variable.count;
-    layout.bit = variable.bit;
     const auto encoded = value::encode(layout, now);
     if (!encoded) return;
     serve::RegisterBank bank = register_bank(area);

@@ -81,6 +81,38 @@ TEST(Device, FollowsASourceInThePlaceOfItsPatternsExceptWhereItWasWritten) {
     EXPECT_EQ(ask(devices, {0x03, 0, 10, 0, 2}, at(7s)), (wire::Pdu{0x03, 4, 0xAB, 0xCD, 0x04, 0x53}));
 }
 
+/// Knows two variables of the line; keeps what was written.
+struct Plant final : PlantModel {
+    std::optional<double> value(std::string_view variable, Instant t) const override {
+        if (variable == "Level") return 41.5;
+        return variable == "Pump" ? std::optional(t == at(1s) ? 1.0 : 0.0) : std::nullopt;
+    }
+    void on_written(std::string_view variable, double value, Instant) override {
+        written.emplace_back(variable, value);
+    }
+    std::vector<std::pair<std::string, double>> written;
+};
+
+TEST(Device, FollowsAModelInThePlaceOfItsPatternsAndReportsWrites) {
+    auto scaled = line();
+    scaled.devices[0].variables[0].scale = 0.1;
+    Plant plant;
+    Devices devices(scaled);
+    devices[0].set_model(&plant);
+    EXPECT_EQ(ask(devices, {0x04, 0, 100, 0, 1}), (wire::Pdu{0x04, 2, 0x01, 0x9F})) << "415 × 0.1";
+    EXPECT_EQ(ask(devices, {0x01, 0, 35, 0, 1}, at(1s)), (wire::Pdu{0x01, 1, 1}));
+    EXPECT_EQ(ask(devices, {0x01, 0, 35, 0, 1}, at(2s)), (wire::Pdu{0x01, 1, 0}));
+    Devices alone(scaled);
+    EXPECT_EQ(ask(devices, {0x03, 0, 10, 0, 2}), ask(alone, {0x03, 0, 10, 0, 2}))
+        << "it does not know this one";
+    ask(devices, {0x05, 0, 35, 0xFF, 0x00}, at(2s));
+    ask(devices, {0x10, 0, 10, 0, 2, 4, 0, 0, 0x41, 0x20});
+    const std::vector<std::pair<std::string, double>> wanted{{"Pump", 1}, {"Temperature", 10}};
+    EXPECT_EQ(plant.written, wanted);
+    EXPECT_EQ(ask(devices, {0x01, 0, 35, 0, 1}, at(2s)), (wire::Pdu{0x01, 1, 1}))
+        << "the written value stays";
+}
+
 TEST(Device, OffersOnlyWhatItsVariablesCover) {
     struct Row {
         std::uint8_t function, start, count;

@@ -13,6 +13,7 @@
 #include "takt/sim/device_observer.hpp"
 #include "takt/sim/pattern.hpp"
 #include "takt/sim/value_source.hpp"
+#include "takt/value/codec.hpp"
 #include "takt/wire/function.hpp"
 
 namespace takt::sim {
@@ -58,6 +59,10 @@ public:
     /// again.
     void set_source(const ValueSource* source) { source_ = source; }
 
+    /// Takes the values of variables from `model`, which outlives it, and reports writes of numbers and bools
+    /// to it; nullptr: the patterns again.
+    void set_model(PlantModel* model) { model_ = model; }
+
     /// For a server; refers to this device.
     [[nodiscard]] serve::Unit unit();
     [[nodiscard]] UnitId address() const { return address_; }
@@ -93,6 +98,9 @@ private:
         ByteOrder order;
         std::optional<std::uint8_t> bit;  // of a bool in a register
         bool held = false;                // was written
+        std::string_view name;
+        double scale;  // of the values of a model
+        double offset;
     };
     struct AreaData {
         std::vector<Variable> variables;  // by start
@@ -108,6 +116,9 @@ private:
     void fill(Fill fill);
     [[nodiscard]] std::span<Variable> touching(wire::Area area, std::uint16_t start, std::uint16_t count);
     void refresh(wire::Area area, const Variable& variable, Instant t);
+    [[nodiscard]] static value::Layout layout_of(const Variable& variable);
+    [[nodiscard]] value::Value now(const Variable& variable, value::Layout& layout, Instant t) const;
+    void tell_model(wire::Area area, const Variable& variable, Instant t);
     void follow_source(const serve::Access& access, Instant t);
     [[nodiscard]] std::span<const std::uint16_t> items(wire::Area area, std::uint16_t start,
                                                        std::uint16_t count);
@@ -126,6 +137,7 @@ private:
     std::vector<std::string> names_;       // referred to by the patterns
     std::array<AreaData, 4> areas_;
     const ValueSource* source_ = nullptr;
+    PlantModel* model_ = nullptr;
 };
 
 }  // namespace takt::sim

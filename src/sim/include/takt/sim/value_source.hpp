@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string_view>
 
 #include "takt/base/numbers.hpp"
 #include "takt/base/time.hpp"
@@ -19,6 +21,19 @@ public:
 
 protected:
     ~ValueSource() = default;
+};
+
+/// The values of a plant as functions of time, by the name of the variable, instead of their patterns.
+class PlantModel {
+public:
+    /// @returns the value as the variable shows it, scaled; a bool is 0 or 1. Nothing: the variable keeps its
+    ///          pattern
+    [[nodiscard]] virtual std::optional<double> value(std::string_view variable, Instant t) const = 0;
+    /// A master wrote the variable: it keeps this value, scaled, and others may follow.
+    virtual void on_written(std::string_view variable, double value, Instant t) = 0;
+
+protected:
+    ~PlantModel() = default;
 };
 
 }  // namespace takt::sim
