@@ -88,6 +88,34 @@ def test_the_text_compares_and_sums_up():
         assert word in out, word
 
 
+def test_the_plan_reads_over_gaps_where_that_is_cheaper():
+    strategies = takt("plan", ROOT / "examples/demo.yaml", "--json",
+                      "--compare").json["lines"][0]["compare"]["strategies"]
+    counts = {name: its["requests"] for name, its in strategies.items()}
+    assert counts["optimal"] < counts["classic"] < counts["single"], counts
+
+
+def test_the_trends_begin_with_an_hour_of_the_plant(tmp_path):
+    """In a folder that is gone afterwards."""
+    with start("demo", "--json", env={"TMPDIR": str(tmp_path)}) as demo:
+        value = demo.wait_event(lambda e: e["event"] == "value" and e["name"] == "Voltage L1", "a value")
+        assert 225 < value["value"] < 235
+        (project, ) = tmp_path.glob("takt-demo-*/demo.yaml")
+        names = ("Voltage L1", "Supply temperature", "Power")
+        past = takt("history", project, *names, "--from", "-59min", "--json")
+        for its, (least, greatest) in zip(past.json["variables"], [(225, 235), (60, 70), (0.3, 3)]):
+            assert its["samples"] > 20, its["name"]
+            assert least < its["min"] < its["max"] < greatest, its["name"]
+            assert its["good_share"] > 0.99
+        demo.interrupt()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_demo_without_the_page_keeps_nothing(tmp_path):
+    assert takt("demo", "--no-web", "--for", "200ms", TMPDIR=str(tmp_path)).code == 0
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize("language", ["ru", "uk"])
 def test_other_languages(language):
     result = takt("demo", "--for", "200ms", "--lang", language)

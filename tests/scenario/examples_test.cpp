@@ -39,7 +39,7 @@ INSTANTIATE_TEST_SUITE_P(All, Examples,
                          testing::Values(Example{"scenario-1.yaml", 1, 10},
                                          Example{"scenario-2.yaml", 10, 10}, Example{"scenario-3.yaml", 4, 6},
                                          Example{"boiler.yaml", 6, 7}, Example{"meters.yaml", 4, 12},
-                                         Example{"demo.yaml", 7, 13}, Example{"tank-farm.yaml", 7, 10},
+                                         Example{"demo.yaml", 6, 16}, Example{"tank-farm.yaml", 7, 10},
                                          Example{"gateway.yaml", 2, 2}, Example{"converter.yaml", 2, 3},
                                          Example{"mqtt.yaml", 1, 2}),
                          [](const auto& example) {

@@ -8,13 +8,17 @@
 #include <optional>
 #include <utility>
 
+#include "commands/demo_past.hpp"
+#include "commands/demo_plant.hpp"
 #include "commands/demo_project.hpp"
 #include "commands/run_command.hpp"
 #include "commands/run_project.hpp"
 #include "output.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/host/project_file.hpp"
+#include "takt/line/loop.hpp"
 #include "takt/os/open.hpp"
+#include "takt/publish/project_outputs.hpp"
 #include "takt/report/comparison_report.hpp"
 #include "takt/report/plan_report.hpp"
 #include "texts.hpp"
@@ -36,14 +40,14 @@ void refuse_one_register(const model::Line& line, sim::Devices& devices) {
 /// A copy of the project that the page may change, in a folder that exists as long as the demo.
 class DemoFolder {
 public:
-    [[nodiscard]] static Result<DemoFolder> create() {
+    [[nodiscard]] static Result<DemoFolder> create(const std::string& project) {
         std::error_code error;
         const auto path = std::filesystem::temp_directory_path(error) / "takt-demo-XXXXXX";
         std::string name = path.string();
         if (error || ::mkdtemp(name.data()) == nullptr) return fail(Code::cannot_open, name, errno);
         DemoFolder folder(name);
         TAKT_TRY(const auto file, os::create_file(folder.file()));
-        if (!os::write_all(file.get(), kDemoProject)) return fail(Code::io_failed, folder.file(), errno);
+        if (!os::write_all(file.get(), project)) return fail(Code::io_failed, folder.file(), errno);
         return folder;
     }
     ~DemoFolder() {
@@ -60,28 +64,46 @@ private:
     std::string path_;
 };
 
+/// The project, with a history where there is a folder for it.
+std::string demo_text(bool history) {
+    std::string text(kDemoProject);
+    if (history) text += "outputs:\n  - {name: history, transport: history}\n";
+    return text;
+}
+
+void print_intro(const Texts& texts, const host::LoadedProject& loaded, const plan::Plan& planned,
+                 bool history) {
+    const auto plan =
+        report::plan_text(texts, loaded.project, planned, {}, {.columns = columns_of(STDOUT_FILENO)});
+    auto intro = texts("app.demo.intro");
+    if (history) intro = texts("app.demo.past") + '\n' + intro;
+    print_wrapped(intro + "\n\n" + plan + '\n');
+    print(report::comparison_text(texts, loaded.project, planned, columns_of(STDOUT_FILENO)) + '\n');
+}
+
 }  // namespace
 
 ExitCode demo(const CommonOptions& common, const DemoOptions& options) {
     const Texts texts(common.language);
-    const auto loaded = host::load_project_text("demo.yaml", std::string(kDemoProject));
+    const auto text = demo_text(options.web);
+    const auto loaded = host::load_project_text("demo.yaml", text);
     TAKT_ASSERT(!loaded.has_errors());
     const auto planned = host::prove(loaded, false, false).plan;
-    if (!options.json) {
-        const auto plan =
-            report::plan_text(texts, loaded.project, planned, {}, {.columns = columns_of(STDOUT_FILENO)});
-        print_wrapped(texts("app.demo.intro") + "\n\n" + plan + '\n');
-        print(report::comparison_text(texts, loaded.project, planned, columns_of(STDOUT_FILENO)) + '\n');
-    }
+    if (!options.json) print_intro(texts, loaded, planned, options.web);
+    const auto start = line::now();
+    DemoPlant plant(start);
     RunOptions run;
     run.run_for = options.run_for;
     run.json = options.json;
     std::optional<DemoFolder> folder;
     if (options.web) {
-        auto created = DemoFolder::create();
+        auto created = DemoFolder::create(text);
         if (!created) return ended_by(texts, created.error());
         folder.emplace(*std::move(created));
         run.file = folder->file();
+        const auto& line = loaded.project.lines.front();
+        if (const auto past = write_demo_past(publish::history_database(run.file), line, plant, start); !past)
+            return ended_by(texts, past.error());
         run.on_leave = [&folder] { folder.reset(); };
         run.web = {.address = line::ListenAddress{"127.0.0.1", 8502},
                    .or_free_port = true,
@@ -89,7 +111,9 @@ ExitCode demo(const CommonOptions& common, const DemoOptions& options) {
                    .demo = true};
     }
     return run_project(texts, loaded.project, planned, run, [&](std::size_t line, sim::Devices& devices) {
-        if (line < loaded.project.lines.size()) refuse_one_register(loaded.project.lines[line], devices);
+        if (line >= loaded.project.lines.size()) return;
+        refuse_one_register(loaded.project.lines[line], devices);
+        for (std::size_t i = 0; i < devices.size(); ++i) devices[i].set_model(&plant);
     });
 }
 

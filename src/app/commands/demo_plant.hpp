@@ -1,0 +1,50 @@
+// The plant of `takt demo`: a boiler, a pump that moves its water, and the meter of the house.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "takt/base/time.hpp"
+#include "takt/sim/value_source.hpp"
+
+namespace takt::app {
+
+/// A value on its way to another one, most of it within the time constant `tau`.
+struct Approach {
+    double from = 0;
+    double to = 0;
+    Instant begin{};
+    double tau = 1;  ///< seconds, > 0
+
+    [[nodiscard]] double at(Instant t) const;
+    /// Goes to `target` from where it is at `t`.
+    void turn(double target, Instant t);
+};
+
+/// All values at one instant, in the units of examples/demo.yaml. They fit together: the power of the pump
+/// follows from its flow and pressure, the gas from the heat that the water takes.
+struct PlantState {
+    double supply, back, pressure, gas, setpoint;
+    double voltage_1, voltage_2, voltage_3, energy;
+    double running, fault, speed, flow, delivery, power;
+};
+
+/// Pure functions of time and of what was written. One owner, one thread.
+class DemoPlant final : public sim::PlantModel {
+public:
+    /// @param start  the counters have their first values then; earlier times are the past of the plant
+    explicit DemoPlant(Instant start);
+
+    [[nodiscard]] PlantState at(Instant t) const;
+
+    [[nodiscard]] std::optional<double> value(std::string_view variable, Instant t) const override;
+    /// The setpoint, and whether the pump runs; others change nothing.
+    void on_written(std::string_view variable, double value, Instant t) override;
+
+private:
+    Instant start_;
+    Approach setpoint_;  // as the burner has reached it
+    Approach turning_;   // part of the speed: 0 while the pump stands
+};
+
+}  // namespace takt::app
