@@ -18,7 +18,9 @@
 #include "takt/file/schema.hpp"
 #include "takt/os/exchange.hpp"
 #include "takt/report/findings_report.hpp"
+#include "takt/report/plan_csv.hpp"
 #include "takt/report/plan_report.hpp"
+#include "takt/report/plan_svg.hpp"
 #include "unified_diff.hpp"
 
 namespace takt::web {
@@ -149,7 +151,9 @@ struct ProjectApi::Impl {
             end_if_superseded(request);
             auto sent = sent_in(request, root_of(saved));
             if (!sent) return std::move(sent.error());
-            auto object = evaluated(request, saved, std::move(sent->document));
+            const auto draft = proved(request, saved, std::move(sent->document));
+            if (const auto as = request.parameter("as"); !as.empty()) return exported(request, draft, as);
+            auto object = plan_object(request, draft);
             const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
             object.set("took_ms", took.count());
             return ApiResponse::json(object);
@@ -158,7 +162,12 @@ struct ProjectApi::Impl {
         }
     }
 
-    Json evaluated(const ApiRequest& request, const SavedPtr& saved, Node document) const {
+    struct Draft {
+        host::LoadedProject loaded;
+        std::optional<plan::Proof> proof;  ///< nothing: the project has errors
+    };
+
+    Draft proved(const ApiRequest& request, const SavedPtr& saved, Node document) const {
         end_if_superseded(request);
         file::without_origins(document);
         const auto own = document;
@@ -166,18 +175,42 @@ struct ProjectApi::Impl {
                                         restricted_reader(options.file, saved->alone.document.root));
         const TemplateParts shifted(own, read.document.root);
         end_if_superseded(request);
-        auto loaded = host::interpreted(std::move(read));
+        Draft draft{.loaded = host::interpreted(std::move(read)), .proof = {}};
+        auto& loaded = draft.loaded;
         static_cast<void>(host::recall_learnt(loaded, options.file));
         end_if_superseded(request);
-        if (loaded.has_errors()) {
-            shifted.correct(loaded.findings);
-            return report::no_plan_json(request.texts, loaded);
+        if (!loaded.has_errors()) {
+            draft.proof = host::prove(loaded, false, request.parameter("measures") == "1",
+                                      [&](std::size_t, std::size_t) { end_if_superseded(request); });
+            host::add_findings(loaded, *draft.proof);
         }
-        const auto proof = host::prove(loaded, false, request.parameter("measures") == "1",
-                                       [&](std::size_t, std::size_t) { end_if_superseded(request); });
-        host::add_findings(loaded, proof);
         shifted.correct(loaded.findings);
-        return report::project_plan_json(request.texts, loaded, proof, nullptr, true);
+        return draft;
+    }
+
+    static Json plan_object(const ApiRequest& request, const Draft& draft) {
+        if (!draft.proof) return report::no_plan_json(request.texts, draft.loaded);
+        return report::project_plan_json(request.texts, draft.loaded, *draft.proof, nullptr, true);
+    }
+
+    /// The formed requests as a file.
+    ApiResponse exported(const ApiRequest& request, const Draft& draft, std::string_view as) const {
+        if (!draft.proof)
+            return not_valid(request,
+                             report::findings_json(request.texts, draft.loaded.files, draft.loaded.findings));
+        const auto name = file_name(options.file);
+        const auto base = name.substr(0, name.rfind('.')) + ".requests.";
+        if (as == "svg")
+            return {.content_type = "image/svg+xml",
+                    .body = report::plan_svg(request.texts, name, draft.loaded.project, draft.proof->plan),
+                    .file_name = base + "svg"};
+        const auto object = plan_object(request, draft);
+        if (as == "csv")
+            return {.content_type = "text/csv; charset=utf-8",
+                    .body = report::plan_csv(object),
+                    .file_name = base + "csv"};
+        if (as == "json") return {.body = object.dump(2) + '\n', .file_name = base + "json"};
+        return project_refusal(request, 400, "malformed", {{"subject", "as"}});
     }
 
     /// The body of a request, and the text of the file with its changes.

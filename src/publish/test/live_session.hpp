@@ -51,7 +51,7 @@ public:
             if (done()) return true;
             if (now() >= end) return false;
             pollfd ready{.fd = pipe_->descriptor(), .events = POLLIN, .revents = 0};
-            poll(&ready, 1, 5);
+            ::poll(&ready, 1, 5);
         }
     }
     bool connects(Duration limit = 10s) {

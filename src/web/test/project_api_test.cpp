@@ -126,6 +126,26 @@ TEST_F(ProjectApiTest, JudgesAnUnknownResponseTimeAsCheckDoes) {
     EXPECT_NE(text_at(judged, {"lines"}).find(R"("verdict":"response_unknown")"), std::string::npos);
 }
 
+TEST_F(ProjectApiTest, TheRequestsOfADraftAreFiles) {
+    const auto document = *project().find("document");
+    const auto as = [&](const std::string& format, const Json& sent) {
+        return call(Method::post, "/project/evaluate", body_of(sent), {{"as", format}});
+    };
+    const auto csv = as("csv", document);
+    EXPECT_EQ(csv.file_name, "plant.requests.csv");
+    EXPECT_TRUE(csv.body.starts_with("line,device,unit,function,write_function,start,quantity,variables,"))
+        << csv.body;
+    EXPECT_NE(csv.body.find("\r\nbus,Boiler,16,3,,0,2,Level,1000.0,"), std::string::npos) << csv.body;
+    const auto svg = as("svg", document);
+    EXPECT_EQ(svg.file_name, "plant.requests.svg");
+    EXPECT_NE(svg.body.find("<svg"), std::string::npos);
+    const auto json = Json::parse(as("json", document).body);
+    ASSERT_TRUE(json.has_value());
+    EXPECT_NE(json->find("lines"), nullptr);
+    EXPECT_EQ(as("xml", document).status, 400);
+    EXPECT_EQ(as("csv", changed(document, R"("16")", R"("300")")).status, 422) << "it has no requests";
+}
+
 TEST_F(ProjectApiTest, AnEvaluationThatIsToStopEnds) {
     std::stop_source stop;
     stop.request_stop();
