@@ -1,14 +1,15 @@
-import { signal } from '@preact/signals';
+import { effect, signal } from '@preact/signals';
 import type { ComponentType } from 'preact';
 import { LANGUAGES, type Language, language, setLanguage, t } from './i18n';
 import { ProblemsDialog } from './shell/problems';
-import { VIEWS, type View, view } from './shell/route';
+import { VIEWS, type View, view, isViewNamed, show } from './shell/route';
 import { theme, toggleTheme } from './shell/theme';
 import { Toasts } from './shell/toasts';
 import { connected, info, mayWrite, status } from './store/info';
 import { redo, undo } from './store/project';
 import { DevicesView } from './views/devices/view';
 import { LiveView } from './views/live/view';
+import { OverviewView } from './views/overview/view';
 import { askToSave, Saving } from './views/project/save_dialog';
 import { ProjectView } from './views/project/view';
 import { TrafficView } from './views/traffic/view';
@@ -16,6 +17,7 @@ import { TrendsView } from './views/trends/view';
 import { Icon } from './widgets/icon';
 
 const components: Record<View, ComponentType> = {
+  overview: OverviewView,
   project: ProjectView,
   live: LiveView,
   trends: TrendsView,
@@ -25,6 +27,16 @@ const components: Record<View, ComponentType> = {
 const DOTS = { ok: 'good', degraded: 'warn', failed: 'bad' } as const;
 
 const listed = signal(false);
+
+// The address without a view opens the overview, or the project where there is no device yet. It then names
+// that view: the first device of an empty project leaves the view as it is.
+const stop = effect(() => {
+  const its = status.value;
+  if (!its) return;
+  const empty = its.lines.every((line) => line.devices.length === 0);
+  if (!isViewNamed()) show(empty ? 'project' : 'overview');
+  queueMicrotask(() => stop());
+});
 
 function Health() {
   const health = connected.value ? status.value?.health : undefined;

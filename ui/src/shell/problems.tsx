@@ -9,7 +9,7 @@ const DOTS = { error: 'bad', warning: 'warn', note: '' } as const;
 const MOST_NAMES = 12;
 
 /** The view with more about a problem. */
-function open(its: Problem): void {
+export function openProblem(its: Problem): void {
   if (its.device) go('devices', { line: its.line ?? '', device: its.device });
   else if (its.variables[0]) go('live', { filter: its.variables[0] });
   else go('devices');
@@ -80,7 +80,7 @@ export function ProblemsDialog({ onClose }: { onClose: () => void }) {
         problems={its?.problems ?? []}
         onOpen={(problem) => {
           onClose();
-          open(problem);
+          openProblem(problem);
         }}
       />
     </Dialog>

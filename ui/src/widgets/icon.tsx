@@ -1,5 +1,6 @@
 // Icons on a grid of 16 by 16, drawn with lines.
 const PATHS = {
+  overview: 'M2 2h5v7H2zM9 2h5v4H9zM9 8h5v6H9zM2 11h5v3H2z',
   project: 'M2 3h5v4H2zM9 9h5v4H9zM4.5 7v4H9',
   live: 'M1 8h3l2-5 4 10 2-5h3',
   trends: 'M2 2v12h12M4 10l3-4 3 3 4-6',

@@ -36,7 +36,7 @@ afterEach(async () => {
 });
 
 const startWith = (project) => Plant.start((file) => writeFileSync(file, project));
-const open = (hash = '') => openPage(context, `${plant.url}?lang=en&theme=light${hash}`, errors);
+const open = (hash = '#/project') => openPage(context, `${plant.url}?lang=en&theme=light${hash}`, errors);
 const text = () => readFileSync(plant.file, 'utf8');
 
 async function save(page) {
@@ -345,7 +345,7 @@ test('a project of 1,024 variables stays quick', async () => {
 
 test('an empty project begins with an example, which runs after saving', async () => {
   plant = await startWith('takt: 1\nlines: []\n');
-  const page = await open('#/project');
+  const page = await open('');
   await page.getByRole('button', { name: 'Paste a table' }).click();
   await page.getByRole('dialog').getByRole('textbox').waitFor();
   await page.keyboard.press('Escape');

@@ -27,8 +27,13 @@ afterEach(async () => {
   assert.deepEqual(errors, []);
 });
 
-const open = (hash = '', its = plant, language = 'en') =>
+const open = (hash = '#/project', its = plant, language = 'en') =>
   openPage(context, `${its.url}?lang=${language}&theme=light${hash}`, errors);
+/** Runs in the page: nothing of the view is beyond its lower edge. */
+function onOneScreen() {
+  const main = document.querySelector('main');
+  return main.scrollHeight <= main.clientHeight;
+}
 const text = (its = plant) => readFileSync(its.file, 'utf8');
 
 test('grouping switched off shows what it costs, and undo takes it back', async () => {
@@ -57,7 +62,7 @@ test('a wrong value shows the permitted range and cannot be saved', async () => 
 test('saving keeps the comments of the file, and the running lines follow', async (t) => {
   const own = await Plant.start();
   t.after(() => own.stop());
-  const page = await open('', own);
+  const page = await open('#/project', own);
   await page.getByRole('treeitem', { name: /Boiler, 16/ }).click();
   await page.getByLabel('Poll period, ms').fill('400');
   await page.getByRole('button', { name: /^Save/ }).click();
@@ -336,6 +341,11 @@ lines:
   await page.getByText(/next probe in|the probe is due/).waitFor();
   await row.getByRole('button', { name: 'Try now' }).click();
   await page.getByText(/Still no answer: exception 10\./).waitFor();
+  await page.locator('nav a[href="#/overview"]').click();
+  await page.locator('.overview .states', { hasText: 'not answering: 1' }).waitFor();
+  await page
+    .locator('.overview .reasons', { hasText: 'Away: the device answers with exception 10' })
+    .waitFor();
   // The health lists it with the next step, and leads to it.
   await page.locator('nav a[href="#/live"]').click();
   await page.getByRole('button', { name: 'Degraded' }).click();
@@ -346,4 +356,56 @@ lines:
   await first.getByRole('button', { name: 'Details' }).click();
   await page.locator('aside h2', { hasText: 'Away' }).waitFor();
   await page.locator('aside .reasons', { hasText: 'exception 10' }).waitFor();
+});
+
+test('the overview opens first, on one screen, and leads to devices, values and requests', async () => {
+  const page = await open('');
+  const overview = page.locator('.overview');
+  assert.equal(await page.locator('nav a[aria-current="page"]').textContent(), 'Overview');
+  for (const name of ['Boiler', 'Meter', 'Pump']) await overview.getByText(name, { exact: true }).waitFor();
+  await overview.getByRole('meter', { name: /rs485-1/ }).waitFor();
+  await overview.getByText('Nothing to report.').waitFor();
+  // A value is not older than it was proved.
+  const age = overview.locator('.ages li').first();
+  await age.waitFor();
+  assert.match(await age.textContent(), /\d+ m?s \/ [\d.,]+ m?s/);
+  assert.ok(await page.evaluate(onOneScreen));
+  await overview.getByRole('link', { name: 'Pump: answering' }).click();
+  await page.locator('aside h2', { hasText: 'Pump' }).waitFor();
+  await page.goBack();
+  await overview.locator('.values a').click();
+  await page.getByRole('grid', { name: 'Values' }).waitFor();
+  await page.goBack();
+  await overview.getByRole('button', { name: 'Requests' }).click();
+  await page.getByText('6 requests instead of 16').waitFor();
+});
+
+test('300 devices are on one screen, coloured by state', async (t) => {
+  const devices = (first) =>
+    [...Array(150).keys()].map(
+      (n) =>
+        `      - {name: Device ${first + n}, address: ${n + 1}, poll_period: 10s, turnaround: 2ms, ` +
+        `variables: [{name: V${first + n}, type: int16, register: 0, read: 0x03}]}`,
+    );
+  const line = (name, first) =>
+    `  - name: ${name}\n    transport: simulated\n    baud: 115200\n    devices:\n` +
+    devices(first).join('\n');
+  const own = await Plant.start((file) =>
+    writeFileSync(file, `takt: 1\nlines:\n${line('west', 1)}\n${line('east', 151)}\n`),
+  );
+  t.after(() => own.stop());
+  for (const viewport of [
+    { width: 1440, height: 900 },
+    { width: 1024, height: 768 },
+  ]) {
+    const page = await openPage(context, `${own.url}?lang=en&theme=light`, errors, viewport);
+    await page.locator('.overview .devices-map a.good').nth(299).waitFor();
+    assert.equal(await page.locator('.overview .devices-map a').count(), 300);
+    assert.ok(await page.evaluate(onOneScreen), JSON.stringify(viewport));
+    // One stop of the Tab key; arrows move within.
+    await page.locator('.devices-map a').first().focus();
+    await page.keyboard.press('ArrowRight');
+    await page.keyboard.press('Enter');
+    await page.locator('aside h2', { hasText: 'Device 2' }).waitFor();
+  }
 });

@@ -9,11 +9,11 @@ import { browser, closePages, newContext, openPage, Plant } from './program.mjs'
 
 const SHOTS = process.env.TAKT_SCREENSHOTS;
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-const VIEWS = ['project', 'live', 'trends', 'traffic', 'devices'];
+const VIEWS = ['overview', 'project', 'live', 'trends', 'traffic', 'devices'];
 const TITLES = {
-  en: ['Project', 'Live', 'Trends', 'Traffic', 'Devices'],
-  ru: ['Проект', 'Значения', 'Графики', 'Обмен', 'Устройства'],
-  uk: ['Проєкт', 'Значення', 'Графіки', 'Обмін', 'Пристрої'],
+  en: ['Overview', 'Project', 'Live', 'Trends', 'Traffic', 'Devices'],
+  ru: ['Обзор', 'Проект', 'Значения', 'Графики', 'Обмен', 'Устройства'],
+  uk: ['Огляд', 'Проєкт', 'Значення', 'Графіки', 'Обмін', 'Пристрої'],
 };
 const SIZES = { wide: { width: 1440, height: 900 }, narrow: { width: 390, height: 844 } };
 
@@ -46,6 +46,7 @@ async function command() {
 
 async function settled(page, view) {
   await page.locator('nav a[aria-current="page"]').waitFor();
+  if (view === 'overview') await page.locator('.overview .ages li').first().waitFor();
   if (view === 'live' || view === 'devices') await page.locator('[role="row"]').nth(3).waitFor();
   if (view === 'traffic') await page.locator('[role="row"]').nth(5).waitFor();
   if (view === 'project') await page.locator('[role="tree"]').first().waitFor();

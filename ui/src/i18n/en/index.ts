@@ -1,6 +1,7 @@
 import { devices } from './devices';
 import { keys, objectKeys, words } from './keys';
 import { live } from './live';
+import { overview } from './overview';
 import { project } from './project';
 import { requests } from './requests';
 import { shell } from './shell';
@@ -12,6 +13,7 @@ export const en = {
   keys,
   objectKeys,
   words,
+  overview,
   project,
   requests,
   live,

@@ -1,6 +1,7 @@
 export const shell = {
   nav: {
     label: 'Views',
+    overview: 'Overview',
     project: 'Project',
     live: 'Live',
     trends: 'Trends',

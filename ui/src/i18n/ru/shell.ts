@@ -4,6 +4,7 @@ import type { shell as source } from '../en/shell';
 export const shell: Translated<typeof source> = {
   nav: {
     label: 'Разделы',
+    overview: 'Обзор',
     project: 'Проект',
     live: 'Значения',
     trends: 'Графики',

@@ -2,6 +2,7 @@ import type { Texts } from '..';
 import { devices } from './devices';
 import { keys, objectKeys, words } from './keys';
 import { live } from './live';
+import { overview } from './overview';
 import { project } from './project';
 import { requests } from './requests';
 import { shell } from './shell';
@@ -13,6 +14,7 @@ export const uk: Texts = {
   keys,
   objectKeys,
   words,
+  overview,
   project,
   requests,
   live,

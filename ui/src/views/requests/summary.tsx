@@ -10,7 +10,7 @@ import { lineStrategy, strategyOf } from './figures';
 import { lastChange, lineNode, lineNumber } from './plan';
 import { microseconds, percent } from './words';
 
-const TONES = { holds: 'good', response_unknown: '', not_proved: 'warn', cannot_hold: 'bad' } as const;
+export const TONES = { holds: 'good', response_unknown: '', not_proved: 'warn', cannot_hold: 'bad' } as const;
 const STRATEGIES: Strategy[] = ['single', 'classic', 'optimal'];
 
 export function Verdict({ line }: { line: PlannedLine }) {
@@ -30,36 +30,60 @@ export function Verdict({ line }: { line: PlannedLine }) {
   );
 }
 
+/** How a load is coloured: red is more than the line has. */
+export function loadTone(line: PlannedLine): 'bad' | 'warn' | 'good' {
+  if (line.utilization > 1) return 'bad';
+  return line.verdict !== 'holds' && line.utilization > 0.8 ? 'warn' : 'good';
+}
+/** Without a turnaround the load is an estimate, and there is no worst case. */
+export const isEstimated = (line: PlannedLine) => line.devices.some((its) => its.turnaround_us === null);
+
+/** Parts of the line's time; the whole bar is all of it, or what is more than that. */
+export function LoadMeter(props: {
+  label: string;
+  load: number;
+  worst: number;
+  tone: string;
+  text: string;
+  title: string;
+}) {
+  const scale = Math.max(1, props.load, props.worst);
+  const width = (share: number) => `${Math.min(100, (share / scale) * 100)}%`;
+  return (
+    <div
+      class="meter"
+      role="meter"
+      aria-label={props.label}
+      aria-valuemin={0}
+      aria-valuemax={100}
+      aria-valuenow={Math.min(100, Math.round(props.load * 100))}
+      aria-valuetext={props.text}
+      title={props.title}
+    >
+      <span class="worst" style={{ width: width(props.worst) }} />
+      <span class={`now ${props.tone}`} style={{ width: width(props.load) }} />
+      {scale > 1 && <span class="full" style={{ left: width(1) }} />}
+    </div>
+  );
+}
+
 export function Utilisation({ line }: { line: PlannedLine }) {
   const texts = t.value.requests;
-  // Without a turnaround the load is an estimate, and there is no worst case.
-  const estimated = line.devices.some((its) => its.turnaround_us === null);
+  const estimated = isEstimated(line);
   const worst = estimated ? 0 : line.worst_utilization;
-  const scale = Math.max(1, line.utilization, worst);
-  const tone =
-    line.utilization > 1 ? 'bad' : line.verdict !== 'holds' && line.utilization > 0.8 ? 'warn' : 'good';
+  const tone = loadTone(line);
   const text = `${estimated ? '≈ ' : ''}${percent(line.utilization)}`;
-  const width = (share: number) => `${Math.min(100, (share / scale) * 100)}%`;
   return (
     <div class="utilisation">
       <span class="muted">{texts.busy}</span>
-      <div
-        class="meter"
-        role="meter"
-        aria-label={texts.busy}
-        aria-valuemin={0}
-        aria-valuemax={100}
-        aria-valuenow={Math.min(100, Math.round(line.utilization * 100))}
-        aria-valuetext={text}
+      <LoadMeter
+        label={texts.busy}
+        load={line.utilization}
+        worst={worst}
+        tone={`${tone} ${estimated ? 'estimate' : ''}`}
+        text={text}
         title={estimated ? texts.estimate : texts.busyWorst(percent(worst))}
-      >
-        <span class="worst" style={{ width: width(worst) }} />
-        <span
-          class={`now ${tone} ${estimated ? 'estimate' : ''}`}
-          style={{ width: width(line.utilization) }}
-        />
-        {scale > 1 && <span class="full" style={{ left: width(1) }} />}
-      </div>
+      />
       <b class={tone === 'bad' ? 'bad' : ''}>{text}</b>
     </div>
   );

@@ -1,0 +1,11 @@
+export const overview = {
+  lines: 'Load of the lines',
+  planned: (load: string) => `planned ${load}`,
+  moreLines: (n: number) => (n === 1 ? 'and 1 line with less load' : `and ${n} lines with less load`),
+  answeringWithFindings: 'answering, with findings',
+  ages: 'Ages and their proof',
+  agesHint:
+    'Of each device the value whose proved age leaves the least time before its deadline. The bar is full where the value is as old as proved; red: older.',
+  noAges: 'No age is proved: no value is read by period, or the turnaround of a device is not known.',
+  problems: 'What is wrong',
+};
