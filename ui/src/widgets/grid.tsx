@@ -11,6 +11,8 @@ export interface Column<Row> {
   sortable?: boolean;
   /** In a narrow grid: in a second line of each row, `text` at its begin, `figure` at its end; or hidden. */
   folds?: 'text' | 'figure' | 'hidden';
+  /** In the first line of a narrow grid. */
+  foldedWidth?: string;
   cell: (row: Row, index: number) => ComponentChildren;
   cellClass?: (row: Row, index: number) => string;
 }
@@ -136,7 +138,9 @@ export function Grid<Row>(props: GridProps<Row>) {
   };
 
   const isBelow = (column: Column<Row>) => folded && column.folds !== undefined;
-  const beside = widths.filter((_, c) => !isBelow(props.columns[c]!));
+  const beside = props.columns
+    .map((its, c) => (folded && its.foldedWidth ? scaled(its.foldedWidth, factor) : widths[c]!))
+    .filter((_, c) => !isBelow(props.columns[c]!));
   const template = { gridTemplateColumns: beside.join(' '), minWidth: `${least(beside)}px` };
   const figures = props.columns.filter((its) => isBelow(its) && its.folds === 'figure');
   /** The place of a cell in the second line. */

@@ -94,10 +94,17 @@ const FURTHER = {
   traffic: [['requests', (page) => page.locator('#traffic-requests').click(), '.histogram rect']],
 };
 
+/** Runs in the page: the tables with columns that are out of sight. */
+const cutTables = () =>
+  [...document.querySelectorAll('.grid')]
+    .filter((its) => its.scrollWidth > its.clientWidth)
+    .map((its) => `${its.ariaLabel}: ${its.scrollWidth} of ${its.clientWidth} pixels`);
+
 async function screen(page, name, rules) {
   const { width } = page.viewportSize();
   const wide = await page.evaluate(() => document.documentElement.scrollWidth);
   assert.ok(wide <= width, `${name} is ${wide} pixels wide`);
+  assert.deepEqual(await page.evaluate(cutTables), [], name);
   if (SHOTS) await page.screenshot({ path: join(SHOTS, `${name}.png`) });
   if (rules.colours || rules.others) assert.deepEqual(await page.evaluate(audit, rules), [], name);
 }

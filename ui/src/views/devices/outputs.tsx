@@ -1,6 +1,16 @@
 import type { OutputStatus } from '../../api/types';
 import { formatNumber, t } from '../../i18n';
-import { Grid } from '../../widgets/grid';
+import { narrow } from '../../shell/narrow';
+import { type Column, Grid } from '../../widgets/grid';
+
+/** On a narrow screen: two lines for each output. */
+function shown(columns: Column<OutputStatus>[]): Column<OutputStatus>[] {
+  if (!narrow.value) return columns;
+  const folds = { failure: 'text', dropped: 'figure' } as const;
+  return columns
+    .filter(({ key }) => key !== 'destination' && key !== 'sampled')
+    .map((its) => (its.key in folds ? { ...its, folds: folds[its.key as keyof typeof folds] } : its));
+}
 
 /** Where values are delivered to: sampled = delivered + waiting + dropped at all times. */
 export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
@@ -8,7 +18,7 @@ export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
   const count = (key: 'sampled' | 'delivered' | 'waiting' | 'dropped') => ({
     key,
     title: texts.output[key],
-    width: '92px',
+    width: narrow.value ? '80px' : '92px',
     align: 'right' as const,
     cell: (its: OutputStatus) => formatNumber(its[key]),
   });
@@ -19,12 +29,12 @@ export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
       </header>
       <Grid
         label={texts.outputs}
-        columns={[
+        columns={shown([
           {
             key: 'name',
             title: texts.output.name,
             width: 'minmax(80px, 0.7fr)',
-            cell: (its) => <b>{its.name}</b>,
+            cell: (its) => <b title={its.destination}>{its.name}</b>,
           },
           {
             key: 'state',
@@ -57,7 +67,7 @@ export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
               return <span title={[text, behind?.advice].filter(Boolean).join('. ')}>{text ?? '–'}</span>;
             },
           },
-        ]}
+        ])}
         rows={outputs}
         rowKey={(its) => its.name}
       />

@@ -2,6 +2,7 @@
 import { computed, effect, signal } from '@preact/signals';
 import type { DeviceStatus, LineStatus } from '../../api/types';
 import { formatDuration, formatNumber, t } from '../../i18n';
+import { narrow } from '../../shell/narrow';
 import { query, view } from '../../shell/route';
 import { status } from '../../store/info';
 import { type Column, Grid } from '../../widgets/grid';
@@ -36,6 +37,25 @@ const current = computed(() => {
   return null;
 });
 
+/** On a narrow screen: two lines for each device. What is missing is in the details of the device. */
+const NARROW: Record<string, Partial<Column<DeviceStatus>> | null> = {
+  device: { width: 'minmax(92px, 1fr)' },
+  address: null,
+  state: { width: 'minmax(144px, 1.4fr)' },
+  values: { folds: 'text' },
+  response: { width: '68px' },
+  sent: { width: '66px' },
+  failed: { folds: 'figure' },
+  exceptions: { folds: 'figure' },
+  late_answers: null,
+  available: null,
+};
+
+function shownColumns(line: LineStatus): Column<DeviceStatus>[] {
+  if (!narrow.value) return columns(line);
+  return columns(line).flatMap((its) => (NARROW[its.key] === null ? [] : [{ ...its, ...NARROW[its.key] }]));
+}
+
 function columns(line: LineStatus): Column<DeviceStatus>[] {
   const texts = t.value.devices.columns;
   const number = (key: 'sent' | 'failed' | 'exceptions' | 'late_answers', title: string, bad: boolean) => ({
@@ -58,7 +78,7 @@ function columns(line: LineStatus): Column<DeviceStatus>[] {
       cell: (its) => (
         <>
           <i class={`dot ${DEVICE_DOTS[its.state]}`} /> {stateText(its)}
-          <TryNow line={line} device={its} />
+          {!narrow.value && <TryNow line={line} device={its} />}
         </>
       ),
     },
@@ -124,7 +144,7 @@ function LinePanel({ line }: { line: LineStatus }) {
       </header>
       <Grid
         label={texts.line(line.name)}
-        columns={columns(line)}
+        columns={shownColumns(line)}
         rows={line.devices}
         rowKey={(its) => its.name}
         rowClass={(its) => (chosen.value === `${line.name}/${its.name}` ? 'selected' : '')}

@@ -6,6 +6,9 @@ import type { CellColumn } from './rows';
 export type TableObject = 'variable' | 'local' | 'served_variable' | 'bank';
 export interface TableColumn extends CellColumn {
   width: string;
+  /** As in a Grid, while not all columns are shown. */
+  folds?: 'text' | 'figure';
+  foldedWidth?: string;
   /** Shown without "all columns". */
   main: boolean;
   right?: boolean;
@@ -22,13 +25,22 @@ const column = (
 ): TableColumn => ({ key, kind, width, main: false, ...rest });
 const MAIN = { main: true };
 
-const name = column('name', 'text', 'minmax(136px, 1.4fr)', MAIN);
-const type = column('type', 'type', 'minmax(126px, 0.8fr)', MAIN);
-const comment = column('comment', 'text', 'minmax(120px, 1fr)', MAIN);
-const register = column('register', 'number', '84px', { main: true, right: true });
-const bit = column('bit', 'number', '52px', { main: true, right: true });
-const used = column('used', 'boolean', '112px', { usual: true });
-const retain = column('retain', 'boolean', '128px');
+/** In the second line of a narrow table. */
+const FIGURE = { folds: 'figure' } as const;
+
+const name = column('name', 'text', 'minmax(136px, 1.4fr)', {
+  main: true,
+  foldedWidth: 'minmax(92px, 1.2fr)',
+});
+const type = column('type', 'type', 'minmax(126px, 0.8fr)', {
+  main: true,
+  foldedWidth: 'minmax(76px, 1fr)',
+});
+const comment = column('comment', 'text', 'minmax(120px, 1fr)', { main: true, folds: 'text' });
+const register = column('register', 'number', '84px', { main: true, right: true, foldedWidth: '67px' });
+const bit = column('bit', 'number', '52px', { main: true, right: true, ...FIGURE });
+const used = column('used', 'boolean', '112px', { usual: true, ...FIGURE });
+const retain = column('retain', 'boolean', '128px', FIGURE);
 const min_interval = column('min_interval', 'duration', '120px', { right: true });
 const burst = column('burst', 'number', '70px', { right: true });
 const value = column('default', 'text', '110px', { right: true });
@@ -36,21 +48,21 @@ const scaling = [
   column('scale', 'number', '80px', { right: true }),
   column('offset', 'number', '80px', { right: true }),
 ];
-const area = column('area', 'word', '140px');
+const area = column('area', 'word', '140px', FIGURE);
 const words = [column('enumeration', 'words', '150px'), column('bits', 'words', '150px')];
 
 export const COLUMNS: Record<TableObject, TableColumn[]> = {
   variable: [
     name,
     type,
-    column('read', 'function', '84px', MAIN),
-    column('write', 'function', '84px', MAIN),
+    column('read', 'function', '84px', { main: true, foldedWidth: '67px' }),
+    column('write', 'function', '84px', { main: true, foldedWidth: '67px' }),
     register,
     bit,
     comment,
-    column('write_on_change', 'boolean', '100px', MAIN),
-    column('period', 'duration', '90px', { main: true, right: true }),
-    column('unit', 'text', '72px', MAIN),
+    column('write_on_change', 'boolean', '100px', { main: true, ...FIGURE }),
+    column('period', 'duration', '90px', { main: true, right: true, ...FIGURE }),
+    column('unit', 'text', '72px', { main: true, ...FIGURE }),
     column('coil', 'number', '70px', { right: true }),
     column('reference', 'text', '110px', { right: true }),
     column('length', 'number', '90px', { right: true }),

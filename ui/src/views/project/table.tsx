@@ -73,6 +73,11 @@ function goTo(state: TableState, text: string): void {
   wanted.value = null;
 }
 
+const foldOf = ({ folds, foldedWidth }: TableColumn) => ({
+  ...(folds && { folds }),
+  ...(foldedWidth && { foldedWidth }),
+});
+
 function gridColumns(
   state: TableState,
   leave: (then: 'down' | 'right' | 'left' | 'stay') => void,
@@ -83,6 +88,7 @@ function gridColumns(
     width: column.width,
     sortable: true,
     ...(column.right && { align: 'right' as const }),
+    ...(!state.allColumns && foldOf(column)),
     cellClass: (_, row) => (state.isInRange(row, c) ? 'in-range' : ''),
     cell: (index, row) =>
       state.editing?.row === row && state.editing.column === c ? (

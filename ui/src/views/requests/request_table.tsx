@@ -40,7 +40,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
     {
       key: 'variables',
       title: texts.variables,
-      width: 'minmax(93px, 1.6fr)',
+      width: 'minmax(87px, 1.6fr)',
       cell: (its) => (
         <span class="text" title={its.variables.slice(0, MOST_NAMES).join('\n')}>
           {its.variables.length > 1 && <b class="count">{its.variables.length}</b>}
@@ -48,7 +48,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
         </span>
       ),
     },
-    { key: 'time', title: texts.time, width: '66px', ...right, cell: (its) => microseconds(its.bus_time_us) },
+    { key: 'time', title: texts.time, width: '72px', ...right, cell: (its) => microseconds(its.bus_time_us) },
     {
       key: 'period',
       title: texts.period,

@@ -31,16 +31,22 @@ interface Row extends RequestCounters {
   key: string;
 }
 
+/** In a narrow grid; what is hidden then is below the table, for the chosen request. */
+const FIGURE = { folds: 'figure' } as const;
+const HIDDEN = { folds: 'hidden' } as const;
+
 function columns(): Column<Row>[] {
   const texts = t.value.traffic.columns;
   const count = (
     key: 'sent' | 'answered' | 'timeouts' | 'faults' | 'exceptions',
     bad: boolean,
     width: string,
+    fold: Partial<Column<Row>>,
   ): Column<Row> => ({
     key,
     title: texts[key],
     width,
+    ...fold,
     align: 'right',
     cell: (row) => <span class={bad && row[key] > 0 ? 'bad' : ''}>{formatNumber(row[key])}</span>,
   });
@@ -48,41 +54,45 @@ function columns(): Column<Row>[] {
     key: string,
     title: string,
     of: (row: Row) => number | null,
-    late?: (row: Row) => boolean,
+    fold: Partial<Column<Row>>,
   ): Column<Row> => ({
     key,
     title,
     width: '82px',
+    ...fold,
     align: 'right',
-    cell: (row) => <span class={late?.(row) ? 'bad' : ''}>{time(of(row))}</span>,
+    cell: (row) => time(of(row)),
   });
   return [
     {
       key: 'device',
       title: texts.device,
       width: 'minmax(90px, 1fr)',
+      foldedWidth: 'minmax(72px, 1fr)',
       cell: (row) => <span class="text">{row.device}</span>,
     },
     {
       key: 'request',
       title: texts.request,
       width: 'minmax(150px, 1.4fr)',
+      foldedWidth: 'minmax(92px, 1.4fr)',
       cell: (row) => <span class="text">{name(row)}</span>,
     },
-    count('sent', false, '96px'),
-    count('answered', false, '88px'),
-    count('timeouts', true, '90px'),
-    count('faults', true, '70px'),
-    count('exceptions', true, '98px'),
-    us('mean', texts.mean, (row) => row.mean_us),
-    us('p50', 'p50', (row) => row.p50_us),
-    us('p99', 'p99', (row) => row.p99_us),
-    us('longest', texts.longest, (row) => row.longest_us),
-    us('planned', texts.planned, (row) => row.planned_us),
+    count('sent', false, '96px', { foldedWidth: '62px' }),
+    count('answered', false, '88px', HIDDEN),
+    count('timeouts', true, '90px', FIGURE),
+    count('faults', true, '70px', FIGURE),
+    count('exceptions', true, '98px', FIGURE),
+    us('mean', texts.mean, (row) => row.mean_us, HIDDEN),
+    us('p50', 'p50', (row) => row.p50_us, HIDDEN),
+    us('p99', 'p99', (row) => row.p99_us, { foldedWidth: '62px' }),
+    us('longest', texts.longest, (row) => row.longest_us, { foldedWidth: '82px' }),
+    us('planned', texts.planned, (row) => row.planned_us, HIDDEN),
     {
       key: 'period',
       title: texts.period,
       width: '140px',
+      folds: 'text',
       align: 'right',
       cell: (row) =>
         row.period_ms === null ? '–' : `${duration(row.period_ms)} → ${duration(row.real_period_ms)}`,

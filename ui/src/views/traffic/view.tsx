@@ -25,6 +25,7 @@ function columns(): Column<frames.NumberedFrame>[] {
       key: 'direction',
       title: texts.columns.direction,
       width: '58px',
+      foldedWidth: '48px',
       cell: (its) =>
         its.direction && (
           <span class={`direction ${its.direction}`} title={texts[its.direction]}>
@@ -37,6 +38,7 @@ function columns(): Column<frames.NumberedFrame>[] {
       key: 'device',
       title: texts.columns.device,
       width: 'minmax(90px, 0.6fr)',
+      foldedWidth: 'minmax(90px, 1fr)',
       cell: (its) => its.device ?? its.line,
     },
     { key: 'unit', title: texts.columns.unit, width: '72px', align: 'right', cell: (its) => its.unit || '' },
@@ -44,6 +46,7 @@ function columns(): Column<frames.NumberedFrame>[] {
       key: 'words',
       title: texts.columns.words,
       width: 'minmax(220px, 2fr)',
+      folds: 'text',
       cell: (its) => (
         <span class={`text ${frames.isError(its) ? 'bad' : ''}`} title={frameWords(its)}>
           {frameWords(its)}
@@ -54,6 +57,7 @@ function columns(): Column<frames.NumberedFrame>[] {
       key: 'raw',
       title: texts.columns.raw,
       width: 'minmax(220px, 2fr)',
+      folds: 'hidden',
       cell: (its) => its.raw && <code title={its.raw}>{its.raw}</code>,
     },
   ];
