@@ -42,7 +42,7 @@ export function openUrl(path: string, query: Query = {}): string {
   return apiUrl(path, token ? { ...query, token } : query);
 }
 
-async function call<T>(method: string, url: string, body?: unknown, signal?: AbortSignal): Promise<T> {
+async function request(method: string, url: string, body?: unknown, signal?: AbortSignal): Promise<Response> {
   const headers: Record<string, string> = { Accept: 'application/json' };
   const token = sessionStorage.getItem(TOKEN_KEY);
   if (token) headers.Authorization = `Bearer ${token}`;
@@ -53,13 +53,16 @@ async function call<T>(method: string, url: string, body?: unknown, signal?: Abo
     headers['X-Takt'] = '1';
     init.body = JSON.stringify(body);
   }
-  let response: Response;
   try {
-    response = await fetch(url, init);
+    return await fetch(url, init);
   } catch (failure) {
     if (failure instanceof DOMException && failure.name === 'AbortError') throw failure;
     throw new ApiError(0, 'unreachable', '');
   }
+}
+
+async function call<T>(method: string, url: string, body?: unknown, signal?: AbortSignal): Promise<T> {
+  const response = await request(method, url, body, signal);
   const text = await response.text();
   let answer: unknown = null;
   try {
@@ -79,3 +82,14 @@ export const get = <T>(path: string, query: Query = {}, signal?: AbortSignal) =>
 export const post = <T>(path: string, body: unknown, signal?: AbortSignal, query = {}) =>
   call<T>('POST', apiUrl(path, query), body, signal);
 export const put = <T>(path: string, body: unknown) => call<T>('PUT', apiUrl(path), body);
+
+/** Saves the answer under the name that the program gives it. */
+export async function download(path: string, body: unknown, query: Query): Promise<void> {
+  const response = await request('POST', apiUrl(path, query), body);
+  if (!response.ok) throw new ApiError(response.status, 'http', response.statusText);
+  const link = document.createElement('a');
+  link.download = /filename="?([^";]+)/.exec(response.headers.get('Content-Disposition') ?? '')?.[1] ?? '';
+  link.href = URL.createObjectURL(await response.blob());
+  link.click();
+  URL.revokeObjectURL(link.href);
+}

@@ -1,6 +1,6 @@
 // The draft of the project: the document as edited, its undo steps, and what the program makes of it.
 import { batch, computed, signal } from '@preact/signals';
-import { ApiError, get, post, put } from '../api/client';
+import { ApiError, download, get, post, put } from '../api/client';
 import type { Evaluation, FilePart, Finding, Mapping, Node, ProjectFile, Saved } from '../api/types';
 import { language, t } from '../i18n';
 import { type Path, parsePath, textAt, withNode } from './document';
@@ -214,6 +214,10 @@ export async function takeOver(path: string): Promise<boolean> {
   setNode(parsePath(taken.path), taken.value);
   return true;
 }
+
+/** Saves the formed requests of the draft as a file. */
+export const exportRequests = (as: 'csv' | 'json' | 'svg') =>
+  download('project/evaluate', { document: draft.peek() }, { as, client: `${CLIENT} export` });
 
 /** What saving would change, as a unified difference. */
 export async function difference(): Promise<string> {

@@ -47,6 +47,25 @@ test('grouping switched off shows what it costs, and undo takes it back', async 
   await page.getByText('6 requests instead of 16').waitFor();
 });
 
+test('the formed requests are downloaded as a table, as JSON and as a picture', async () => {
+  const page = await open();
+  await page.getByText('6 requests instead of 16').waitFor();
+  const saved = async (name) => {
+    const [download] = await Promise.all([
+      page.waitForEvent('download'),
+      page.getByRole('button', { name, exact: true }).click(),
+    ]);
+    return [download.suggestedFilename(), readFileSync(await download.path(), 'utf8')];
+  };
+  const [csvName, csv] = await saved('CSV');
+  assert.equal(csvName, 'plant.requests.csv');
+  assert.equal(csv.trim().split('\r\n').length, 7);
+  assert.match(csv, /rs485-1,Meter,17,4,,100,12,Voltage L1; Voltage L2; Voltage L3; Energy,500.0,/);
+  const [, json] = await saved('JSON');
+  assert.equal(JSON.parse(json).lines[0].requests.length, 6);
+  assert.match((await saved('SVG'))[1], /^<\?xml|^<svg/);
+});
+
 test('a wrong value shows the permitted range and cannot be saved', async () => {
   const page = await open();
   await page.getByRole('treeitem', { name: /Boiler, 16/ }).click();

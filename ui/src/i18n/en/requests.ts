@@ -1,6 +1,7 @@
 export const requests = {
   title: 'Requests',
   lines: 'Lines',
+  export: 'Save the requests as a file',
   waiting: 'Computing the requests…',
   noLine: 'The project has no line yet. Add a line and a device to see its requests.',
   noRequests: 'This line sends no requests yet. Add variables to its devices.',

@@ -7,6 +7,7 @@ const of = (n: number, one: string, few: string, many: string) => `${n} ${slavic
 export const requests: Translated<typeof source> = {
   title: 'Запросы',
   lines: 'Линии',
+  export: 'Сохранить запросы в файл',
   waiting: 'Запросы формируются…',
   noLine: 'В проекте пока нет линий. Добавьте линию и устройство, чтобы увидеть запросы.',
   noRequests: 'Эта линия пока не отправляет запросов. Добавьте переменные её устройствам.',

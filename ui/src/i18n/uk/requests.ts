@@ -7,6 +7,7 @@ const of = (n: number, one: string, few: string, many: string) => `${n} ${slavic
 export const requests: Translated<typeof source> = {
   title: 'Запити',
   lines: 'Лінії',
+  export: 'Зберегти запити у файл',
   waiting: 'Запити формуються…',
   noLine: 'У проєкті поки немає ліній. Додайте лінію та пристрій, щоб побачити запити.',
   noRequests: 'Ця лінія поки не надсилає запитів. Додайте змінні її пристроям.',

@@ -3,7 +3,9 @@ import { signal } from '@preact/signals';
 import { useMemo } from 'preact/hooks';
 import { formatDuration, t } from '../../i18n';
 import { listAt, textAt } from '../../store/document';
-import { draft, evaluating, evaluation, evaluationError } from '../../store/project';
+import { draft, evaluating, evaluation, evaluationError, exportRequests } from '../../store/project';
+import { toastError } from '../../shell/toasts';
+import { Icon } from '../../widgets/icon';
 import { select } from '../project/selection';
 import { TabBar } from '../project/tab_bar';
 import { Ages } from './ages';
@@ -77,6 +79,29 @@ function Content() {
   );
 }
 
+const FORMATS = ['csv', 'json', 'svg'] as const;
+
+/** The requests of all lines, and a round of each as a picture, as files. */
+function Export() {
+  const texts = t.value.requests;
+  return (
+    <div class="export" role="group" aria-label={texts.export} title={texts.export}>
+      <Icon name="download" />
+      {FORMATS.map((as) => (
+        <button
+          key={as}
+          type="button"
+          class="button quiet small"
+          disabled={outdated.value || !shownLine.value}
+          onClick={() => void exportRequests(as).catch(toastError)}
+        >
+          {as.toUpperCase()}
+        </button>
+      ))}
+    </div>
+  );
+}
+
 export function RequestsPane() {
   const texts = t.value.requests;
   const its = evaluation.value;
@@ -88,6 +113,7 @@ export function RequestsPane() {
         {its && !evaluationError.value && !lastChange.value && (
           <span class="muted small">{texts.took(formatDuration(its.took_ms))}</span>
         )}
+        <Export />
       </header>
       <Lines />
       {evaluationError.value && <p class="banner bad">{texts.failed(evaluationError.value)}</p>}
