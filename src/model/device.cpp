@@ -4,6 +4,7 @@
 #include "addressing.hpp"
 #include "field_ranges.hpp"
 #include "interpretation.hpp"
+#include "takt/model/item_ranges.hpp"
 
 namespace takt::model {
 namespace {
@@ -180,6 +181,29 @@ void read_grouping(Interpretation& state, Reader& reader, Device& device) {
     if (device.fc23) reader.report_without_effect("fc23", strategy);
 }
 
+std::string text_of(const ItemRange& range) {
+    const auto first = std::to_string(range.first);
+    return range.first == range.last ? first : first + ".." + std::to_string(range.last);
+}
+
+/// Variables outside the ranges that the device has. An area without ranges is not known.
+void check_offers(Interpretation& state, Reader& reader, const Device& device) {
+    constexpr std::uint32_t kLast = 65535;
+    const AreaRanges offers = read_ranges(state, reader, "offers");
+    for (const Variable& variable : device.variables) {
+        const auto area = static_cast<std::size_t>(variable.area);
+        const std::uint32_t last =
+            std::min(variable.start() + std::max<std::uint32_t>(variable.items(), 1) - 1, kLast);
+        const ItemRange items{variable.start(), static_cast<std::uint16_t>(last)};
+        if (offers[area].empty() || holds(offers[area], items)) continue;
+        std::string allowed;
+        for (const ItemRange& range : offers[area]) allowed += (allowed.empty() ? "" : ", ") + text_of(range);
+        state.findings.add(Rule::variable_not_offered, variable.location, reader.path_of("variables"),
+                           text_of(items), std::move(allowed),
+                           {{"area", std::string(kAreas[area])}, {"variable", variable.name}});
+    }
+}
+
 /// A request that only writes with 0x10 carries less than one that reads. Both are cut to what their frame
 /// carries.
 void check_written_registers(const Interpretation& state, Reader& reader, const Device& device) {
@@ -252,6 +276,7 @@ Device interpret_device(Interpretation& state, const Node& node, const std::stri
     device.status = read_local(state, reader, "status");
     interpret_polled_variables(state, reader, device);
     check_written_registers(state, reader, device);
+    check_offers(state, reader, device);
     return device;
 }
 

@@ -64,6 +64,7 @@ inline constexpr Field kDevice[] = {
     {.key = "gaps", .kind = Kind::word, .words = kGaps},
     {.key = "readable", .kind = Kind::ranges, .range = kItem, .object = Object::areas},
     {.key = "no_read", .kind = Kind::ranges, .range = kItem, .object = Object::areas},
+    {.key = "offers", .kind = Kind::ranges, .range = kItem, .object = Object::areas},
     {.key = "write_single", .kind = Kind::word, .words = kWriteSingle},
     {.key = "fc22", .kind = Kind::boolean},
     {.key = "fc23", .kind = Kind::boolean},

@@ -137,6 +137,7 @@ constexpr std::array kRules{
     RuleInfo{Rule::variable_single_register, "variable.single_register"},
     RuleInfo{Rule::variable_write_single_only, "variable.write_single_only"},
     RuleInfo{Rule::variable_bit_write, "variable.bit_write", Severity::warning},
+    RuleInfo{Rule::variable_not_offered, "variable.not_offered", Severity::warning},
     RuleInfo{Rule::variable_bit_assumed, "variable.bit_assumed", Severity::warning},
     RuleInfo{Rule::variable_coil_assumed, "variable.coil_assumed", Severity::warning},
     RuleInfo{Rule::variable_discrete_input_assumed, "variable.discrete_input_assumed", Severity::warning},

@@ -137,6 +137,7 @@ enum class Rule : std::uint8_t {
     variable_single_register,    // {registers}
     variable_write_single_only,  // {registers}
     variable_bit_write,
+    variable_not_offered,  // {area}
     variable_bit_assumed,
     variable_coil_assumed,            // {number}, {coil}
     variable_discrete_input_assumed,  // {number}, {coil}

@@ -137,10 +137,13 @@ std::string probe_text(const ProbeFindings& findings) {
 
 std::string probe_yaml(const ProbeFindings& findings) {
     if (!findings.any_readable()) return {};
-    std::string text = "readable:\n";
-    for (const auto& area : findings.areas)
-        if (!area.result.readable.empty())
-            text += fmt::format("  {}: [{}]\n", wire::name(area.area), ranges_text(area.result.readable));
+    std::string text;
+    for (const auto* const key : {"offers", "readable"}) {
+        text += fmt::format("{}:\n", key);
+        for (const auto& area : findings.areas)
+            if (!area.result.readable.empty())
+                text += fmt::format("  {}: [{}]\n", wire::name(area.area), ranges_text(area.result.readable));
+    }
     if (const auto registers = findings.longest_register_read())
         text += fmt::format("registers_per_request: {}\n", *registers);
     if (findings.one_register_only()) text += "group_requests: false\n";

@@ -11,8 +11,6 @@
 namespace takt {
 namespace advice_test {
 
-using model::Severity;
-
 /// The part of a project that has the text of a case.
 enum class At { project, line, device, variable, local, server, unit, served, instrument, output };
 
@@ -259,6 +257,7 @@ const std::vector<Case>& cases() {
          "{name: V, type: bool, register: 1, bit: 2, read: 3, write: 6}",
          {"{name: V, type: bool, register: 1, bit: 2, read: 3, write: none}",
           "{name: V, type: uint16, register: 1, read: 3, write: 6}"}},
+        {"variable.not_offered", At::device, "offers: [5..9]", {"offers: [0..9]", "offers: [0, 1, 5..9]"}},
         {"variable.bit_assumed",
          At::variable,
          "{name: V, type: bool, register: 1, read: 3}",
@@ -570,7 +569,7 @@ Judged judged(const std::string& text) {
     for (const auto& finding : model::interpret(loaded.document).findings) findings.push_back(finding);
     for (const auto& finding : findings) {
         made.codes.insert(finding.code);
-        made.accepted = made.accepted && finding.severity != Severity::error;
+        made.accepted = made.accepted && finding.severity != model::Severity::error;
     }
     return made;
 }

@@ -37,6 +37,8 @@ std::vector<std::string> bad_projects() {
         "turnaround: 20ms, response_timeout: 10ms, "
         "variables: [{name: V, type: int, register: 0, scale: \"0,1\"}]}]}\n",
         "takt: 1\nlines:\n- {name: N, host: 10.0.0.5/24, port: 502, parity: E, devices: []}\n",
+        "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, offers: [5..9], "
+        "variables: [{name: A, type: float, register: 9, read: 3}]}]}\n",
         "takt: 1\n" + line +
             "{name: A, type: bool, register: 17, read: 1}, {name: B, type: float, register: 1, read: 3},\n"
             "{name: D, type: bool, register: 5, read: 2},\n"

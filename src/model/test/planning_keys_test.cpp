@@ -384,5 +384,29 @@ TEST(PlanningKeys, TheControllerAsksASilentDeviceOnceEachPeriod) {
     EXPECT_FALSE(device("{}").backoff);
 }
 
+// The device has holding register 5 to 9; other areas are not known.
+TEST(PlanningKeys, OffersAreTheRangesOfADevice) {
+    const auto findings = [](const std::string& offers, const std::string& variables) {
+        std::string all;
+        const auto read =
+            "{takt: 1, lines: [{name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, offers: " +
+            offers + ", variables: [" + variables + "]}]}]}";
+        for (const auto& finding : interpret({.files = {"p"}, .root = flow(read)}).findings)
+            all += finding.code + " " + finding.value + " [" + finding.allowed + "]\n";
+        return all;
+    };
+    const std::string range = "{holding_register: [5..9]}";
+    EXPECT_EQ(findings(range, "{name: A, type: float, register: 8, read: 3}"), "");
+    EXPECT_EQ(findings(range, "{name: A, type: float, register: 8, read: 4}"), "");
+    EXPECT_EQ(findings(range, "{name: A, type: float, register: 9, read: 3}"),
+              "variable.not_offered 9..10 [5..9]\n");
+    EXPECT_EQ(findings("[0..9, 20]", "{name: A, type: int, register: 10, read: 4}"),
+              "variable.not_offered 10 [0..9, 20]\n");
+    EXPECT_EQ(findings("{coil: [0..15]}", "{name: A, type: bool, coil: 16, read: 1}"),
+              "variable.not_offered 16 [0..15]\n");
+    EXPECT_EQ(findings("[9..5]", "{name: A, type: int, register: 10, read: 4}"),
+              "range.reversed 9..5 [0..65535]\n");
+}
+
 }  // namespace planning_keys_test
 }  // namespace takt::model::test

@@ -17,6 +17,7 @@ export const keys = {
   gaps: 'Read gaps',
   readable: 'Readable ranges',
   no_read: 'Ranges never read',
+  offers: 'Ranges of the device',
   write_single: 'Write single (0x05, 0x06)',
   fc22: 'Supports 0x16',
   fc23: 'Supports 0x17',

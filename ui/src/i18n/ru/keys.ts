@@ -19,6 +19,7 @@ export const keys: Translated<typeof keySource> = {
   gaps: 'Чтение разрывов',
   readable: 'Можно читать',
   no_read: 'Нельзя читать',
+  offers: 'Диапазоны устройства',
   write_single: 'Одиночная запись (0x05, 0x06)',
   fc22: 'Поддерживает 0x16',
   fc23: 'Поддерживает 0x17',

@@ -19,6 +19,7 @@ export const keys: Translated<typeof keySource> = {
   gaps: 'Читання розривів',
   readable: 'Можна читати',
   no_read: 'Не можна читати',
+  offers: 'Діапазони пристрою',
   write_single: 'Одиночний запис (0x05, 0x06)',
   fc22: 'Підтримує 0x16',
   fc23: 'Підтримує 0x17',

@@ -17,6 +17,7 @@ const MORE = [
   'gaps',
   'readable',
   'no_read',
+  'offers',
   'turnaround',
   'deadline',
   'round_trip',
