@@ -382,7 +382,7 @@ ${variables.join('')}`);
   const page = await open('#/project');
   const line = page.locator('.unmeasured', { hasText: 'Meter' });
   await line.getByRole('button', { name: 'Measure' }).waitFor();
-  const shown = await page.locator('main').innerText();
+  const shown = await page.locator('main').textContent();
   assert.doesNotMatch(shown, /at risk/);
   assert.deepEqual(await page.locator('main .bad, main .late').allInnerTexts(), []);
   await page.locator('nav a[href="#/live"]').click();
