@@ -5,7 +5,8 @@ export const overview = {
   answeringWithFindings: 'answering, with findings',
   ages: 'Ages and their proof',
   agesHint:
-    'Of each device the value whose proved age leaves the least time before its deadline. The bar is full where the value is as old as proved; red: older.',
+    'Of each device the value whose proved age leaves the least time before its deadline. ' +
+    'The bar is full where the value is as old as proved; red: older.',
   noAges: 'No age is proved: no value is read by period, or the turnaround of a device is not known.',
   problems: 'What is wrong',
 };
