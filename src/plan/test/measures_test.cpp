@@ -303,11 +303,12 @@ TEST(GuaranteeFindings, ThreeLevels) {
     const Case cases[] = {
         {"time enough", line_of(10ms, 20s), Verdict::holds, {}, ""},
         {"time enough even with the time-out", line_of(kUnknown, 20s), Verdict::holds, {}, ""},
-        {"overloaded", line_of(10ms, 100ms), Verdict::cannot_hold, Severity::error, "guarantee.overload"},
+        {"overloaded", line_of(10ms, 100ms), Verdict::cannot_hold, Severity::error,
+         "guarantee.overload_grouped"},
         {"overloaded by the estimate", line_of(kUnknown, 100ms), Verdict::cannot_hold, Severity::error,
-         "guarantee.overload"},
+         "guarantee.overload_grouped"},
         {"overloaded as the source of the profile allows", owen, Verdict::cannot_hold, Severity::warning,
-         "guarantee.overload"},
+         "guarantee.overload_grouped"},
         {"only the time-out is too long", line_of(kUnknown, 2s), Verdict::response_unknown, Severity::note,
          "guarantee.response_unknown"},
         {"an own deadline", line_of(10ms, 20s, 10ms), Verdict::cannot_hold, Severity::error,
@@ -421,7 +422,7 @@ TEST(GuaranteeFindings, AnOverloadNamesTheLargestShare) {
     project.lines[0].devices[0].turnaround = 5ms;
     const auto findings = verdict_of(project);
     ASSERT_FALSE(findings.empty());
-    ASSERT_EQ(findings[0].code, "guarantee.overload");
+    ASSERT_EQ(findings[0].code, "guarantee.overload_grouped");
     EXPECT_EQ(findings[0].arguments[2].second, "v1");
     EXPECT_EQ(findings[0].arguments[3].second, "Device16");
 }
@@ -432,7 +433,7 @@ TEST(GuaranteeFindings, IsBoundedAndSaysHowManyMore) {
     for (const auto& finding : findings)
         of_variables += finding.code == "guarantee.late" || finding.code == "guarantee.unbounded" ? 1U : 0U;
     EXPECT_EQ(of_variables, 9U);
-    EXPECT_EQ(findings.front().code, "guarantee.overload");
+    EXPECT_EQ(findings.front().code, "guarantee.overload_grouped");
     EXPECT_EQ(findings.back().code, "guarantee.more");
 }
 

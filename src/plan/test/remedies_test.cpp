@@ -59,7 +59,8 @@ model::Project random_project() {
 
 /// The codes that a line of this goal must not have.
 std::set<std::string> removed_by(Goal goal, const model::Project& project) {
-    std::set<std::string> codes{"guarantee.late", "guarantee.unbounded", "guarantee.overload"};
+    std::set<std::string> codes{"guarantee.late", "guarantee.unbounded", "guarantee.overload",
+                                "guarantee.overload_grouped"};
     if (goal != Goal::sound || !project.faults_set) codes.insert("guarantee.response_unknown");
     if (goal != Goal::sound) codes.insert("guarantee.late_with_fault");
     if (goal == Goal::with_dead_device) codes.insert("guarantee.late_with_dead");
@@ -116,6 +117,12 @@ model::Project ungrouped() {
 model::Project without_turnaround() {
     auto made = project({}, {int16(0).read(3).every(100ms)});
     first_device(made).response_timeout = 500ms;
+    return made;
+}
+
+model::Project of_a_controller() {
+    auto made = without_turnaround();
+    made.profile = model::Profile::owen_kc1;
     return made;
 }
 
@@ -187,7 +194,7 @@ std::vector<Advice> advices() {
              device.group_requests = true;
              device.strategy = model::Strategy::optimal;
          })},
-        {"guarantee.overload", "a longer period of the largest share", overloaded(),
+        {"guarantee.overload_grouped", "a longer period of the largest share", overloaded(),
          [](model::Project& project) { first_variable(project).period = 40ms; }},
         {"guarantee.late_with_fault", "derive_timeouts: true", faulty(),
          [](model::Project& project) { project.derive_timeouts = true; }},
@@ -196,6 +203,8 @@ std::vector<Advice> advices() {
         {"guarantee.late_with_dead", "a shorter time-out", patient(),
          each_device([](model::Device& device) { device.response_timeout = 10ms; })},
         {"guarantee.response_unknown", "turnaround", without_turnaround(),
+         [](model::Project& project) { first_device(project).turnaround = 20ms; }},
+        {"guarantee.response_not_learnt", "turnaround", of_a_controller(),
          [](model::Project& project) { first_device(project).turnaround = 20ms; }},
         {"guarantee.response_learning", "a run", learning(),
          [](model::Project& project) {
