@@ -108,7 +108,6 @@ TEST(Words, OtherCells) {
 }
 
 TEST(Words, OrdersOfBytes) {
-    using Word = std::optional<std::string>;
     EXPECT_EQ(byte_order_word("Float: 2 1 4 3"), Word("2143"));
     EXPECT_EQ(byte_order_word("☒ Старшим байтом вперед ☐ Старшим регистром вперед"), Word("2143"));
     EXPECT_EQ(byte_order_word("☑ Старшим регистром вперёд; □ Старшим байтом вперёд."), Word("3412"));
