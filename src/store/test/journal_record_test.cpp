@@ -79,7 +79,7 @@ TEST(JournalRecord, KeepsAGap) {
     encode_gap(gap, bytes);
     EXPECT_EQ(bytes.size(), kGapPayloadBytes);
     EXPECT_EQ(decode_gap(bytes), gap);
-    for (const std::uint8_t cause : {std::uint8_t{0}, std::uint8_t{8}, std::uint8_t{255}}) {
+    for (const std::uint8_t cause : {std::uint8_t{0}, std::uint8_t{9}, std::uint8_t{255}}) {
         bytes[0] = cause;
         EXPECT_EQ(decode_gap(bytes).error().code, Code::malformed) << cause;
     }
