@@ -527,7 +527,7 @@ const std::vector<Case>& cases() {
         {"output.quota_short",
          At::output,
          "brokers: [mqtt://b], quota_mb: 32, period: 100ms",
-         {"brokers: [mqtt://b], quota_mb: 66, period: 100ms",
+         {"brokers: [mqtt://b], quota_mb: 97, period: 100ms",
           "brokers: [mqtt://b], quota_mb: 32, period: 1s"}},
         {"topic.unknown_part",
          At::output,

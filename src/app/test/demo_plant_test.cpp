@@ -30,7 +30,7 @@ constexpr Limits kLimits[]{
     {"Voltage L1", 227, 233, 2},
     {"Voltage L2", 227, 233, 2},
     {"Voltage L3", 227, 233, 2},
-    {"Energy", 48'200, 48'220, 0.2},
+    {"Energy", 48'200, 48'220, 1},  // whole units
     {"Running", 1, 1, 0},
     {"Fault", 0, 0, 0},
     {"Speed", 1050, 1450, 40},

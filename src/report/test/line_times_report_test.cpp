@@ -45,7 +45,7 @@ TEST(LineTimesReport, NamesRequestsThatBrokeTheAssumptionsOfTheProof) {
     const auto text = broken_bounds_text(english(), snapshot, 0);
     EXPECT_EQ(text,
               "  Котёл " + request_text(snapshot.lines[0].plan->requests[0]) +
-                  ": 3 of 1 transactions took longer than the proof assumes; values older than their bound: "
+                  ": 3 of 1 transaction took longer than the proof assumes; values older than their bound: "
                   "1 times\n");
 }
 

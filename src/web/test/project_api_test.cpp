@@ -115,7 +115,8 @@ TEST_F(ProjectApiTest, JudgesAnUnknownResponseTimeAsCheckDoes) {
         "takt: 1\nlines:\n  - name: net\n    transport: tcp\n    host: 127.0.0.1\n    devices:\n"
         "      - name: Meter\n        address: 7\n        poll_period: 100ms\n        variables:\n";
     for (int i = 0; i < 10; ++i)
-        text += fmt::format("          - {{name: V{0}, type: int16, register: {0}00, read: 0x03}}\n", 2 * i);
+        text +=
+            fmt::format("          - {{name: V{0}, type: int16, register: {1}, read: 0x03}}\n", i, 200 * i);
     folder_.write("plant.yaml", text);
     const auto answer = call(Method::post, "/project/evaluate", body_of(*project().find("document")));
     const auto judged = Json::parse(answer.body, std::size_t{8} << 20).value();
