@@ -1,4 +1,5 @@
 // Server-sent events that connect again by themselves, and report whether they are connected.
+import { language } from '../i18n';
 import { openUrl } from './client';
 
 export interface Stream {
@@ -9,6 +10,7 @@ const FIRST_PAUSE = 500;
 const LONGEST_PAUSE = 8000;
 
 /**
+ * Its texts are in the language of the page: it is opened anew when that changes.
  * @param handlers  by name of the event; called with the parsed data
  * @param state     called when the connection opens or is lost
  */
@@ -41,9 +43,18 @@ export function openStream(
       source.addEventListener(name, (event) => handle(JSON.parse((event as MessageEvent).data) as never));
   };
   connect();
+  let opened = language.peek();
+  const forget = language.subscribe((its) => {
+    if (its === opened) return;
+    opened = its;
+    window.clearTimeout(timer);
+    source?.close();
+    connect();
+  });
   return {
     close() {
       closed = true;
+      forget();
       window.clearTimeout(timer);
       source?.close();
     },

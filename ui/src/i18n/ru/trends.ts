@@ -35,7 +35,7 @@ export const trends: Translated<typeof source> = {
   min: 'Мин.',
   mean: 'Среднее',
   max: 'Макс.',
-  good: 'Хорошее',
+  good: 'Достоверно',
   now: 'Последнее',
   legend: {
     restart: 'Takt не работал',

@@ -35,7 +35,7 @@ export const trends: Translated<typeof source> = {
   min: 'Мін.',
   mean: 'Середнє',
   max: 'Макс.',
-  good: 'Добре',
+  good: 'Достовірно',
   now: 'Останнє',
   legend: {
     restart: 'Takt не працював',
