@@ -142,6 +142,8 @@ void check_window(const Interpretation& state, Reader& reader, const Output& out
     const double rate = most_messages_per_second(state.project, output);
     const double limit = window / Seconds(mqtt.round_trip).count();
     if (rate <= limit) return;
+    constexpr double kWithTenths = 10;
+    const auto tenths = static_cast<std::uint64_t>(10 * limit);
     const auto rounded_up = [](double number) {
         return std::to_string(static_cast<std::uint64_t>(std::ceil(number)));
     };
@@ -149,7 +151,8 @@ void check_window(const Interpretation& state, Reader& reader, const Output& out
         Rule::output_falls_behind, "round_trip", {},
         {{"output", output.name},
          {"rate", rounded_up(rate)},
-         {"limit", std::to_string(static_cast<std::uint64_t>(limit))},
+         {"limit",
+          std::to_string(tenths / 10) + (limit < kWithTenths ? "." + std::to_string(tenths % 10) : "")},
          {"window", std::to_string(window)},
          {"round_trip", to_text(mqtt.round_trip)},
          {"needed", rounded_up(std::min(rate * Seconds(mqtt.round_trip).count(), kLargestWindow))}});
