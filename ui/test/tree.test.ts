@@ -12,6 +12,7 @@ const document = {
       ],
     },
     { name: 'b', host: '10.0.0.1' },
+    { name: 'c', transport: 'simulated' },
   ],
   servers: [{ name: 'gate', units: [{ address: '1' }] }],
   outputs: [{ name: 'mqtt' }],
@@ -27,15 +28,16 @@ test('the tree is that of the source', () => {
       ['device', 'lines[0].devices[0]', 'Device, 16', '', 0],
       ['device', 'lines[0].devices[1]', 'Table', '', 0],
       ['line', 'lines[1]', 'b', 'TCP', 2],
+      ['line', 'lines[2]', 'c', 'simulated', 3],
       ['locals', 'locals', '', '', 0],
-      ['server', 'servers[0]', 'gate', 'TCP', 3],
+      ['server', 'servers[0]', 'gate', 'TCP', 4],
       ['unit', 'servers[0].units[0]', '1', '', 0],
       ['output', 'outputs[0]', 'mqtt', '', 0],
     ],
   );
   assert.deepEqual(
     treeOf(document, () => false).map((its) => its.kind),
-    ['project', 'line', 'line', 'locals', 'server', 'output'],
+    ['project', 'line', 'line', 'line', 'locals', 'server', 'output'],
   );
 });
 

@@ -28,7 +28,9 @@ export function framingOf(line: Mapping): string {
 export const serverTransportOf = (server: Mapping): string =>
   typeof server.transport === 'string' ? server.transport : server.port === undefined ? 'tcp' : 'serial';
 
-const medium = (transport: string) => (transport === 'tcp' || transport === 'tls' ? 'TCP' : 'RS485');
+/** The word of a simulated line is translated where it is shown. */
+const medium = (transport: string) =>
+  transport === 'simulated' ? transport : transport === 'tcp' || transport === 'tls' ? 'TCP' : 'RS485';
 const textOf = (node: Node | number | undefined) => (typeof node === 'string' ? node : '');
 
 /** All items in the order they are shown. `isOpen` says whether the children of an item are shown. */

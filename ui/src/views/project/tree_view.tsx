@@ -16,6 +16,7 @@ import {
   readOnly,
   removeAt,
 } from './edit';
+import { wordText } from './rules';
 import { select, selected } from './selection';
 import { severities, type TreeItem, treeOf } from './tree';
 
@@ -80,7 +81,7 @@ function Item(props: { its: TreeItem; current: boolean; open: boolean }) {
       )}
       <span class="title">
         {titleOf(its)}
-        {role && <span class="muted small slot">{texts.slot(its.medium, its.slot, role)}</span>}
+        {role && <span class="muted small slot">{texts.slot(wordText(its.medium), its.slot, role)}</span>}
       </span>
       {its.count !== null && its.kind !== 'locals' && <span class="muted small">{its.count}</span>}
       {its.kind === 'locals' && <span class="muted small">{its.count}</span>}
