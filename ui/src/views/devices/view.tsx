@@ -74,7 +74,7 @@ function columns(line: LineStatus): Column<DeviceStatus>[] {
     {
       key: 'state',
       title: texts.state,
-      width: 'minmax(190px, 1.2fr)',
+      width: 'minmax(168px, 1.2fr)',
       cell: (its) => (
         <>
           <i class={`dot ${DEVICE_DOTS[its.state]}`} /> {stateText(its)}
@@ -85,7 +85,7 @@ function columns(line: LineStatus): Column<DeviceStatus>[] {
     {
       key: 'values',
       title: texts.values,
-      width: '112px',
+      width: 'minmax(138px, 0.8fr)',
       cell: (its) => {
         const bad = its.values.bad + its.values.uncertain;
         return bad > 0 ? (

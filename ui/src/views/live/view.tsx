@@ -171,11 +171,11 @@ function columns(): Column<Row>[] {
         </>
       ),
     },
-    { key: 'unit', title: texts.unit, width: '70px', folds: 'hidden', cell: (row) => row.peek().unit },
+    { key: 'unit', title: texts.unit, width: '78px', folds: 'hidden', cell: (row) => row.peek().unit },
     {
       key: 'quality',
       title: texts.quality,
-      width: 'minmax(120px, 1fr)',
+      width: 'minmax(132px, 1.2fr)',
       sortable: true,
       folds: 'figure',
       cell: (row) => <QualityCell row={row} />,
