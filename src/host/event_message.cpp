@@ -142,8 +142,7 @@ EventMessage event_message(const Configuration& configuration, const DelaysFound
 EventMessage event_message(const Configuration& configuration, const NoiseFound& found) {
     const auto& line = configuration.project().lines[found.line];
     const auto& [least, most] = found.finding;
-    EventMessage message{.code = most == 1 ? "app.noise.byte" : "app.noise.bytes",
-                         .arguments = owner_arguments(line, line.devices[found.device])};
+    EventMessage message{.code = "app.noise", .arguments = owner_arguments(line, line.devices[found.device])};
     message.arguments.push_back(
         {.name = "count", .text = least == most ? decimal(most) : decimal(least) + ".." + decimal(most)});
     return message;

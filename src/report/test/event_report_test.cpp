@@ -154,7 +154,7 @@ TEST(EventReport, NoiseBeforeTheAnswersOfADevice) {
     const host::NoiseFound some{.line = 0, .device = 0, .finding = {.least = 1, .most = 3}};
     for (const auto language : kLanguages) {
         const Texts texts(language);
-        EXPECT_EQ(text_of(some, texts), texts("app.noise.bytes", {{"where", "Котёл"}, {"count", "1..3"}}));
+        EXPECT_EQ(text_of(some, texts), texts("app.noise", {{"where", "Котёл"}, {"count", "1..3"}}));
     }
 }
 

@@ -100,7 +100,7 @@ TEST(SummaryReport, TextInEveryLanguage) {
                   ' ' + texts("app.delays.response_timeout",
                               {{"where", "Котёл"}, {"delay", "148"}, {"limit", "100"}, {"advised", "300"}}));
         const auto key = request_text(snapshot.lines[0].plan->requests[0]);
-        EXPECT_EQ(lines[5], ' ' + texts("app.noise.byte", {{"where", "Котёл"}}));
+        EXPECT_EQ(lines[5], ' ' + texts("app.noise", {{"where", "Котёл"}, {"count", "1"}}));
         EXPECT_EQ(lines[8], " Котёл " + key + " 20 9 4 11 " + exceptions + " 20.0 ms 30.0 ms " +
                                 texts("app.on_demand"));
     }
