@@ -215,7 +215,10 @@ bool LineJudge::is_client(const Claim& claim) const {
         return false;
     if (claim.sending.command) {
         const auto found = commands_.find(*claim.sending.command);
-        if (found == commands_.end() || found->second.repeat || found->second.modifying) return false;
+        if (found == commands_.end()) return false;
+        // A confirmed write may have been sent again: its confirmation was ambiguous.
+        const Command& command = found->second;
+        if (command.sends > 0 || command.repeat || command.modifying) return false;
         const auto& trigger = variables_[found->second.variable].model->write_trigger;
         return !trigger || !case_.project.locals[*trigger].admission;
     }

@@ -137,6 +137,7 @@ std::optional<std::size_t> LineJudge::device_of(std::uint8_t unit) const {
 }
 
 void LineJudge::begin_connection(Instant t) {
+    keep_false_histories(t);  // a response that was held may be published with the close
     if (!serial()) ledger_.on_connection(t);
     received_.clear();
     busy_until_ = t;

@@ -258,7 +258,7 @@ Transaction* LineJudge::held_source_of(Instant t, VariableNumber v, const value:
     return nullptr;
 }
 
-// Before another request is sent.
+// Before another request is sent, or the connection ends.
 void LineJudge::keep_false_histories(Instant t) {
     if (transactions_.empty() || transactions_.back().start != last_start_) return;
     Transaction& last = transactions_.back();
