@@ -352,6 +352,7 @@ private:
     [[nodiscard]] Duration beyond(const Transaction& transaction, Duration occupied) const;
     [[nodiscard]] Transaction* source_of(VariableNumber v, const value::Slot& slot);
     [[nodiscard]] bool was_held(const value::Slot& slot) const;
+    [[nodiscard]] bool is_held(Instant t, VariableNumber v, const value::Slot& slot, Duration period) const;
     [[nodiscard]] Transaction* held_source_of(Instant t, VariableNumber v, const value::Slot& slot);
     [[nodiscard]] bool may_be_doubted(Instant t, std::size_t device) const;
     [[nodiscard]] std::vector<FalseHistory> false_histories(Instant t, const Transaction& transaction) const;

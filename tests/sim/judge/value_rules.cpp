@@ -516,6 +516,12 @@ void LineJudge::on_event(Instant t, const value::Event& event, std::uint32_t fir
     last = good_at;
 }
 
+// After a surplus response each read waits for a sign that its response is its own, for kMostHeld at most.
+// The read before it was good.
+bool LineJudge::is_held(Instant t, VariableNumber v, const value::Slot& slot, Duration period) const {
+    return slot.reason == value::Reason::ambiguous && t - variables_[v].sampled_at <= 2 * period + kMostHeld;
+}
+
 void LineJudge::finish(Instant t, const value::Store& store, std::uint32_t first_slot) {
     for (VariableNumber v = 0; v < variables_.size(); ++v) {
         const auto& variable = variables_[v];
@@ -526,12 +532,15 @@ void LineJudge::finish(Instant t, const value::Store& store, std::uint32_t first
         };
         const value::Slot& slot = store[{first_slot + static_cast<std::uint32_t>(v)}];
         if (!variable.model->read || !variable.model->used || !devices_[variable.device].enabled ||
-            answers_too_late(t, devices_[variable.device]) || std::ranges::none_of(requests_, polls))
+            answers_too_late(t, devices_[variable.device]))
             continue;
+        const auto polled = std::ranges::find_if(requests_, polls);
+        if (polled == requests_.end()) continue;
         // A late answer may still hold it back, or be mistaken for its own.
         const bool doubted = in_doubt(t, {.unit = devices_[variable.device].model->address.value,
                                           .function = static_cast<std::uint8_t>(*variable.model->read)});
-        if (slot.quality != value::Quality::good && devices_[variable.device].clean_from <= t && !doubted)
+        if (slot.quality != value::Quality::good && devices_[variable.device].clean_from <= t && !doubted &&
+            !is_held(t, v, slot, *polled->plan->period))
             complain("recovers", t, name_of(v) + " is good again, all faults are over",
                      std::string(name(slot.quality)) + ", reason " +
                          std::to_string(static_cast<int>(slot.reason)));
