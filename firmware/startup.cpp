@@ -1,6 +1,11 @@
-// From reset to main() on a Cortex-M: initial values, zeroes, constructors. The vector table has the entries
-// every core has; a board adds those of its peripherals.
+// From reset to main() on a Cortex-M: initial values and zeroes, and the stack painted (stack.hpp). There are
+// no constructors to run (sections.ld). The vector table has the entries of every core; those of a board's
+// peripherals follow (board_vectors).
 #include <cstdint>
+
+#include "takt/firmware/stack.hpp"
+
+using takt::firmware::kStackPaint;
 
 extern "C" {
 
@@ -10,8 +15,7 @@ extern std::uint32_t data_begin;
 extern std::uint32_t data_end;
 extern std::uint32_t bss_begin;
 extern std::uint32_t bss_end;
-extern void (*init_array_begin[])();
-extern void (*init_array_end[])();
+extern std::uint32_t stack_bottom;
 
 int main();
 
@@ -28,7 +32,8 @@ int main();
     const std::uint32_t* from = &data_source;
     for (std::uint32_t* to = &data_begin; to != &data_end;) *to++ = *from++;
     for (std::uint32_t* to = &bss_begin; to != &bss_end;) *to++ = 0;
-    for (auto* constructor = init_array_begin; constructor != init_array_end; ++constructor) (*constructor)();
+    std::uint32_t* const here = static_cast<std::uint32_t*>(__builtin_frame_address(0));
+    for (std::uint32_t* to = &stack_bottom; to < here - 16; ++to) *to = kStackPaint;
     main();
     stop();
 }

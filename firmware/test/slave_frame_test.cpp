@@ -1,4 +1,4 @@
-#include "takt/firmware/rtu_device.hpp"
+#include "takt/firmware/slave_frame.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -10,7 +10,7 @@
 #include "takt/wire/frame.hpp"
 
 namespace takt::firmware {
-namespace rtu_device_test {
+namespace slave_frame_test {
 
 using Frame = std::vector<std::uint8_t>;
 
@@ -22,7 +22,7 @@ Frame frame(std::uint8_t unit, const Frame& pdu) {
 struct Rig {
     Frame ask(const Frame& request) {
         Frame buffer(wire::kMaxRtuFrame);
-        buffer.resize(process(server, request, buffer));
+        buffer.resize(respond_rtu(server, request, buffer));
         return buffer;
     }
     BankStorage<20, 16, 8, 300> storage;
@@ -32,7 +32,7 @@ struct Rig {
     serve::Server server{units};
 };
 
-TEST(RtuDevice, AnswersAFrameWithAFrame) {
+TEST(SlaveFrame, AnswersAFrameWithAFrame) {
     Rig rig;
     rig.storage.input_registers[1] = 0x1234;
     EXPECT_EQ(rig.ask(frame(17, {4, 0, 1, 0, 1})), frame(17, {4, 2, 0x12, 0x34}));
@@ -45,7 +45,7 @@ TEST(RtuDevice, AnswersAFrameWithAFrame) {
     EXPECT_EQ(rig.ask(frame(17, {3, 0, 0, 0, 125})).size(), 255u);
 }
 
-TEST(RtuDevice, TheAnswerMayTakeTheRoomOfTheRequest) {
+TEST(SlaveFrame, TheAnswerMayTakeTheRoomOfTheRequest) {
     Rig rig;
     for (const Frame& pdu :
          {Frame{3, 0, 0, 0, 125}, Frame{6, 0, 3, 0xAB, 0xCD},
@@ -54,12 +54,12 @@ TEST(RtuDevice, TheAnswerMayTakeTheRoomOfTheRequest) {
         const Frame expected = rig.ask(request);
         Frame buffer = request;
         buffer.resize(wire::kMaxRtuFrame);
-        buffer.resize(process(rig.server, Bytes(buffer).first(request.size()), buffer));
+        buffer.resize(respond_rtu(rig.server, Bytes(buffer).first(request.size()), buffer));
         EXPECT_EQ(buffer, expected);
     }
 }
 
-TEST(RtuDevice, SaysNothingWhereNothingIsToBeSaid) {
+TEST(SlaveFrame, SaysNothingWhereNothingIsToBeSaid) {
     Rig rig;
     const Frame read = frame(17, {3, 0, 0, 0, 1});
     Frame bad = read;
@@ -79,7 +79,7 @@ TEST(RtuDevice, SaysNothingWhereNothingIsToBeSaid) {
     EXPECT_EQ(rig.ask(read), Frame{}) << "listen-only mode";
 }
 
-RC_GTEST_PROP(RtuDevice, AnyFrameGetsAFrameOrNothing, ()) {
+RC_GTEST_PROP(SlaveFrame, AnyFrameGetsAFrameOrNothing, ()) {
     Rig rig;
     auto pdu = *rc::gen::resize(60, rc::gen::nonEmpty(rc::gen::arbitrary<Frame>()));
     if (*rc::gen::inRange(0, 4) != 0) pdu[0] = *rc::gen::inRange<std::uint8_t>(1, 25);
@@ -93,5 +93,5 @@ RC_GTEST_PROP(RtuDevice, AnyFrameGetsAFrameOrNothing, ()) {
     RC_ASSERT((answer[1] & 0x7F) == (pdu[0] & 0x7F));
 }
 
-}  // namespace rtu_device_test
+}  // namespace slave_frame_test
 }  // namespace takt::firmware

@@ -1,4 +1,4 @@
-// A Modbus RTU slave for a microcontroller: a request frame in, its response frame out.
+// The frames of a slave on a microcontroller: a request in, its response out; the storage of its banks.
 #pragma once
 
 #include <array>
@@ -11,15 +11,21 @@
 
 namespace takt::firmware {
 
-/// Answers one RTU frame as a server does (see serve::Server). Without heap, exceptions, RTTI and clock:
-/// the caller knows from a timer where a frame ends (3.5 characters of silence) and when the line is free
-/// again. One caller at a time; not for interrupt handlers of two priorities.
+/// Answers one RTU frame as a server does (see serve::Server). Without heap, exceptions, RTTI and clock.
+/// SerialDevice knows where a frame ends, and when the line is free. One caller at a time; not for interrupt
+/// handlers of two priorities.
 ///
 /// @param request   one frame, from the unit address to the CRC, any length
-/// @param response  buffer for the answer, wire::kMaxRtuFrame bytes; may be the buffer of the request
-/// @returns bytes of the response; 0: nothing is to be sent (a bad CRC, another unit's request, a broadcast,
-///          listen-only mode, an answer that was left pending)
-std::size_t process(serve::Server& server, Bytes request, std::span<std::uint8_t> response);
+/// @param response  buffer for the response with its CRC, wire::kMaxRtuFrame bytes; may be that of the
+/// request
+/// @returns bytes of the response; 0: nothing is to be sent (a bad checksum, another unit's request, a
+///          broadcast, listen-only mode, an answer that was left pending)
+std::size_t respond_rtu(serve::Server& server, Bytes request, std::span<std::uint8_t> response);
+
+/// The same of an ASCII frame.
+/// @param request   its decoded bytes, from the unit address to the LRC, any length
+/// @param response  buffer for the response with its LRC, not encoded; otherwise as above
+std::size_t respond_ascii(serve::Server& server, Bytes request, std::span<std::uint8_t> response);
 
 /// The storage of the four banks, addresses from 0 on.
 /// @tparam Coils, DiscreteInputs, InputRegisters, HoldingRegisters  0: the area is empty

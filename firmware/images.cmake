@@ -1,0 +1,59 @@
+# The images of a core. tools/firmware builds the presets and measures what comes out.
+set(CMAKE_CXX_STANDARD 23)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_CXX_FLAGS_MINSIZEREL "-Oz -g -flto")
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+
+add_compile_options(-Wall -Wextra -Werror -Wno-missing-field-initializers -fstack-usage -fcallgraph-info=su
+  -fmacro-prefix-map=${CMAKE_SOURCE_DIR}/=)
+
+set(modules base wire serve)
+foreach(module ${modules})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/${module}/*.cpp)
+  list(APPEND slave_sources ${sources})
+  list(APPEND slave_includes ${CMAKE_SOURCE_DIR}/src/${module}/include)
+endforeach()
+list(FILTER slave_sources EXCLUDE REGEX /words.cpp$)  # for programs with text
+
+add_library(takt_slave STATIC ${slave_sources} retained_registers.cpp serial_device.cpp slave_frame.cpp)
+target_include_directories(takt_slave PUBLIC ${slave_includes} include)
+
+# takt_image(NAME BOARD SOURCE...): NAME.elf for a folder of boards/
+function(takt_image name board)
+  add_executable(${name} startup.cpp boards/${board}/board.cpp ${ARGN})
+  target_link_libraries(${name} PRIVATE takt_slave)
+  target_link_options(${name} PRIVATE -fstack-usage -fcallgraph-info=su -flto-partition=one -nostartfiles -specs=nano.specs -Wl,--gc-sections
+    -Wl,-Map=${CMAKE_BINARY_DIR}/${name}.map
+    -L${CMAKE_CURRENT_SOURCE_DIR} -T ${CMAKE_CURRENT_SOURCE_DIR}/boards/${board}/memory.ld)
+  set_target_properties(${name} PROPERTIES SUFFIX .elf UNITY_BUILD OFF LINK_DEPENDS
+    "${CMAKE_CURRENT_SOURCE_DIR}/sections.ld;${CMAKE_CURRENT_SOURCE_DIR}/boards/${board}/memory.ld")
+endfunction()
+
+# takt_slave_image(BOARD NAME FRAMING BAUD STRICT [SILENCE]): the silence that ends a frame, in microseconds
+function(takt_slave_image board name framing baud strict)
+  set(silence 0 ${ARGN})
+  list(GET silence -1 silence)
+  takt_image(${board}_${name} ${board} images/slave.cpp)
+  target_compile_definitions(${board}_${name} PRIVATE
+    TAKT_FRAMING=${framing} TAKT_BAUD=${baud} TAKT_STRICT=${strict}
+    TAKT_SILENCE=${silence})
+endfunction()
+
+if(TAKT_CPU STREQUAL "cortex-m0")
+  set(boards microbit)
+elseif(TAKT_CPU STREQUAL "cortex-m3")
+  set(boards mps2)
+else()
+  set(boards mps2 stm32f407)
+endif()
+foreach(board ${boards})
+  takt_slave_image(${board} rtu rtu 9600 false)
+  takt_slave_image(${board} ascii ascii 9600 false)
+  takt_slave_image(${board} test_rtu rtu 9600 false 50000)  # the host delivers characters late
+endforeach()
+
+# Images of the tests
+if(TAKT_CPU STREQUAL "cortex-m0")
+  takt_image(microbit_test_resets microbit images/resets.cpp)
+  takt_image(microbit_test_silences microbit images/silences.cpp)
+endif()

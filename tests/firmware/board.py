@@ -1,0 +1,68 @@
+"""Boards of qemu-system-arm with the images of build/firmware (tools/firmware)."""
+import pathlib
+import re
+import struct
+import subprocess
+
+FOLDER = pathlib.Path(__file__).resolve().parent
+ROOT = FOLDER.parent.parent
+IMAGES = ROOT / "build" / "firmware"
+# machine of QEMU, preset, folder of the port
+MACHINES = {
+    "microbit": ("microbit", "cortex-m0", "microbit"),
+    "an385": ("mps2-an385", "cortex-m3", "mps2"),
+    "an386": ("mps2-an386", "cortex-m4", "mps2")
+}
+EXACT = ["-icount", "shift=6,sleep=off"]  # virtual time: one instruction takes 64 ns, WFI no time
+PATIENCE = 120
+
+
+def image(board, name):
+    machine, preset, port = MACHINES[board]
+    path = IMAGES / preset / f"{port}_{name}.elf"
+    assert path.exists(), f"{path} is missing. Run: ./dev firmware"
+    return machine, path
+
+
+def command(board, name, *options):
+    machine, path = image(board, name)
+    return ["qemu-system-arm", "-M", machine, "-display", "none", "-monitor", "none", "-kernel", str(path),
+            *options]
+
+
+def run(board, name, folder, *options):
+    """Runs an image that ends by itself. @returns its output by semihosting, and that of its UART"""
+    machine = command(board, name, "-serial", "file:uart", "-semihosting-config", "enable=on,target=native",
+                      *EXACT, *options)
+    done = subprocess.run(machine, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          timeout=PATIENCE, check=False)
+    assert done.returncode == 0, done.stderr
+    lines = re.findall(r"^(\w+) (\d+)$", done.stdout + done.stderr, re.MULTILINE)
+    numbers = {name: int(value) for name, value in lines}
+    return numbers, (pathlib.Path(folder) / "uart").read_bytes()
+
+
+class Board:
+    """A running board whose UART is the pseudo-terminal `port`."""
+
+    def __init__(self, board, name, *options):
+        self.process = subprocess.Popen(command(board, name, "-serial", "pty", *options),
+                                        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                        stderr=subprocess.STDOUT, text=True)
+        line = self.process.stdout.readline()
+        found = re.search(r"/dev/pts/\d+", line)
+        assert found, f"qemu-system-arm: {line}"
+        self.port = found.group()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+
+
+def script(baud, strict, ascii_framing, steps):
+    head = struct.pack("<III", baud, strict, ascii_framing)
+    return head + b"".join(struct.pack("<II", *step) for step in steps)
