@@ -18,18 +18,28 @@ list(FILTER slave_sources EXCLUDE REGEX /words.cpp$)  # for programs with text
 add_library(takt_slave STATIC ${slave_sources} retained_registers.cpp serial_device.cpp slave_frame.cpp)
 target_include_directories(takt_slave PUBLIC ${slave_includes} include)
 
+set(table_sources answers bytes choice executor rules view words)  # without the part that makes tables
+list(TRANSFORM table_sources PREPEND ${CMAKE_SOURCE_DIR}/src/table/)
+list(TRANSFORM table_sources APPEND .cpp)
+file(GLOB bus_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/bus/*.cpp)
+add_library(takt_master STATIC EXCLUDE_FROM_ALL ${bus_sources} ${table_sources} engine_port.cpp)
+target_include_directories(takt_master PUBLIC ${CMAKE_SOURCE_DIR}/src/bus/include
+  ${CMAKE_SOURCE_DIR}/src/table/include)
+target_link_libraries(takt_master PUBLIC takt_slave)
+
 # takt_image(NAME BOARD SOURCE...): NAME.elf for a folder of boards/
 function(takt_image name board)
   add_executable(${name} startup.cpp boards/${board}/board.cpp ${ARGN})
   target_link_libraries(${name} PRIVATE takt_slave)
-  target_link_options(${name} PRIVATE -fstack-usage -fcallgraph-info=su -flto-partition=one -nostartfiles -specs=nano.specs -Wl,--gc-sections
+  target_link_options(${name} PRIVATE -fstack-usage -fcallgraph-info=su -flto-partition=one
+    -nostartfiles -specs=nano.specs -Wl,--gc-sections
     -Wl,-Map=${CMAKE_BINARY_DIR}/${name}.map
     -L${CMAKE_CURRENT_SOURCE_DIR} -T ${CMAKE_CURRENT_SOURCE_DIR}/boards/${board}/memory.ld)
   set_target_properties(${name} PROPERTIES SUFFIX .elf UNITY_BUILD OFF LINK_DEPENDS
     "${CMAKE_CURRENT_SOURCE_DIR}/sections.ld;${CMAKE_CURRENT_SOURCE_DIR}/boards/${board}/memory.ld")
 endfunction()
 
-# takt_slave_image(BOARD NAME FRAMING BAUD STRICT [SILENCE]): the silence that ends a frame, in microseconds
+# takt_slave_image(BOARD NAME FRAMING BAUD STRICT [SILENCE]); the silence that ends a frame in microseconds
 function(takt_slave_image board name framing baud strict)
   set(silence 0 ${ARGN})
   list(GET silence -1 silence)
@@ -49,11 +59,14 @@ endif()
 foreach(board ${boards})
   takt_slave_image(${board} rtu rtu 9600 false)
   takt_slave_image(${board} ascii ascii 9600 false)
-  takt_slave_image(${board} test_rtu rtu 9600 false 50000)  # the host delivers characters late
+  takt_slave_image(${board} test_rtu rtu 9600 false 100000)  # the host delivers characters late
 endforeach()
 
 # Images of the tests
 if(TAKT_CPU STREQUAL "cortex-m0")
   takt_image(microbit_test_resets microbit images/resets.cpp)
   takt_image(microbit_test_silences microbit images/silences.cpp)
+else()
+  takt_image(mps2_master mps2 images/table_master.cpp)
+  target_link_libraries(mps2_master PRIVATE takt_master)
 endif()

@@ -2,6 +2,7 @@
 // The build sets the framing, the format of characters and the strictness (firmware/CMakeLists.txt).
 #include "takt/firmware/main_loop.hpp"
 #include "takt/firmware/retained_registers.hpp"
+#include "takt/firmware/serial_device.hpp"
 #include "takt/firmware/slave_frame.hpp"
 #include "takt/firmware/stack.hpp"
 #include "takt/serve/diagnostics.hpp"

@@ -1,6 +1,7 @@
 """Boards of qemu-system-arm with the images of build/firmware (tools/firmware)."""
 import pathlib
 import re
+import socket
 import struct
 import subprocess
 
@@ -13,6 +14,7 @@ MACHINES = {
     "an385": ("mps2-an385", "cortex-m3", "mps2"),
     "an386": ("mps2-an386", "cortex-m4", "mps2")
 }
+SEMIHOSTING = ["-semihosting-config", "enable=on,target=native"]
 EXACT = ["-icount", "shift=6,sleep=off"]  # virtual time: one instruction takes 64 ns, WFI no time
 PATIENCE = 120
 
@@ -32,8 +34,7 @@ def command(board, name, *options):
 
 def run(board, name, folder, *options):
     """Runs an image that ends by itself. @returns its output by semihosting, and that of its UART"""
-    machine = command(board, name, "-serial", "file:uart", "-semihosting-config", "enable=on,target=native",
-                      *EXACT, *options)
+    machine = command(board, name, "-serial", "file:uart", *SEMIHOSTING, *EXACT, *options)
     done = subprocess.run(machine, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
                           timeout=PATIENCE, check=False)
     assert done.returncode == 0, done.stderr
@@ -43,16 +44,51 @@ def run(board, name, folder, *options):
 
 
 class Board:
-    """A running board whose UART is the pseudo-terminal `port`."""
+    """A board whose UART is the pseudo-terminal `port`. With a folder it is stopped until resume(), and its
+    virtual time with it; it writes lines by semihosting."""
 
-    def __init__(self, board, name, *options):
+    def __init__(self, board, name, *options, folder=None):
+        if folder is not None:
+            options = [*options, *SEMIHOSTING, "-S", "-qmp", "unix:qmp,server=on,wait=off"]
+        self.folder = folder
+        self.lines = []
+        self.control = None
         self.process = subprocess.Popen(command(board, name, "-serial", "pty", *options),
                                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                        stderr=subprocess.STDOUT, text=True)
+                                        stderr=subprocess.STDOUT, text=True, cwd=folder)
         line = self.process.stdout.readline()
         found = re.search(r"/dev/pts/\d+", line)
         assert found, f"qemu-system-arm: {line}"
         self.port = found.group()
+
+    def _order(self, name):
+        if self.control is None:
+            self.control = socket.socket(socket.AF_UNIX)
+            self.control.settimeout(PATIENCE)
+            self.control.connect(str(pathlib.Path(self.folder) / "qmp"))
+            self.control.sendall(b'{"execute": "qmp_capabilities"}\n')
+        self.control.sendall(f'{{"execute": "{name}"}}\n'.encode())
+
+    def resume(self):
+        self._order("cont")
+
+    def pause(self):
+        self._order("stop")
+
+    def read_until(self, condition):
+        """Reads lines until the condition holds for one of them."""
+        for line in self.process.stdout:
+            self.lines.append(line.rstrip("\n"))
+            if condition(self.lines[-1]):
+                return
+        raise AssertionError("\n".join(self.lines[-20:]))
+
+    def output(self):
+        """Of an image that ends by itself: all lines that it wrote."""
+        text, _ = self.process.communicate(timeout=PATIENCE)
+        self.lines += text.splitlines()
+        assert self.process.returncode == 0, "\n".join(self.lines[-20:])
+        return self.lines
 
     def __enter__(self):
         return self
@@ -61,6 +97,8 @@ class Board:
         self.process.kill()
         self.process.wait()
         self.process.stdout.close()
+        if self.control is not None:
+            self.control.close()
 
 
 def script(baud, strict, ascii_framing, steps):

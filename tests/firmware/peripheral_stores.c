@@ -1,6 +1,5 @@
-// A plugin of QEMU (TCG): the addresses of all stores to peripherals, in their order, one in a line of the file
-// "stores". Debian has no header of the plugin interface: these are its declarations (QEMU 7.2,
-// docs/devel/tcg-plugins).
+// A plugin of QEMU (TCG): the addresses of all stores to peripherals in their order, one in a line of the
+// file "stores". Debian has no header of the plugin interface: these are its declarations (QEMU 7.2).
 #include <inttypes.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -10,11 +9,12 @@ typedef struct qemu_info_t qemu_info_t;
 typedef uint32_t qemu_plugin_meminfo_t;
 struct qemu_plugin_tb;
 struct qemu_plugin_insn;
-extern void qemu_plugin_register_vcpu_tb_trans_cb(qemu_plugin_id_t, void (*)(qemu_plugin_id_t, struct qemu_plugin_tb *));
+typedef void (*block_callback)(qemu_plugin_id_t, struct qemu_plugin_tb *);
+typedef void (*memory_callback)(unsigned, qemu_plugin_meminfo_t, uint64_t, void *);
+extern void qemu_plugin_register_vcpu_tb_trans_cb(qemu_plugin_id_t, block_callback);
 extern size_t qemu_plugin_tb_n_insns(const struct qemu_plugin_tb *);
 extern struct qemu_plugin_insn *qemu_plugin_tb_get_insn(const struct qemu_plugin_tb *, size_t);
-extern void qemu_plugin_register_vcpu_mem_cb(struct qemu_plugin_insn *,
-                                             void (*)(unsigned, qemu_plugin_meminfo_t, uint64_t, void *), int flags,
+extern void qemu_plugin_register_vcpu_mem_cb(struct qemu_plugin_insn *, memory_callback, int flags,
                                              int accesses, void *);
 
 int qemu_plugin_version = 1;
@@ -30,7 +30,8 @@ static void on_block(qemu_plugin_id_t id, struct qemu_plugin_tb *block) {
     (void)id;
     enum { NO_REGISTERS = 0, WRITES = 2 };
     for (size_t i = 0; i < qemu_plugin_tb_n_insns(block); ++i)
-        qemu_plugin_register_vcpu_mem_cb(qemu_plugin_tb_get_insn(block, i), on_store, NO_REGISTERS, WRITES, NULL);
+        qemu_plugin_register_vcpu_mem_cb(qemu_plugin_tb_get_insn(block, i), on_store, NO_REGISTERS, WRITES,
+                                         NULL);
 }
 
 int qemu_plugin_install(qemu_plugin_id_t id, const qemu_info_t *info, int argc, char **argv) {

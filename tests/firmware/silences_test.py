@@ -10,7 +10,7 @@ BITS = 10
 
 
 class Line:
-    """The times of a line without parity, in microseconds, by the specification (sections 2.5.1.1, 2.5.2.1)."""
+    """The times of a line without parity, in microseconds (MODBUS over Serial Line, section 2.5.1.1)."""
 
     def __init__(self, baud):
         self.baud = baud
@@ -82,7 +82,8 @@ def test_pauses_of_a_lenient_rtu_slave(tmp_path):
 def test_pauses_of_an_ascii_slave(tmp_path):
     line = Line(9600)
     silences = [0, 999_990, 1_000_010]
-    frames = [(ascii_frame(read(i)), silence) for i, silence in enumerate(silences)] + [(ascii_frame(ERRORS), 0)]
+    frames = [(ascii_frame(read(i)), silence) for i, silence in enumerate(silences)]
+    frames.append((ascii_frame(ERRORS), 0))
     _, sent = played(tmp_path, line, False, frames, ascii_frame)
     assert sent == b"".join(ascii_frame(value(i)) for i in range(2)) + ascii_frame(counted(1))
 
@@ -99,14 +100,15 @@ UART_SENDS, DRIVER_ON, DRIVER_OFF = "4000251c", "50000508", "5000050c"
 
 @pytest.mark.parametrize("framing", [rtu, ascii_frame])
 def test_the_driver_is_on_from_the_first_to_the_last_character(tmp_path, framing):
-    """The stores to the registers, in their order, as a plugin of QEMU sees them."""
+    """The stores to the registers in their order, seen by a plugin of QEMU."""
     plugin = tmp_path / "stores.so"
     source = FOLDER / "peripheral_stores.c"
     subprocess.run(["clang-19", "-shared", "-fPIC", "-Wall", "-Werror", source, "-o", plugin], check=True)
     frames = [(framing(read(i)), 0) for i in range(3)]
     _, sent = played(tmp_path, Line(9600), True, frames, framing, ["-plugin", str(plugin)])
     stores = (tmp_path / "stores").read_text().split()
-    first = stores.index(DRIVER_ON, stores.index(DRIVER_ON) + 1)  # the very first sets the pin of the UART high
+    # The very first one sets the pin of the UART high.
+    first = stores.index(DRIVER_ON, stores.index(DRIVER_ON) + 1)
     seen = [store for store in stores[first:] if store in (UART_SENDS, DRIVER_ON, DRIVER_OFF)]
     one = [DRIVER_ON, *[UART_SENDS] * (len(sent) // 3), DRIVER_OFF]
     assert seen == 3 * one

@@ -3,12 +3,13 @@
 
 #include "takt/firmware/board.hpp"
 #include "takt/firmware/cortex_m.hpp"
-#include "takt/firmware/serial_device.hpp"
 
 namespace takt::firmware {
 
-/// Answers requests and sleeps between them. Never returns.
-[[noreturn]] inline void run(SerialDevice& device) {
+/// Works and sleeps in between. Never returns.
+/// @param device  a SerialDevice or an EnginePort
+template <class Device>
+[[noreturn]] void run(Device& device) {
     for (;;) {
         while (device.work()) {}
         const InterruptLock lock;

@@ -1,0 +1,174 @@
+"""The master of a request table on an emulated board, and the executor of this computer with the same inputs."""
+import contextlib
+import struct
+import subprocess
+
+import pytest
+
+from board import Board
+from program import DEADLINE, PEERS, start, takt, until
+
+PROJECT = """takt: 1
+lines:
+  - name: bus
+    transport: serial
+    port: /dev/ttyS0
+    baud: 9600
+    parity: none
+    devices:
+      - name: Meter
+        address: 1
+        poll_period: 100ms
+        response_timeout: 3s
+        poll_enable: On
+        variables:
+          - {name: A, type: uint16, register: 3, read: 0x03, status: Status}
+          - {name: B, type: float, register: 40, read: 0x03}
+          - {name: C, type: int16, register: 60, read: 0x03, write: 0x06, write_on_change: true, default: 5}
+          - {name: D, type: int16, register: 61, read: 0x03, read_trigger: Again, write: 0x10,
+             write_trigger: Send, default: 6}
+      - name: Absent
+        address: 2
+        poll_period: 1s
+        response_timeout: 200ms
+        attempts: 2
+        variables:
+          - {name: E, type: int16, register: 0, read: 0x03}
+locals:
+  - {name: Status, type: uint16}
+  - {name: Again, type: bool}
+  - {name: Send, type: bool}
+  - {name: On, type: bool, default: true}
+"""
+TABLE_AT = 0x200000  # firmware/images/table_master.cpp
+DURATION = 6000  # ms
+GOOD, BAD = 1, 3  # table::Quality
+
+
+def table_of(tmp_path, project):
+    (tmp_path / "plant.yaml").write_text(project)
+    takt("table", "build", tmp_path / "plant.yaml", "-o", tmp_path / "table")
+    return tmp_path / "table"
+
+
+def loader(table):
+    return ["-device", f"loader,file={table},addr={TABLE_AT},force-raw=on"]
+
+
+def script(tmp_path, *commands, duration=DURATION):
+    """@param commands  (ms, 0 variable or 1 local, item, value)"""
+    words = [duration, *(word for command in commands for word in command)]
+    (tmp_path / "script").write_bytes(struct.pack(f"<{len(words)}I", *words))
+
+
+@contextlib.contextmanager
+def slave(port):
+    line = f"rtu://{port}?baud=9600&parity=none"
+    with start("serve", "--port", line, "--unit", 1, "--fill", "ramp") as running:
+        until(lambda: any("serving" in line for line in running.out + running.err), "the slave serves")
+        yield
+        running.interrupt()
+
+
+def played(tmp_path, board, table):
+    with Board(board, "master", *loader(table), folder=tmp_path) as master:
+        with slave(master.port):
+            master.resume()
+            return master.output()
+
+
+def replayed(table, notes):
+    done = subprocess.run([PEERS / "table_replay", table], input="\n".join(notes) + "\n", capture_output=True,
+                          text=True, timeout=DEADLINE, check=True)
+    return done.stdout.splitlines()
+
+
+def is_request(note):
+    return note.startswith("transmit") and len(note.split()) == 3
+
+
+def frames(notes):
+    return [note.split()[2] for note in notes if is_request(note)]
+
+
+def buffer(notes):
+    return [note for note in notes if note.startswith("item")]
+
+
+def item(notes, number):
+    """Quality, status and words of an item of the buffer at the end."""
+    line = next(line.split() for line in notes if line.startswith(f"item {number} "))
+    return int(line[2]), int(line[3]), [int(word) for word in line[4:]]
+
+
+# Items: the locals first, then the variables.
+STATUS, AGAIN, SEND, ON, A, B, C, D, E = range(9)
+SET, LOCAL = 0, 1
+
+
+@pytest.mark.parametrize("board", ["an385", "an386"])
+def test_the_board_sends_what_the_executor_of_this_computer_sends(tmp_path, board):
+    table = table_of(tmp_path, PROJECT)
+    script(tmp_path, (2000, SET, C, 77), (2500, SET, D, 88), (3000, LOCAL, SEND, 1), (3500, LOCAL, AGAIN, 1),
+           (4000, LOCAL, ON, 0), (5000, LOCAL, ON, 1))
+    notes = played(tmp_path, board, table)
+    again = replayed(table, notes)
+    assert frames(notes) == frames(again)
+    assert buffer(notes) == buffer(again)
+    sent = frames(notes)
+    assert any(frame.startswith("0106003c004d") for frame in sent), "C is written on change"
+    assert any(frame.startswith("0110003d0001020058") for frame in sent), "D is written by its trigger"
+    assert any(frame.startswith("0103003d0001") for frame in sent), "D is read by its trigger"
+    assert item(notes, A) == (GOOD, 0, [3])
+    assert item(notes, B) == (GOOD, 0, [40, 41])
+    assert item(notes, C) == (GOOD, 0, [77])
+    assert item(notes, D) == (GOOD, 0, [88])
+    assert item(notes, E)[0] == BAD
+    assert sum(frame.startswith("02") for frame in sent) >= 3, "the absent device is probed"
+
+
+def asked_between(notes, begin, end):
+    """Requests to the device of the board between two times in milliseconds."""
+    requests = [note.split() for note in notes if is_request(note)]
+    return [
+        frame for _, at, frame in requests
+        if frame.startswith("01") and begin * 1_000_000 < int(at) < end * 1_000_000
+    ]
+
+
+def test_a_device_that_is_switched_off_is_not_polled(tmp_path):
+    table = table_of(tmp_path, PROJECT)
+    script(tmp_path, (1000, LOCAL, ON, 0), (3000, LOCAL, ON, 1), duration=5000)
+    notes = played(tmp_path, "an385", table)
+    assert asked_between(notes, 1500, 2900) == []
+    assert asked_between(notes, 3000, 5000)
+
+
+def test_a_silent_device_is_asked_again_and_returns(tmp_path):
+    table = table_of(tmp_path, PROJECT.replace("response_timeout: 3s", "response_timeout: 500ms"))
+    script(tmp_path, duration=8000)
+    with Board("an385", "master", *loader(table), folder=tmp_path) as master:
+        master.resume()
+        for _ in range(3):
+            master.read_until(is_request)
+        master.pause()
+        with slave(master.port):
+            master.resume()
+            notes = master.output()
+    assert frames(notes) == frames(replayed(table, notes))
+    assert item(notes, A) == (GOOD, 0, [3])
+    first = next(i for i, line in enumerate(notes) if line.startswith("bytes"))
+    assert len(frames(notes[:first])) >= 2
+
+
+@pytest.mark.parametrize("at", [0, 9, 40, 200, 1000, -1])
+def test_a_broken_table_is_refused(tmp_path, at):
+    table = table_of(tmp_path, PROJECT)
+    image = bytearray(table.read_bytes())
+    image[at] ^= 1
+    table.write_bytes(image)
+    script(tmp_path, duration=1000)
+    with Board("an385", "master", *loader(table), folder=tmp_path) as master:
+        master.resume()
+        notes = master.output()
+    assert any(line.startswith("refused") for line in notes) and not frames(notes)
