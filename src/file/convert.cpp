@@ -111,15 +111,19 @@ public:
     /// A device without variables, so that an empty table is a device too.
     void add_device(const TableDevice& table) { device_of(collection(Node::Kind::mapping), &table, 0); }
 
-    /// Settings of a device whose variables may be in another table.
-    void add_settings(const Node& row) {
+    /// Settings of a device, with its variables or without. These may be in another table.
+    /// @param table  number of the table
+    void add_settings(const Node& row, std::size_t table) {
         auto settings = device_settings(row);
+        Node variables;
+        if (auto* const list = find_value(settings, "variables")) variables = std::move(*list);
+        std::erase_if(settings.entries, [](const auto& entry) { return entry.key.text == "variables"; });
         for (const std::string_view key : {"status", "poll_enable"})
             if (const auto* const cell = settings.find(key))
                 declare_local(*cell, key == "status" ? "int" : "bool");
         if (const auto* const protocol = settings.find(kProtocolColumn)) lines_.take_protocol(0, *protocol);
         std::erase_if(settings.entries, [](const auto& entry) { return entry.key.text == kProtocolColumn; });
-        settings_.push_back({std::move(settings), false});
+        settings_.push_back({std::move(settings), std::move(variables), table});
     }
 
     [[nodiscard]] std::size_t count_settings() const { return settings_.size(); }
@@ -136,7 +140,7 @@ public:
         };
         const auto claimed = [](auto& all, const auto& is_it) -> const Node* {
             const auto found =
-                std::ranges::find_if(all, [&](const Settings& its) { return !its.claimed && is_it(its); });
+                std::ranges::find_if(all, [&](const Settings& its) { return its.is_free() && is_it(its); });
             if (found == all.end()) return nullptr;
             found->claimed = true;
             return &found->settings;
@@ -145,17 +149,26 @@ public:
         return by_address != nullptr ? by_address : claimed(settings_, has_name);
     }
 
-    /// The only settings that there are.
+    /// The only settings that there are; nullptr if they have variables of their own.
     const Node* claim_only() {
+        if (!settings_.front().is_free()) return nullptr;
         settings_.front().claimed = true;
         return &settings_.front().settings;
     }
 
-    /// Settings that no table of variables claimed: devices without variables.
-    [[nodiscard]] std::vector<Node> unclaimed() const {
-        std::vector<Node> all;
-        for (const auto& [settings, claimed] : settings_)
-            if (!claimed) all.push_back(settings);
+    struct Settings {
+        Node settings;
+        Node variables;
+        std::size_t table = 0;
+        bool claimed = false;  // by a table of variables
+
+        [[nodiscard]] bool is_free() const { return !claimed && variables.kind == Node::Kind::null; }
+    };
+
+    /// Settings that no table of variables claimed: devices with their own variables, or without any.
+    [[nodiscard]] std::vector<Settings> unclaimed() const {
+        auto all = settings_;
+        std::erase_if(all, [](const Settings& its) { return its.claimed; });
         return all;
     }
 
@@ -184,11 +197,6 @@ private:
         Node variables = {};
         std::size_t line = 0;
     };
-    struct Settings {
-        Node settings;
-        bool claimed = false;  // by a table of variables
-    };
-
     void add_lines(Node& root) {
         std::vector<Node> devices(lines_.count(), collection(Node::Kind::list));
         if (devices_.empty()) devices_.push_back({.settings = mapping_of(surroundings_.device)});
@@ -348,15 +356,19 @@ private:
         for (const auto& row : rows.items) {
             if (kind == TableKind::locals) gathering_.add_local(row);
             if (kind != TableKind::devices) continue;
-            gathering_.add_settings(row);
+            gathering_.add_settings(row, i);
             if (const auto own = text_of(device_settings(row), "address"); !own.empty()) taken_.insert(own);
         }
     }
 
-    std::string free_address() {
+    std::string free_address(const std::string& device, const SourceLocation& location) {
         while (taken_.contains(std::to_string(next_))) ++next_;
-        taken_.insert(std::to_string(next_));
-        return std::to_string(next_);
+        auto address = std::to_string(next_);
+        taken_.insert(address);
+        if (tables_.tables.size() > 1 || gathering_.count_settings() > 1)
+            reporter_.warning("file.convert.address_assumed", location,
+                              {.value = address, .arguments = {{"device", device}}});
+        return address;
     }
 
     // Settings belong to the table of that name or address, or to the only one.
@@ -374,10 +386,7 @@ private:
         const auto* const settings = named ? nullptr : settings_of(name, address);
         const bool addressed = settings != nullptr && settings->find("address") != nullptr;
         if (address.empty() && !named && !addressed) {
-            address = free_address();
-            if (tables_.tables.size() > 1)
-                reporter_.warning("file.convert.address_assumed", rows.location,
-                                  {.value = address, .arguments = {{"device", name}}});
+            address = free_address(name, rows.location);
         }
         TableDevice device{i, mapping_of({{"name", name}, {"address", address}}, rows.location)};
         if (settings != nullptr)
@@ -388,11 +397,15 @@ private:
 
     void add_unclaimed() {
         auto number = tables_.tables.size();
-        for (auto& settings : gathering_.unclaimed()) {
+        for (auto& [settings, variables, table, claimed] : gathering_.unclaimed()) {
             TableDevice device{number++, std::move(settings)};
+            const auto [name, address] = name_and_address(titles_[table]);
+            if (device.settings.find("name") == nullptr) set(device.settings, "name", scalar(name));
             if (device.settings.find("address") == nullptr)
-                set(device.settings, "address", scalar(free_address()));
+                set(device.settings, "address",
+                    scalar(address.empty() ? free_address(name, device.settings.location) : address));
             gathering_.add_device(device);
+            for (const auto& row : variables.items) gathering_.add(row, &device);
         }
     }
 

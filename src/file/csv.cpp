@@ -1,11 +1,5 @@
-// CSV tables. The first line that is not empty holds the headings.
-//
-// Choice of the separator:
-//   1. the separator given in the options;
-//   2. a first line "sep=;", as spreadsheets write and read it;
-//   3. the separator of `;`, `,`, tab with which most headings are known; among equals the one that occurs
-//      first outside quotes in the first line.
-// A separator other than the comma also makes the comma the decimal sign.
+// CSV tables and windows (csv_parts.hpp). A table below the window of a device holds the variables of that
+// device. A separator other than the comma also makes the comma the decimal sign.
 #include "csv.hpp"
 
 #include <algorithm>
@@ -17,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "csv_rows.hpp"
+#include "csv_parts.hpp"
 #include "dialect.hpp"
 #include "encoding.hpp"
 #include "headings.hpp"
@@ -31,13 +25,6 @@ namespace {
 
 using model::Node;
 
-constexpr std::string_view kSeparators = ";,\t";
-
-struct CsvLayout {
-    char separator = ',';
-    std::size_t begin = 0;  // offset of the heading line
-};
-
 bool is_device_setting(std::string_view key) {
     return std::ranges::find(kDeviceSettings, key) != kDeviceSettings.end();
 }
@@ -47,60 +34,44 @@ bool is_column(std::string_view key, const TableOptions& options) {
     return key == kRegistersColumn || model::find_field(model::Object::variable, key) != nullptr;
 }
 
-std::optional<CsvLayout> declared_layout(std::string_view text) {
-    constexpr std::string_view kDeclaration = "sep=";
-    if (!text.starts_with(kDeclaration) || text.size() <= kDeclaration.size()) return std::nullopt;
-    const char separator = text[kDeclaration.size()];
-    const auto end = text.find('\n');
-    const auto rest = text.substr(kDeclaration.size() + 1, end - kDeclaration.size() - 1);
-    if (!kSeparators.contains(separator) || (!rest.empty() && rest != "\r" && rest != "\n" && rest != "\r\n"))
-        return std::nullopt;
-    return CsvLayout{separator, end == std::string_view::npos ? text.size() : end + 1};
-}
-
-std::size_t known_headings(const Source& source, char separator) {
-    Reporter unheard;
-    const auto row = RowReader(source, 0, separator, unheard).next_filled();
-    if (!row) return 0;
-    return static_cast<std::size_t>(std::ranges::count_if(
-        row->cells, [](const Cell& cell) { return !read_heading(cell.text).key.empty(); }));
-}
-
-// The separator that occurs first outside quotes in the first line.
-char first_separator(std::string_view text) {
-    bool quoted = false;
-    for (const char c : text.substr(std::min(text.find_first_not_of("\r\n"), text.size()))) {
-        if (c == '"') quoted = !quoted;
-        if (!quoted && kSeparators.contains(c)) return c;
-        if (!quoted && c == '\n') break;
-    }
-    return ',';
-}
-
-CsvLayout csv_layout_of(const Source& source, const TableOptions& options) {
-    if (options.separator != 0) return {options.separator, 0};
-    if (const auto declared = declared_layout(source.text())) return *declared;
-    CsvLayout layout{first_separator(source.text()), 0};
-    auto most = known_headings(source, layout.separator);
-    for (const char separator : kSeparators) {
-        const auto known = known_headings(source, separator);
-        if (known <= most) continue;
-        most = known;
-        layout.separator = separator;
-    }
-    return layout;
-}
-
 class TableReader {
 public:
-    TableReader(const Source& source, const TableOptions& options, bool decimal_comma,
-                std::size_t& nodes_left, Reporter& reporter)
+    TableReader(const Source& source, const TableOptions& options, const Part& part, std::size_t& nodes_left,
+                Reporter& reporter)
         : source_(source),
           options_(options),
-          decimal_comma_(decimal_comma),
+          window_(part.window),
+          decimal_comma_(part.separator != ','),
           nodes_left_(nodes_left),
           reporter_(reporter) {}
 
+    /// Nothing, after a report, if a required column is missing.
+    std::optional<Contents> read(const Part& part) {
+        take_header(part.names);
+        if (lacks_a_required_column()) return std::nullopt;
+        Contents contents{.rows = {.kind = Node::Kind::list, .location = source_.location(0)},
+                          .kind = kind()};
+        auto& list = contents.rows;
+        RowReader rows(source_, part.begin, part.separator, reporter_);
+        bool taken = false;
+        const auto next = [&]() -> std::optional<Row> {
+            if (!window_) return rows.offset() < part.end ? rows.next() : std::nullopt;
+            return std::exchange(taken, true) ? std::nullopt : std::optional(part.values);
+        };
+        while (const auto row = next()) {
+            if (row->damaged || row->empty()) continue;
+            auto node = mapping(*row);
+            if (!node || node->entries.empty()) continue;
+            drop_second_address(*node);
+            if (!count(*node)) break;
+            list.items.push_back(*std::move(node));
+        }
+        report_cut_comments();
+        if (contents.kind != TableKind::devices) settle_addresses(list, options_, shape(), reporter_);
+        return contents;
+    }
+
+private:
     void take_header(const Row& header) {
         std::vector<const Cell*> unknown;
         for (const auto& cell : header.cells) {
@@ -195,14 +166,13 @@ public:
         return true;
     }
 
-    /// One finding for all comments that were too long.
+    // One finding for all comments that were too long.
     void report_cut_comments() {
         if (cut_rows_ > 0)
             reporter_.warning("file.csv.comment_cut", first_cut_location_,
                               {.value = first_cut_, .arguments = {{"count", std::to_string(cut_rows_)}}});
     }
 
-private:
     [[nodiscard]] bool has(std::string_view key) const {
         return std::ranges::any_of(
             columns_, [&](const Column& column) { return column.kept && column.key.text == key; });
@@ -210,8 +180,31 @@ private:
 
     // Settings of devices, and no variables.
     [[nodiscard]] bool lists_devices() const {
+        if (window_) return is_device_window();
         return std::ranges::any_of(kDeviceSettings, [this](auto key) { return has(key); }) && !has("type") &&
                (has("name") || has(kDeviceColumn));
+    }
+
+    // A window shows one device or one variable. Those of a device have no type and no register.
+    [[nodiscard]] bool is_device_window() const {
+        constexpr std::array<std::string_view, 8> kBoth{
+            "period",  "status",      "byte_order",      "high_byte_first", "high_register_first",
+            "comment", kDeviceColumn, kUnitAddressColumn};
+        constexpr std::array<std::string_view, 10> kNames{"имя",    "название",     "наименование", "імя",
+                                                          "назва",  "наименування", "name",         "адрес",
+                                                          "адреса", "address"};
+        bool device = false;
+        for (const auto& column : columns_) {
+            const auto key = read_heading(column.heading).key;
+            const bool setting = is_device_setting(key) || key == kUnitAddressColumn || key == "register";
+            const bool named = key == "name" || key == "register";
+            if (named
+                    ? std::ranges::find(kNames, folded(column.heading)) == kNames.end()
+                    : !key.empty() && !is_device_setting(key) && std::ranges::find(kBoth, key) == kBoth.end())
+                return false;
+            device = device || setting;
+        }
+        return device;
     }
 
     [[nodiscard]] bool has_required() const {
@@ -367,6 +360,7 @@ private:
 
     const Source& source_;
     const TableOptions& options_;
+    bool window_;
     bool decimal_comma_;
     std::size_t& nodes_left_;
     Reporter& reporter_;
@@ -379,123 +373,75 @@ private:
     model::SourceLocation first_cut_location_;
 };
 
-// The heading line without trailing empty cells; nothing, after a report, if there is none.
-std::optional<Row> read_header(RowReader& rows, const Source& source, Reporter& reporter) {
-    auto header = rows.next_filled();
-    if (!header) {
-        reporter.error("file.csv.no_header", source.location(0));
-        return std::nullopt;
-    }
-    if (header->damaged) return std::nullopt;
-    while (header->cells.back().text.empty()) header->cells.pop_back();
-    if (header->cells.size() <= kMaxColumns) return header;
-    reporter.error("file.csv.too_many_columns", source.location(header->cells.front().offset),
+// The headings without trailing empty cells. Returns false, after a report, if the limit is exceeded.
+bool settle_headings(Part& part, const Source& source, Reporter& reporter) {
+    auto& cells = part.names.cells;
+    if (part.names.damaged) return false;
+    while (!part.window && cells.back().text.empty()) cells.pop_back();
+    if (cells.size() <= kMaxColumns) return true;
+    reporter.error("file.csv.too_many_columns", source.location(cells.front().offset),
                    {.allowed = std::to_string(kMaxColumns)});
-    return std::nullopt;
+    return false;
 }
 
-// The fields of one device or variable as a window shows them: a name and a value in each line.
-struct PropertyWindow {
-    Row names;
-    Row values;
+// Joins the parts of a text.
+class Joiner {
+public:
+    Joiner(const Source& source, Reporter& reporter) : source_(source), reporter_(reporter) {
+        contents_.rows.kind = Node::Kind::list;
+        contents_.rows.location = source.location(0);
+    }
+
+    void add(const Part& part, Contents its) {
+        const bool window = std::exchange(window_, part.window);
+        const auto kind = std::exchange(last_, its.kind);
+        const bool variables = its.kind != TableKind::devices && its.kind != TableKind::locals;
+        const bool more = variables && window && part.window && kind == its.kind;
+        if (first_) {
+            contents_.kind = its.kind;
+        } else if (contents_.kind == TableKind::devices && variables) {
+            auto& device = contents_.rows.items.back();
+            if (!more && (!window || kind != TableKind::devices)) return report(part);
+            if (!more) set(device, "variables", {.kind = Node::Kind::list, .location = its.rows.location});
+            return move_rows(its.rows, *find_value(device, "variables"));
+        } else if (!more && (its.kind != TableKind::devices || contents_.kind != TableKind::devices)) {
+            return report(part);
+        }
+        first_ = false;
+        move_rows(its.rows, contents_.rows);
+    }
+
+    Contents take() { return std::move(contents_); }
+
+private:
+    static void move_rows(Node& from, Node& to) {
+        std::ranges::move(from.items, std::back_inserter(to.items));
+    }
+
+    void report(const Part& part) {
+        const auto& cell = part.names.cells.front();
+        reporter_.error("file.csv.several_tables", source_.location(cell.offset), {.value = cell.text});
+    }
+
+    const Source& source_;
+    Reporter& reporter_;
+    Contents contents_;
+    bool first_ = true;
+    bool window_ = false;  // the last part
+    TableKind last_ = TableKind::variables;
 };
-
-std::string_view key_of(const Cell& cell) {
-    return read_heading(cell.text).key;
-}
-
-// Makes a line of a window a name and a value. A check box may stand before its name, the order of the bytes
-// in several cells or behind a colon, and the button of a list behind its value. Returns false if it has more
-// cells.
-bool settle_window_line(std::vector<Cell>& cells) {
-    const auto is_empty = [](const Cell& cell) {
-        return cell.text.empty() || cell.text == "..." || cell.text == "…";
-    };
-    while (cells.size() > 2 && is_empty(cells.back())) cells.pop_back();
-    if (cells.size() < 2) cells.push_back({cells[0].offset, {}, false});
-    if (const auto box = split_box(cells[0].text); box && cells[1].text.empty()) {
-        cells[1].text = box->state;
-        cells[0].text = std::string(box->label);
-    }
-    if (const auto colon = cells[0].text.find(':'); cells[1].text.empty() && colon < cells[0].text.size()) {
-        cells[1].text = cells[0].text.substr(
-            std::min(cells[0].text.find_first_not_of(" \t", colon + 1), cells[0].text.size()));
-        cells[0].text.erase(colon);
-    }
-    for (; cells.size() > 2 && key_of(cells[0]) == "byte_order"; cells.erase(cells.begin() + 2))
-        cells[1].text += ' ' + cells[2].text;
-    return cells.size() == 2;
-}
-
-// Whether two columns with headings are meant although their rows are named like fields: `Имя;Тип` over
-// types. The first line of a window may have the name of a field as its value: `Имя;Устройство`.
-bool is_table_of_types(const PropertyWindow& window) {
-    const auto& values = window.values.cells;
-    return key_of(window.names.cells[0]) == "name" && key_of(values[0]) == "type" &&
-           std::all_of(values.begin() + 1, values.end(), [](const Cell& cell) {
-               return std::ranges::find(model::kTypes, cell.text) != model::kTypes.end() ||
-                      type_word(cell.text);
-           });
-}
-
-// Returns nothing if the text is a table with a line of headings.
-std::optional<PropertyWindow> read_property_window(const Source& source, const CsvLayout& layout) {
-    constexpr std::size_t kLeast = 3;
-    constexpr std::array<std::string_view, 3> kValueWords{"значение", "value", "значення"};
-    Reporter unheard;
-    RowReader rows(source, layout.begin, layout.separator, unheard);
-    PropertyWindow window;
-    std::set<std::string_view> known;
-    while (auto row = rows.next()) {
-        if (row->empty() && !row->damaged) continue;
-        if (row->damaged || window.names.cells.size() >= kMaxColumns || !settle_window_line(row->cells))
-            return std::nullopt;
-        const auto heading = folded(row->cells[1].text);
-        if (window.names.cells.empty() && std::ranges::find(kValueWords, heading) != kValueWords.end())
-            continue;
-        known.insert(key_of(row->cells[0]));
-        window.names.cells.push_back(std::move(row->cells[0]));
-        window.values.cells.push_back(std::move(row->cells[1]));
-    }
-    known.erase(std::string_view());
-    if (known.size() < kLeast || 2 * known.size() <= window.names.cells.size() || is_table_of_types(window))
-        return std::nullopt;
-    return window;
-}
 
 }  // namespace
 
 Contents read_csv(const Source& source, const TableOptions& options, std::size_t& nodes_left,
                   Reporter& reporter) {
-    Contents contents;
-    auto& list = contents.rows;
-    list.kind = Node::Kind::list;
-    list.location = source.location(0);
-    const auto layout = csv_layout_of(source, options);
-    RowReader rows(source, layout.begin, layout.separator, reporter);
-    const auto header = read_header(rows, source, reporter);
-    if (!header) return contents;
-    TableReader table(source, options, layout.separator != ',', nodes_left, reporter);
-    const auto window = read_property_window(source, layout);
-    table.take_header(window ? window->names : *header);
-    if (table.lacks_a_required_column()) return contents;
-    contents.kind = table.kind();
-    bool taken = false;
-    const auto next = [&] {
-        if (!window) return rows.next();
-        return std::exchange(taken, true) ? std::nullopt : std::optional(window->values);
-    };
-    while (const auto row = next()) {
-        if (row->damaged || row->empty()) continue;
-        auto mapping = table.mapping(*row);
-        if (!mapping || mapping->entries.empty()) continue;
-        table.drop_second_address(*mapping);
-        if (!table.count(*mapping)) break;
-        list.items.push_back(*std::move(mapping));
+    Joiner joiner(source, reporter);
+    for (auto& part : divide(source, options.separator, reporter)) {
+        if (!settle_headings(part, source, reporter)) continue;
+        TableReader table(source, options, part, nodes_left, reporter);
+        if (auto contents = table.read(part)) joiner.add(part, *std::move(contents));
     }
-    table.report_cut_comments();
-    if (contents.kind != TableKind::devices) settle_addresses(list, options, table.shape(), reporter);
-    return contents;
+    return joiner.take();
 }
 
 Contents read_csv_bytes(std::uint32_t file, const std::string& bytes, const TableOptions& options,

@@ -37,6 +37,8 @@ public:
     std::optional<Row> next();
     /// The next row that is not empty.
     std::optional<Row> next_filled();
+    /// The offset of the next row.
+    [[nodiscard]] std::size_t offset() const { return at_; }
 
 private:
     bool take(char c);

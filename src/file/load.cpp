@@ -319,6 +319,8 @@ private:
         const auto file = static_cast<std::uint32_t>(loaded_.document.files.size());
         loaded_.document.files.push_back(name);
         auto contents = read_csv_bytes(file, *text, options, budget_.nodes, reporter_);
+        if (contents.kind == TableKind::devices)
+            return reporter_.error("file.table_of_devices", location, {.value = name, .path = path});
         if (contents.kind == TableKind::locals && path != "locals") {
             std::ranges::move(contents.rows.items, std::back_inserter(locals_));
             contents.rows.items.clear();

@@ -14,12 +14,15 @@ using file::Json;
 
 constexpr std::array<std::string_view, 5> kKinds{"variables", "locals", "served", "list", "devices"};
 
-Json table_rows(const file::LoadedTables::Table& table) {
+Json rows_json(const model::Node& rows, file::TableKind kind) {
     Json::Array all;
-    for (const auto& its : table.rows.items) {
-        const auto row = table.kind == file::TableKind::devices ? file::device_settings(its) : its;
+    for (const auto& its : rows.items) {
+        const auto row = kind == file::TableKind::devices ? file::device_settings(its) : its;
         Json::Object cells;
-        for (const auto& [key, value] : row.entries) cells.emplace_back(key.text, value.text);
+        for (const auto& [key, value] : row.entries)
+            cells.emplace_back(key.text, value.kind == model::Node::Kind::list
+                                             ? rows_json(value, file::TableKind::variables)
+                                             : Json(value.text));
         all.emplace_back(std::move(cells));
     }
     return Json(std::move(all));
@@ -39,7 +42,7 @@ ApiResponse import_table(const ApiRequest& request) {
     const auto& table = read.tables.front();
     auto object = Json::object();
     object.set("kind", kKinds[static_cast<std::size_t>(table.kind)]);
-    object.set("rows", table_rows(table));
+    object.set("rows", rows_json(table.rows, table.kind));
     object.set("findings",
                report::findings_json(request.texts, read.loaded.document.files, read.loaded.findings));
     return ApiResponse::json(object, read.loaded.readable ? 200 : 422);

@@ -401,3 +401,77 @@ def test_columns_of_the_device_are_its_settings(tmp_path):
         "takt: 1\nlines: [{name: L, port: p, devices: [{name: D, address: 1, turnaround: 5ms, variables: "
         "t.csv}]}]\n")
     assert takt("check", project).out.count("is a setting of the device") == 3
+
+
+TREE = "RS485, Слот 1, Master\nУстройство, 16\n"
+LIST = "Имя переменной;Тип;Адрес регистра;Комментарий\nVar1;С плавающей запя...;0;\nVar2;Целочисленное;2;\n"
+DEVICE_16 = ["name: Устройство", "address: 16", "poll_period: 100ms", "group_requests: true",
+             "registers_per_request: 20", "{name: Var1, type: float, register: 0", "{name: Var2, type: int16"]
+
+
+@pytest.mark.parametrize("text", [
+    PRINTED + LIST,
+    PRINTED + "\n" + LIST.replace(";", "\t"),
+    TREE + PRINTED + LIST,
+    "RS485\nСлот 1\nMaster\n" + PRINTED + "\n\n" + LIST,
+    PRINTED.replace(";", ": ") + LIST,
+    PRINTED.replace(";", "\t") + LIST,
+])
+def test_a_window_and_its_table_are_one_device(tmp_path, text):
+    result = converted(tmp_path, text)
+    assert [its for its in DEVICE_16 if its not in result.out] == []
+    assert result.out.count("- name: ") == 2 and "error" not in result.err
+    assert result.out.count("{name: ") == 2
+
+
+def test_several_windows_with_their_tables_are_several_devices(tmp_path):
+    second = TREE.replace("16", "17") + PRINTED.replace("16", "17") + LIST.replace("Var", "Other")
+    out = converted(tmp_path, TREE + PRINTED + LIST + "\n" + second).out
+    devices = out.split("- name: Устройство")[1:]
+    assert [("address: 17" in d, "Var1" in d, "Other2" in d) for d in devices] == [
+        (False, True, False), (True, False, True)]
+    listed = converted(tmp_path, TREE + LIST + TREE.replace("16", "17") + LIST.replace("Var", "Other")).out
+    assert [d.count("type:") for d in listed.split("- name: Устройство")[1:]] == [2, 2]
+
+
+@pytest.mark.parametrize("text, settings", [
+    ("Имя;Котёл\nАдрес;16\n", ["name: Котёл", "address: 16"]),
+    ("Имя;Устройство\nАдрес;16\nКол-во попыток;5\n",
+     ["name: Устройство", "address: 16", "attempts: 5"]),
+    ("Адрес;16\nПериод опроса, мс;200\n", ["name: t", "address: 16", "poll_period: 200ms"]),
+    ("Имя: Котёл\nАдрес: 16\nПериод опроса, мс: 200\n",
+     ["name: Котёл", "address: 16", "poll_period: 200ms"]),
+    ("Котёл, 16\nПериод опроса, мс;200\n", ["name: Котёл", "address: 16", "poll_period: 200ms"]),
+    ("Name,Boiler\nAddress,16\nAttempts,5\n", ["name: Boiler", "address: 16", "attempts: 5"]),
+])
+def test_short_windows(tmp_path, text, settings):
+    result = converted(tmp_path, text)
+    assert [its for its in settings if its not in result.out] == []
+    assert result.err == "" and "type:" not in result.out
+
+
+def test_a_line_that_is_not_understood_is_an_error(tmp_path):
+    def errors(text):
+        return converted(tmp_path, text, code=1).err
+    assert "t.csv:9:1: error: the line is no headings of a table, no field of a window and no line of a " \
+        "tree: Var1;float;0" in errors(PRINTED + "Var1;float;0\nVar2;float;2\n")
+    assert "t.csv:3:1" in errors("Имя;Котёл\nАдрес;16\nАдрес;16;17\nКол-во попыток;3\n")
+    assert "the tree names the device 17, its window 16" in errors(TREE.replace("16", "17") + PRINTED)
+    assert "belongs to no device" in errors(LIST + "\n" + PRINTED + LIST.replace("Var", "X"))
+    assert "belongs to no device" in errors(PRINTED + LIST + "\n" + STANDARD)
+
+
+def test_a_project_names_tables_of_variables_only(tmp_path):
+    (tmp_path / "t.csv").write_text(PRINTED + LIST, encoding="utf-8")
+    project = tmp_path / "p.yaml"
+    project.write_text(
+        "takt: 1\nlines: [{name: L, port: p, devices: [{name: D, address: 1, variables: t.csv}]}]\n")
+    assert "has the settings of a device" in takt("check", project, code=1).out
+    refused = takt("convert", tmp_path / "t.csv", "--to", "csv", code=2).err
+    assert "one table cannot hold the settings" in refused
+
+
+def test_rows_that_look_like_a_tree_or_a_window_are_rows(tmp_path):
+    out = converted(tmp_path, LIST + "Master;Булевское;5;\nСлот 1;Булевское;6;\nИмя;Целочисленное;8;\n"
+                    "Статус;Целочисленное;9;\n\nТип;Целочисленное;10;\n").out
+    assert out.count("type: ") == 7

@@ -1,7 +1,15 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { choicesOf, fitsType, searched } from '../src/views/project/choices';
-import { framingIn, itemOf, itemsBefore, merged, targetAt, targetsFor } from '../src/views/project/importing';
+import {
+  completed,
+  framingIn,
+  itemOf,
+  itemsBefore,
+  merged,
+  targetAt,
+  targetsFor,
+} from '../src/views/project/importing';
 
 const document = {
   lines: [
@@ -92,6 +100,21 @@ test('the window of a device goes to its line, in place of a new device', () => 
   assert.equal(at(null), 'lines/0/devices');
   const row = { name: 'Устройство', address: '16', protocol: 'Modbus ASCII' };
   assert.deepEqual(itemOf(row, 'variable'), { name: 'Устройство', address: '16' });
+  const lacking = [
+    { attempts: '3', variables: [{ name: 'A', type: 'int16' }] },
+    { address: '2', name: 'X' },
+  ];
+  const whole = completed(lacking, [{ name: 'Device', address: '1' }], 'Device');
+  assert.deepEqual(
+    whole.map((its) => [its.name, its.address]),
+    [
+      ['Device 2', '3'],
+      ['X', '2'],
+    ],
+  );
+  assert.deepEqual(itemOf(whole[0]!, 'variable').variables, [{ name: 'A', type: 'int16' }]);
+  const twins = ['16', '17'].map((address) => ({ name: 'Устройство', address }));
+  assert.deepEqual(merged([], twins, false, 'address'), twins);
   assert.equal(framingIn([row], { transport: 'serial' }), 'ascii');
   assert.equal(framingIn([row], { transport: 'tcp' }), undefined);
   const fresh = [{ name: 'Device 1', variables: [] }];

@@ -34,9 +34,20 @@ test('tables and windows of the IDE are known from their text', () => {
     'name,type,register\nA,int16,1',
     'Имя;Устройство\nАдрес;16\nПериод опроса, мс;100',
     'Имя\tDevice\r\nАдрес\t16\r\nКол-во попыток\t3\r\n',
+    'Имя;Котёл\nАдрес;16',
+    'Адрес: 16\nПериод опроса, мс: 100',
+    'RS485, Слот 1, Master\nУстройство, 16\nИмя переменной\tТип\tАдрес регистра\nA\tБулевское\t1',
   ])
     assert.ok(isImport(text), text);
-  for (const text of ['Alarm\tbool\t0x01\tnone\t17', 'Имя', 'Имя;Адрес', '', 'a;b\nc;d'])
+  for (const text of [
+    'Alarm\tbool\t0x01\tnone\t17',
+    'Имя',
+    'Имя;Адрес',
+    '',
+    'a;b\nc;d',
+    'Адрес\tint16\t0\nТип\tint16\t1',
+    'Адрес\nТип',
+  ])
     assert.ok(!isImport(text), text);
 });
 

@@ -136,12 +136,22 @@ private:
         }
         const auto kept = rows;
         const auto kind = tables.tables.front().kind;
+        std::size_t owned = 0;  // variables in the rows of devices
         for (const auto& table : tables.tables)
-            if (table.kind != file::TableKind::devices) count_ += table.rows.items.size();
+            for (const auto& row : table.rows.items) {
+                const auto* const variables = row.find("variables");
+                if (variables != nullptr) owned += variables->items.size();
+                if (table.kind != file::TableKind::devices) ++count_;
+            }
+        count_ += owned;
         auto project = project_of(std::move(tables), *around);
         project.document.files[0] = options_.output.empty() ? input() : options_.output;
         const auto document = project.document;
         if (!accept(host::interpreted(std::move(project)))) return std::nullopt;
+        if (to == FileKind::csv && owned > 0) {
+            refuse(texts_("app.convert.devices_in_table", {{"file", input()}}));
+            return std::nullopt;
+        }
         return to == FileKind::csv ? table_text(kept, kind, document) : project_text(document);
     }
 

@@ -453,6 +453,10 @@ TEST_F(ProjectApiTest, GivesFieldsSchemaAndImportedRows) {
     EXPECT_EQ(text_at(window, {"kind"}), "devices");
     EXPECT_NE(text_at(window, {"rows"}).find("\"address\":\"16\""), std::string::npos);
     EXPECT_NE(text_at(window, {"rows"}).find("\"poll_period\":\"100ms\""), std::string::npos);
+    pasted.set("text", "Имя;Устройство\nАдрес;16\n\nИмя;Тип;Адрес регистра\nA;Целочисленное;1\n");
+    const auto both = Json::parse(call(Method::post, "/import", pasted).body).value();
+    EXPECT_EQ(text_at(both, {"kind"}), "devices");
+    EXPECT_NE(text_at(both, {"rows"}).find(R"("variables":[{"name":"A","type":"int16")"), std::string::npos);
 }
 
 TEST_F(ProjectApiTest, TwoBrowsersDoNotOverwriteEachOther) {

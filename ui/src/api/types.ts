@@ -287,9 +287,12 @@ export interface FieldRule {
 }
 export type FieldTable = Record<string, Record<string, FieldRule>>;
 
+export type Cells = Record<string, string>;
+/** A row; that of a device may have the `variables` below its window. */
+export type ImportedRow = Record<string, string | Cells[]>;
 export interface ImportedRows {
   kind: 'variables' | 'locals' | 'served' | 'list' | 'devices';
-  rows: Record<string, string>[];
+  rows: ImportedRow[];
   findings: Finding[];
 }
 

@@ -391,6 +391,12 @@ ${variables.join('')}`);
   assert.deepEqual(await page.locator('main .bad, .health .bad').allInnerTexts(), []);
 });
 
+const LISTED = [
+  'Имя переменной\tТип\tАдрес регистра\tКомментарий',
+  'Температура\tС плавающей запя...\t5\t',
+  'Давление\tЦелочисленное\t7\t',
+];
+
 test('the window of a device is pasted as the IDE shows it', async () => {
   plant = await startWith('takt: 1\nlines: []\n');
   const page = await open('#/project');
@@ -408,28 +414,37 @@ test('the window of a device is pasted as the IDE shows it', async () => {
   ];
   await page.getByRole('button', { name: 'Paste a table' }).click();
   const dialog = page.getByRole('dialog');
+  const take = dialog.getByRole('button', { name: 'Take over' });
+  await dialog.getByRole('textbox').fill(`${lines('Устройство', 16).join('\n')}\nV1;int;0;\n`);
+  await dialog.locator('.error', { hasText: 'V1;int;0;' }).waitFor();
+  assert.ok(await take.isDisabled());
   await dialog.getByRole('textbox').fill(lines('Устройство', 16).join('\n'));
   await dialog.locator('td', { hasText: '2143' }).waitFor();
   assert.equal(await dialog.locator('.error, .warning').count(), 0);
   await dialog.getByRole('button', { name: 'Take over' }).click();
   await dialog.waitFor({ state: 'detached' });
   await page.getByRole('treeitem', { name: 'Устройство, 16' }).click();
-  // A second window, into the grid of the first device.
+  // A second window with its table, into the grid of the first device.
   await page.getByRole('tab', { name: /Variables/ }).click();
   const grid = page.getByRole('grid', { name: 'Variables' });
-  await grid.evaluate((element, window) => {
-    const data = new DataTransfer();
-    data.setData('text/plain', window);
-    element.dispatchEvent(new ClipboardEvent('paste', { clipboardData: data, bubbles: true }));
-  }, lines('Device', 17).join('\n'));
-  await dialog.locator('td', { hasText: '2143' }).waitFor();
-  await dialog.getByRole('button', { name: 'Take over' }).click();
-  await page.getByRole('treeitem', { name: 'Device, 17' }).waitFor();
+  await grid.evaluate(
+    (element, window) => {
+      const data = new DataTransfer();
+      data.setData('text/plain', window);
+      element.dispatchEvent(new ClipboardEvent('paste', { clipboardData: data, bubbles: true }));
+    },
+    ['RS485, Слот 1, Master', ...lines('Устройство', 17), '', ...LISTED].join('\n'),
+  );
+  await dialog.locator('td', { hasText: 'Давление' }).waitFor();
+  await take.click();
+  await page.getByRole('treeitem', { name: 'Устройство, 17' }).waitFor();
   await save(page);
   const settings = 'poll_period: 100ms, response_timeout: 150ms, attempts: 3, group_requests: true, ';
   const saved = text().replace(/\n\s+(?=\w+:)/g, ', ');
   assert.equal(saved.split(settings).length, 3, text());
   assert.match(saved, /name: Устройство, address: 16/);
+  assert.match(saved, /name: Устройство, address: 17/);
+  assert.match(saved, /\{name: Давление, type: int16, area: holding_register, register: 7/);
   assert.match(saved, /byte_order: "2143"/);
   assert.match(saved, /framing: ascii/);
   assert.doesNotMatch(saved, /protocol|Device 1/);

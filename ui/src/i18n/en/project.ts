@@ -163,6 +163,7 @@ export const project = {
     found: (kind: string, n: number) => `${kind}: ${n} rows`,
     into: 'Into',
     append: 'Add, and overwrite rows with the same name',
+    appendDevices: 'Add, and overwrite devices with the same address',
     replace: 'Replace all rows',
     mode: 'Existing rows',
     accept: 'Take over',

@@ -178,6 +178,7 @@ export const project: Translated<typeof source> = {
     found: (kind, n) => `${kind}: ${of(n, 'строка', 'строки', 'строк')}`,
     into: 'Куда',
     append: 'Добавить; строки с тем же именем заменить',
+    appendDevices: 'Добавить; устройства с тем же адресом заменить',
     replace: 'Заменить все строки',
     mode: 'Имеющиеся строки',
     accept: 'Перенести',

@@ -176,6 +176,7 @@ export const project: Translated<typeof source> = {
     found: (kind, n) => `${kind}: ${of(n, 'рядок', 'рядки', 'рядків')}`,
     into: 'Куди',
     append: 'Додати; рядки з тим самим іменем замінити',
+    appendDevices: 'Додати; пристрої з тією самою адресою замінити',
     replace: 'Замінити всі рядки',
     mode: 'Наявні рядки',
     accept: 'Перенести',

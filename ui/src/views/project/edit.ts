@@ -12,6 +12,7 @@ import {
 } from '../../store/document';
 import { change, draft, isReadOnlyPart, setNodes } from '../../store/project';
 import { mayEdit } from '../../store/info';
+import { freeAddress } from './importing';
 import { namesIn } from './rows';
 import { select } from './selection';
 
@@ -99,10 +100,8 @@ export function addLine(name: string): void {
 export function addDevice(line: number, name: string): void {
   const path: Path = ['lines', line, 'devices'];
   const devices = listAt(draft.peek(), path);
-  const used = new Set(devices.map((its) => Number(its.address)));
-  let address = Math.max(0, ...[...used].filter((its) => its > 0 && its < 247)) + 1;
-  while (used.has(address)) ++address;
-  append(path, { name: freeName(name, namesIn(devices)), address: String(address), variables: [] }, 'device');
+  const address = freeAddress(devices);
+  append(path, { name: freeName(name, namesIn(devices)), address, variables: [] }, 'device');
 }
 
 export function addServer(name: string): void {

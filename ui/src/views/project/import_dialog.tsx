@@ -1,7 +1,7 @@
 // Tables of the IDE, or of a spreadsheet, by pasting them: a preview, then one step in the draft.
 import { useEffect, useState } from 'preact/hooks';
 import { post } from '../../api/client';
-import type { ImportedRows, Mapping, Node } from '../../api/types';
+import type { ImportedRow, ImportedRows, Mapping, Node } from '../../api/types';
 import { t } from '../../i18n';
 import { Dialog } from '../../shell/dialog';
 import { errorText, toast } from '../../shell/toasts';
@@ -9,20 +9,29 @@ import { at, formatPath, listAt, type Path } from '../../store/document';
 import { draft, setNodes } from '../../store/project';
 import { type CoilChoice, openRows, withChoice } from './coil_choice';
 import { CoilQuestion } from './coil_question';
-import { framingIn, importing, itemOf, itemsBefore, merged, targetAt, targetsFor } from './importing';
+import {
+  completed,
+  framingIn,
+  importing,
+  itemOf,
+  itemsBefore,
+  merged,
+  targetAt,
+  targetsFor,
+  variablesOf,
+} from './importing';
 import { keyText } from './rules';
 import { select, tab } from './selection';
 
 const ASK_AFTER_MS = 200;
 const MOST_SHOWN = 8;
 
-function Preview({ found }: { found: ImportedRows }) {
+function Rows({ kind, rows }: { kind: ImportedRows['kind']; rows: ImportedRow[] }) {
   const texts = t.value.project.importing;
-  const keys = [...new Set(found.rows.flatMap((its) => Object.keys(its)))];
-  const findings = found.findings.filter((its) => its.severity !== 'note');
+  const keys = [...new Set(rows.flatMap((its) => Object.keys(its)))];
   return (
     <>
-      <h3>{texts.found(texts.kind[found.kind], found.rows.length)}</h3>
+      <h3>{texts.found(texts.kind[kind], rows.length)}</h3>
       <div class="preview">
         <table>
           <thead>
@@ -35,19 +44,28 @@ function Preview({ found }: { found: ImportedRows }) {
             </tr>
           </thead>
           <tbody>
-            {found.rows.slice(0, MOST_SHOWN).map((row, i) => (
+            {rows.slice(0, MOST_SHOWN).map((row, i) => (
               <tr key={i}>
                 {keys.map((key) => (
-                  <td key={key}>{row[key]}</td>
+                  <td key={key}>{Array.isArray(row[key]) ? row[key].length : row[key]}</td>
                 ))}
               </tr>
             ))}
           </tbody>
         </table>
-        {found.rows.length > MOST_SHOWN && (
-          <p class="muted small">{texts.more(found.rows.length - MOST_SHOWN)}</p>
-        )}
+        {rows.length > MOST_SHOWN && <p class="muted small">{texts.more(rows.length - MOST_SHOWN)}</p>}
       </div>
+    </>
+  );
+}
+
+function Preview({ found, rows }: { found: ImportedRows; rows: ImportedRow[] }) {
+  const variables = rows.flatMap(variablesOf);
+  const findings = found.findings.filter((its) => its.severity !== 'note');
+  return (
+    <>
+      {rows.length > 0 && <Rows kind={found.kind} rows={rows} />}
+      {variables.length > 0 && <Rows kind="variables" rows={variables} />}
       {findings.map((its) => (
         <p key={its.code + its.line + its.column} class={`small ${its.severity}`}>
           {its.message} <span class="muted">{its.advice}</span>
@@ -101,27 +119,37 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
     importing.value = null;
   };
   const before = found && target ? itemsBefore(listAt(draft.value, target.path), found.kind, path) : [];
-  const items = found && target ? found.rows.map((row) => itemOf(row, target.object)) : [];
-  const list = merged(before, items, replace);
-  const open = openRows(list, before);
+  const devices = found?.kind === 'devices';
+  const rows = found && devices ? completed(found.rows, before, t.value.project.tree.newDevice) : found?.rows;
+  const items = rows && target ? rows.map((row) => itemOf(row, target.object)) : [];
+  const list = merged(before, items, replace, devices ? 'address' : 'name');
+  const open = devices
+    ? items.flatMap((its) => openRows(listAt(its, ['variables']), []))
+    : openRows(list, before);
+  const wrong = found?.findings.some((its) => its.severity === 'error') ?? false;
   const accept = () => {
     if (!target) return;
-    const value = choice ? withChoice(list, open, choice) : list;
+    const coils = (all: Mapping[]) => (choice ? withChoice(all, open, choice) : all);
+    const value = devices
+      ? list.map((its) =>
+          Array.isArray(its.variables) ? { ...its, variables: coils(listAt(its, ['variables'])) } : its,
+        )
+      : coils(list);
     const changes: { path: Path; value: Node }[] = [{ path: target.path, value }];
     const line = target.path.slice(0, 2);
-    const framing = found?.kind === 'devices' && framingIn(found.rows, at(draft.value, line) as Mapping);
+    const framing = found && devices && framingIn(found.rows, at(draft.value, line) as Mapping);
     if (framing) changes.push({ path: [...line, 'framing'], value: framing });
     setNodes(changes, `import ${formatPath(target.path)}`);
     select(target.path[0] === 'locals' ? target.path : target.path.slice(0, -1));
     if (target.path.at(-1) === 'variables') tab.value = 'variables';
-    toast('good', texts.done(items.length));
+    toast('good', texts.done(items.length + found!.rows.flatMap(variablesOf).length));
     close();
   };
   return (
     <Dialog
       title={texts.title}
       accept={texts.accept}
-      acceptDisabled={!target || items.length === 0 || (open.length > 0 && choice === null)}
+      acceptDisabled={wrong || !target || items.length === 0 || (open.length > 0 && choice === null)}
       onAccept={accept}
       onClose={close}
     >
@@ -137,7 +165,7 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
         />
         <div aria-live="polite">
           {problem && <p class="bad">{problem}</p>}
-          {found && <Preview found={found} />}
+          {found && <Preview found={found} rows={rows ?? []} />}
           {open.length > 0 && <CoilQuestion rows={open} value={choice} onPick={setChoice} />}
           {found && targets.length === 0 && <p class="bad">{texts.nowhere}</p>}
         </div>
@@ -162,7 +190,7 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
                 value={String(replace)}
                 onChange={(event) => setReplace(event.currentTarget.value === 'true')}
               >
-                <option value="false">{texts.append}</option>
+                <option value="false">{devices ? texts.appendDevices : texts.append}</option>
                 <option value="true">{texts.replace}</option>
               </select>
             </label>

@@ -1,9 +1,10 @@
 // A table that is pasted: into which part of the project its rows go.
 import { signal } from '@preact/signals';
-import type { ImportedRows, Mapping, Node } from '../../api/types';
-import { formatPath, listAt, type Path, textAt } from '../../store/document';
+import type { Cells, ImportedRow, ImportedRows, Mapping, Node } from '../../api/types';
+import { formatPath, freeName, listAt, type Path, textAt } from '../../store/document';
 import { rawOf } from './cells';
 import { COLUMNS, type TableObject } from './columns';
+import { namesIn } from './rows';
 import { transportOf } from './tree';
 
 /** The import dialog: the text so far and the table where it was pasted; null: it is closed. */
@@ -66,19 +67,48 @@ export function itemsBefore(list: Mapping[], kind: ImportedRows['kind'], path: P
   return list.filter((its, i) => i !== path[3] || !isNew(its));
 }
 
+/** The variables below the window of a device. */
+export function variablesOf(row: ImportedRow): Cells[] {
+  return Array.isArray(row.variables) ? row.variables : [];
+}
+
+/** The next free address among devices. */
+export function freeAddress(devices: { address?: unknown }[]): string {
+  const used = new Set(devices.map((its) => Number(its.address)));
+  let address = Math.max(0, ...[...used].filter((its) => its > 0 && its < 247)) + 1;
+  while (used.has(address)) ++address;
+  return String(address);
+}
+
+/** The windows of devices with the names and addresses that they lack. */
+export function completed(rows: ImportedRow[], devices: Mapping[], name: string): ImportedRow[] {
+  const all: { name?: Node | ImportedRow[string]; address?: unknown }[] = [...devices, ...rows];
+  return rows.map((its) => {
+    const row = { ...its };
+    row.name ??= freeName(name, namesIn(all as Mapping[]));
+    row.address ??= freeAddress(all);
+    all.push(row);
+    return row;
+  });
+}
+
 /** The framing of the line that the windows of its devices call their protocol; undefined: none or TCP. */
-export function framingIn(rows: Record<string, string>[], line: Mapping): string | undefined {
+export function framingIn(rows: ImportedRow[], line: Mapping): string | undefined {
   if (transportOf(line) === 'tcp') return undefined;
-  const word = rows.find((its) => its.protocol)?.protocol?.toLowerCase() ?? '';
+  const word = String(rows.find((its) => its.protocol)?.protocol ?? '').toLowerCase();
   return ['rtu', 'ascii'].find((its) => word.endsWith(its));
 }
 
 /** A row of the answer as an item of the document. */
-export function itemOf(row: Record<string, string>, object: TableObject): Mapping {
+export function itemOf(row: ImportedRow, object: TableObject): Mapping {
   const kinds = new Map(COLUMNS[object].map((its) => [its.key, its.kind]));
   const item: Mapping = {};
   for (const [key, text] of Object.entries(row)) {
     if (key === 'protocol') continue; // of the line
+    if (typeof text !== 'string') {
+      item[key] = text.map((its) => itemOf(its, 'variable'));
+      continue;
+    }
     // The program has understood the row: only lists and words are no texts in a document.
     const kind = kinds.get(key);
     const raw: Node | undefined = kind === 'words' || kind === 'list' ? rawOf(kind, text) : text;
@@ -87,18 +117,21 @@ export function itemOf(row: Record<string, string>, object: TableObject): Mappin
   return item;
 }
 
-/** The list with the imported items: rows with the same name are overwritten, or all are replaced. */
-export function merged(list: Mapping[], items: Mapping[], replace: boolean): Mapping[] {
-  const old = new Map(list.map((its) => [its.name, its]));
+/**
+ * The list with the imported items: rows with the same name are overwritten, or all are replaced.
+ * @param key  of what is the same: every new device of an IDE has the same name
+ */
+export function merged(list: Mapping[], items: Mapping[], replace: boolean, key = 'name'): Mapping[] {
+  const old = new Map(list.map((its) => [its[key], its]));
   if (replace)
     return items.map((its) => {
-      const from = old.get(its.name)?.$from;
+      const from = old.get(its[key])?.$from;
       return from === undefined ? its : { ...its, $from: from };
     });
-  const fresh = new Map(items.map((its) => [its.name, its]));
+  const fresh = new Map(items.map((its) => [its[key], its]));
   const kept = list.map((its) => {
-    const next = fresh.get(its.name);
-    fresh.delete(its.name);
+    const next = fresh.get(its[key]);
+    fresh.delete(its[key]);
     return next ? { ...its, ...next } : its;
   });
   return [...kept, ...fresh.values()];

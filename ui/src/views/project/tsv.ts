@@ -98,15 +98,25 @@ const HEADING = whole(HEADINGS);
 const FIELD = whole(FIELDS);
 
 /**
- * Whether a text is a table or a window of the IDE, which the import understands: its first row has headings,
- * or its lines begin with the names of fields.
+ * Whether a text is a table or a window of the IDE, which the import understands: a line has headings, or
+ * lines consist of the name of a field and its value.
  */
 export function isImport(text: string): boolean {
   const separator = text.includes(';') ? ';' : ',';
   const rows = text.includes('\t')
     ? parseTable(text)
     : text.split(/\r?\n/).map((line) => line.split(separator));
-  const headings = (rows[0] ?? []).filter((its) => HEADING.test(its.trim()));
-  const fields = new Set(rows.map((row) => row[0]!.trim().toLowerCase()).filter((its) => FIELD.test(its)));
-  return headings.length >= 2 || fields.size >= 3;
+  const headings = (row: string[]) => row.filter((its) => HEADING.test(its.trim())).length;
+  const fields = new Set(text.split(/\r?\n/).map(fieldOf));
+  fields.delete('');
+  return rows.some((row) => headings(row) >= 2) || fields.size >= 2;
+}
+
+/** The name of the field in a line of a window; empty: it is none. */
+function fieldOf(line: string): string {
+  const parts = /^([^;:\t]+)[;:\t](.+)$/.exec(line) ?? /^([^,]+),([^,]+)$/.exec(line);
+  if (parts === null) return '';
+  const name = parts[1]!.trim().toLowerCase();
+  const values = parts[2]!.split('\t').filter((its) => its.trim() !== '');
+  return FIELD.test(name) && values.length === 1 ? name : '';
 }
