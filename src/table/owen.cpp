@@ -21,11 +21,11 @@ namespace {
 using namespace std::chrono_literals;
 using wire::Function;
 
-constexpr std::array<std::string_view, 13> kCodes{
+constexpr std::array<std::string_view, 14> kCodes{
     "table.type",          "table.mixed_types", "table.function",          "table.gap",
     "table.two_registers", "table.phase",       "table.byte_order",        "table.scale",
     "table.period",        "table.place",       "table.read_modify_write", "table.admission",
-    "table.too_large"};
+    "table.too_large",     "table.not_written"};
 
 constexpr std::int64_t kLongestMs = 65535;
 constexpr std::size_t kMost = 0xFFFF;
@@ -80,6 +80,7 @@ private:
     void add_line(std::size_t index);
     void add_device(const plan::LinePlan& plan, std::size_t index);
     void add_entry(const model::Device& device, const plan::Request& request);
+    void report_unwritten(const plan::LinePlan& plan, std::size_t index);
     void check_variable(const model::Device& device, const model::Variable& variable);
     void check_request(const plan::Request& request, const Variables& members);
     void check_neighbours(const model::Variable& a, const model::Variable& b, std::size_t place_a,
@@ -158,6 +159,29 @@ void OwenBuilder::add_device(const plan::LinePlan& plan, std::size_t index) {
         if (request.device == index) add_entry(device, request);
     record.entry_count = static_cast<std::uint16_t>(built_.table.entries.size() - record.first_entry);
     built_.table.devices.push_back(record);
+    report_unwritten(plan, index);
+}
+
+// Where requests are grouped, a variable that only commands write has no entry that writes it.
+void OwenBuilder::report_unwritten(const plan::LinePlan& plan, std::size_t index) {
+    std::vector<bool> written(device_->variables.size());
+    for (const auto& request : plan.requests)
+        if (request.device == index && request.write)
+            for (const auto variable : request.variables) written[variable] = true;
+    std::size_t count = 0;
+    const model::Variable* first = nullptr;
+    for (std::size_t i = 0; i < written.size(); ++i) {
+        const auto& variable = device_->variables[i];
+        if (!variable.used || !variable.write || written[i]) continue;
+        if (++count == 1) first = &variable;
+    }
+    if (first == nullptr) return;
+    built_.findings.push_back({.severity = model::Severity::warning,
+                               .code = "table.not_written",
+                               .location = first->location,
+                               .path = first->name,
+                               .value = first->name,
+                               .arguments = {{"device", device_->name}, {"count", std::to_string(count)}}});
 }
 
 void OwenBuilder::check_variable(const model::Device& device, const model::Variable& variable) {

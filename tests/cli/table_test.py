@@ -81,6 +81,22 @@ def test_owen_refuses_all_by_name_and_writes_nothing(project, tmp_path):
     assert path.read_bytes().startswith(b"TAKTTABL")
 
 
+def test_variables_that_no_entry_writes_are_named(project, tmp_path):
+    rows = [f"name: V{i}, type: int, register: {i}, read: 0x03, write: 0x10" for i in range(3)]
+    rows.append("name: W, type: int, register: 3, read: 0x03, write: 0x10, write_on_change: true")
+    path = tmp_path / "table.bin"
+
+    def build(group):
+        described = project(serial(rows, profile="owen-kc1", group_requests=group, strategy="classic"))
+        return takt("table", "build", described, "-o", path, "--profile", "owen-kc1").err
+
+    warned = build("true")
+    assert "warning: V0: no entry of the table writes 3 variables of the device Node1" in warned
+    assert "no entry" not in build("false").replace("group_requests: false", "")
+    rows[3] = rows[0].replace("V0", "W").replace("register: 0", "register: 3")
+    assert "writes 4 variables" in build("true")
+
+
 def test_the_limits_of_the_controller_are_those_of_its_profile(project, tmp_path):
     fast = serial(at([0], "type: int, read: 0x03")).replace("115200", "230400")
     assert "115200" in takt("table", "build", project(fast), "-o", tmp_path / "t", "--profile", "owen-kc1",

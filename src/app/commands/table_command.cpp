@@ -1,6 +1,7 @@
 // takt table: from a project to its request table, and a look into one.
 #include "commands/table_command.hpp"
 
+#include <algorithm>
 #include <string_view>
 
 #include "commands/input_files.hpp"
@@ -33,13 +34,14 @@ ExitCode write_table_image(const Texts& texts, const std::string& path, const ta
 ExitCode build_for_owen(const Texts& texts, host::LoadedProject& loaded, const plan::Plan& plan,
                         const std::string& path) {
     auto built = table::build_owen(loaded.project, plan);
-    if (built.findings.empty())
-        return write_table_image(texts, path, table::write_owen(built.table), built.table.entries.size(),
-                                 built.table.places);
     loaded.findings = std::move(built.findings);
     print_status(report::findings_text(texts, loaded));
-    print_error(
-        texts("app.table.refused", {{"file", path}, {"count", std::to_string(loaded.findings.size())}}));
+    const auto errors =
+        std::ranges::count(loaded.findings, model::Severity::error, &model::Finding::severity);
+    if (errors == 0)
+        return write_table_image(texts, path, table::write_owen(built.table), built.table.entries.size(),
+                                 built.table.places);
+    print_error(texts("app.table.refused", {{"file", path}, {"count", std::to_string(errors)}}));
     return ExitCode::no;
 }
 

@@ -74,7 +74,7 @@ struct OwenTable {
 
 /// The table of a project, and everything that it cannot hold: each an error with the name of the
 /// variable (of the first one of a request) and its location in the project; codes `table.…`. With errors the
-/// table is of no use.
+/// table is of no use. Variables that no entry writes are a warning for each device.
 struct OwenBuilt {
     OwenTable table;
     std::vector<model::Finding> findings;
