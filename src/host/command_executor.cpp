@@ -94,6 +94,8 @@ void CommandExecutor::set(Instant t, std::unique_ptr<CommandRequest> command) {
         sets_.emplace(slot, waiting);
     } else if (is_written_on_change(slot)) {
         waiting->command->outcome.progress = Outcome::Progress::waiting;
+    } else if (configuration_.variable_of(slot) != nullptr) {
+        waiting->command->outcome.progress = Outcome::Progress::not_written;
     }
     if (persistence_ && persistence_->keeps(slot)) {
         ++waiting->parts;

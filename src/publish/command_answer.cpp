@@ -33,12 +33,6 @@ Json given_value(const CommandRequest& request) {
     return Json::parse(*request.value).value_or(Json(*request.value));
 }
 
-/// A variable that is written by its trigger or by `write` only has got the value, its device has not.
-bool is_unwritten(const host::Outcome& outcome, const host::Configuration& configuration) {
-    return outcome.kind == Kind::set && !outcome.error && outcome.result == value::CommandResult::done &&
-           configuration.variable_of(outcome.slot) != nullptr;
-}
-
 CommandEnd end_of(const host::Outcome& outcome) {
     if (outcome.error) return CommandEnd::refused;
     switch (outcome.result) {
@@ -61,7 +55,8 @@ std::string_view reason_of(const host::Outcome& outcome) {
     if (outcome.progress == Progress::superseded) return "superseded";
     if (outcome.progress == Progress::waiting) return "waiting";
     if (outcome.not_retained) return "not_retained";
-    return outcome.rounded ? "rounded" : "";
+    if (outcome.rounded) return "rounded";
+    return outcome.progress == Progress::not_written ? "not_written" : "";
 }
 
 std::string cut(const std::string& text) {
@@ -99,7 +94,6 @@ CommandAnswer answer_of(const CommandRequest& request, const host::Outcome& outc
     auto answer = begun(request, wall_ns);
     answer.end = end_of(outcome);
     answer.reason = reason_of(outcome);
-    if (answer.reason.empty() && is_unwritten(outcome, configuration)) answer.reason = "not_written";
     if (outcome.error) answer.detail = outcome.error->subject.view();
     const auto& info = configuration.info(outcome.slot);
     answer.value = json_of(info, outcome.value);

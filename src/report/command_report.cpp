@@ -30,6 +30,7 @@ constexpr std::string_view progress_word(host::Outcome::Progress progress) {
         case host::Outcome::Progress::settled: return "";
         case host::Outcome::Progress::waiting: return "waiting";
         case host::Outcome::Progress::superseded: return "superseded";
+        case host::Outcome::Progress::not_written: return "not_written";
     }
     return "";
 }
@@ -103,6 +104,18 @@ std::string error_line(const Texts& texts, const Error& error) {
     return error_line(name(error.code), texts.describe(error));
 }
 
+std::string not_written_text(const Texts& texts, const host::Configuration& configuration,
+                             const host::Outcome& outcome) {
+    const auto* const variable = configuration.variable_of(outcome.slot);
+    if (outcome.progress != host::Outcome::Progress::not_written || variable == nullptr) return {};
+    const auto& trigger = variable->write_trigger;
+    Texts::Arguments arguments{{"name", variable->name},
+                               {"value", configuration.value_text(outcome.slot, outcome.value)}};
+    if (!trigger) return texts("command.not_written", arguments);
+    arguments.emplace_back("trigger", configuration.project().locals[*trigger].name);
+    return texts("command.not_written.trigger", arguments);
+}
+
 std::string outcome_line(const Texts& texts, const host::Configuration& configuration,
                          const host::Outcome& outcome) {
     if (outcome.error) return error_line(texts, *outcome.error);
@@ -113,6 +126,7 @@ std::string outcome_line(const Texts& texts, const host::Configuration& configur
         is_acknowledged(outcome) ? acknowledged_line(values, outcome) : result_line(values, outcome);
     if (outcome.rounded) line += " rounded";
     if (outcome.not_retained) line += " not_retained";
+    if (const auto text = not_written_text(texts, configuration, outcome); !text.empty()) line += ": " + text;
     return text::escape_line(line) + '\n';
 }
 
@@ -154,6 +168,7 @@ file::Json outcome_json(const Texts& texts, const host::Configuration& configura
         set_known("reason", reason_word(outcome.reason));
         if (const auto progress = progress_word(outcome.progress); !progress.empty())
             object.set(std::string(progress), true);
+        set_known("text", not_written_text(texts, configuration, outcome));
     } else {
         object.set("outcome", value::name(outcome.result));
         object.set("reason", reason_word(outcome.reason));

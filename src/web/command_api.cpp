@@ -69,7 +69,8 @@ std::string_view outcome_word(const host::Outcome& outcome) {
         case CommandResult::expired: return "expired";
     }
     switch (outcome.progress) {
-        case host::Outcome::Progress::settled: return "done";
+        case host::Outcome::Progress::settled:
+        case host::Outcome::Progress::not_written: return "done";
         case host::Outcome::Progress::waiting: return "waiting";
         case host::Outcome::Progress::superseded: break;
     }
@@ -104,6 +105,7 @@ std::string outcome_text(const report::Texts& texts, const host::Configuration& 
     if (outcome.error) return texts.describe(*outcome.error);
     if (outcome.result != CommandResult::done)
         return report::event_text(texts, configuration, {.body = host::WriteFinished{outcome}});
+    if (const auto text = report::not_written_text(texts, configuration, outcome); !text.empty()) return text;
     const auto word = outcome_word(outcome);
     return texts("web.command." + std::string(word == "done" ? proof_word(configuration, outcome) : word),
                  {{"name", configuration.info(outcome.slot).name},
@@ -116,6 +118,7 @@ std::string reason_of(const host::Outcome& outcome) {
     if (outcome.error) return std::string(name(outcome.error->code));
     if (outcome.result == CommandResult::queue_full) return "queue_full";
     if (outcome.progress == host::Outcome::Progress::superseded) return "superseded";
+    if (outcome.progress == host::Outcome::Progress::not_written) return "not_written";
     return report::reason_word(outcome.reason);
 }
 

@@ -234,6 +234,8 @@ def test_ctl(run):
     connection(run.control).close()
     assert takt("ctl", run.control, "set", "count", 9).out == "ok count 9\n"
     assert takt("ctl", run.control, "get", "count").out == "ok count 9\n"
+    unsent = takt("ctl", run.control, "set", "Ordered", 5).out
+    assert unsent.startswith("ok Ordered 5 not_written: nothing is sent") and "`write Ordered`" in unsent
     assert takt("ctl", run.control, "get", "Nobody", code=1).out.startswith("error")
     assert "done" in takt("ctl", run.control, "write", "Ordered", 77).out
     assert held(run, "holding", 2) == 77

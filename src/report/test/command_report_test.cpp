@@ -63,6 +63,12 @@ TEST(CommandReport, EachOutcomeAsALineAndAsJson) {
         {with(outcome_of(set, "Speed", 2.5), [](auto& o) { o.progress = Outcome::Progress::superseded; }),
          "ok Speed 2.5 superseded",
          R"({"event":"answer","command":"set","id":9,"name":"Speed","value":"2.5","superseded":true})"},
+        {with(outcome_of(set, "Speed", 2.5), [](auto& o) { o.progress = Outcome::Progress::not_written; }),
+         "ok Speed 2.5 not_written: nothing is sent: Speed has neither `write_on_change` nor "
+         "`write_trigger`; use `write Speed` or set `write_on_change: true`",
+         R"({"event":"answer","command":"set","id":9,"name":"Speed","value":"2.5","not_written":true,)"
+         R"("text":"nothing is sent: Speed has neither `write_on_change` nor `write_trigger`; use )"
+         R"(`write Speed` or set `write_on_change: true`"})"},
         {with(outcome_of(set, "Speed", 0.3), [](auto& o) { o.rounded = o.not_retained = true; }),
          "ok Speed 0.3 rounded not_retained",
          R"({"event":"answer","command":"set","id":9,"name":"Speed","value":"0.3","rounded":true,)"

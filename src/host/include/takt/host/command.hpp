@@ -61,9 +61,10 @@ struct Command {
 struct Outcome {
     /// How far an accepted `set` got.
     enum class Progress : std::uint8_t {
-        settled,     ///< nothing more will happen
-        waiting,     ///< the value is set; the device gets it when it can be written
-        superseded,  ///< a later `set` of the variable replaced it
+        settled,      ///< nothing more will happen
+        waiting,      ///< the value is set; the device gets it when it can be written
+        superseded,   ///< a later `set` of the variable replaced it
+        not_written,  ///< the value is set; only the variable's trigger or a `write` sends it to the device
     };
 
     CommandId id = 0;

@@ -13,10 +13,14 @@
 namespace takt::report {
 
 /// The answer to a command, with its line end: "ok NAME VALUE", "ok NAME VALUE bad timeout", "ok NAME VALUE
-/// rounded", "ok NAME VALUE waiting", "error CODE text", "done NAME", "refused NAME exception 2 wanted 50",
-/// "refused NAME differs written 50 read 49".
+/// rounded", "ok NAME VALUE waiting", "ok NAME VALUE not_written: text", "error CODE text", "done NAME",
+/// "refused NAME exception 2 wanted 50", "refused NAME differs written 50 read 49".
 [[nodiscard]] std::string outcome_line(const Texts& texts, const host::Configuration& configuration,
                                        const host::Outcome& outcome);
+
+/// Why the device does not get the value of a `set`, and what sends it; empty if it gets the value.
+[[nodiscard]] std::string not_written_text(const Texts& texts, const host::Configuration& configuration,
+                                           const host::Outcome& outcome);
 
 /// {"event":"answer"|"error"|"outcome", …}
 [[nodiscard]] file::Json outcome_json(const Texts& texts, const host::Configuration& configuration,
