@@ -186,7 +186,7 @@ std::string text_of(const ItemRange& range) {
     return range.first == range.last ? first : first + ".." + std::to_string(range.last);
 }
 
-/// Variables outside the ranges that the device has. An area without ranges is not known.
+/// Variables outside the ranges that the device has. `offers` with the names of areas names all of them.
 void check_offers(Interpretation& state, Reader& reader, const Device& device) {
     constexpr std::uint32_t kLast = 65535;
     const AreaRanges offers = read_ranges(state, reader, "offers");
@@ -195,7 +195,13 @@ void check_offers(Interpretation& state, Reader& reader, const Device& device) {
         const std::uint32_t last =
             std::min(variable.start() + std::max<std::uint32_t>(variable.items(), 1) - 1, kLast);
         const ItemRange items{variable.start(), static_cast<std::uint16_t>(last)};
-        if (offers[area].empty() || holds(offers[area], items)) continue;
+        if (holds(offers[area], items)) continue;
+        const auto* const areas = reader.is_mapping("offers") ? reader.value("offers") : nullptr;
+        if (areas != nullptr && areas->find(kAreas[area]) == nullptr)
+            state.findings.add(Rule::variable_area_not_offered, variable.location,
+                               reader.path_of("variables"), text_of(items), {},
+                               {{"area", std::string(kAreas[area])}, {"variable", variable.name}});
+        if (offers[area].empty()) continue;
         std::string allowed;
         for (const ItemRange& range : offers[area]) allowed += (allowed.empty() ? "" : ", ") + text_of(range);
         state.findings.add(Rule::variable_not_offered, variable.location, reader.path_of("variables"),

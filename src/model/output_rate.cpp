@@ -10,6 +10,7 @@
 
 #include "interpretation.hpp"
 #include "output_parts.hpp"
+#include "takt/model/output_remedies.hpp"
 
 namespace takt::model {
 namespace {
@@ -20,6 +21,7 @@ using Seconds = std::chrono::duration<double>;
 constexpr Duration kAsFastAsPossible = 100ms;
 constexpr Duration kNotByPeriod = 1s;
 constexpr Duration kShortOutage = 24h;
+constexpr double kLargestInFlight = 256;  // of the key
 
 double per_second(Duration every) {
     return every > Duration::zero() ? 1 / Seconds(every).count() : 0;
@@ -131,31 +133,47 @@ void check_quota(const Interpretation& state, Reader& reader, const Output& outp
 
 void check_window(const Interpretation& state, Reader& reader, const Output& output) {
     const auto& mqtt = output.mqtt;
-    if (mqtt.backlog == Backlog::array &&
-        std::ranges::all_of(output.selections, [](const auto& selection) { return selection.retain; }))
-        reader.report_without_effect("backlog", "retain: true");
+    if (mqtt.backlog == Backlog::array && std::ranges::all_of(output.selections, &OutputSelection::retain))
+        reader.report(reader.given("retain") ? Rule::field_without_effect : Rule::field_no_effect_default,
+                      "backlog", {}, {{"key", "backlog"}, {"condition", "retain: true"}});
     if (mqtt.round_trip == Duration::zero()) return;
     // The Receive Maximum of mosquitto, unless the user knows what the broker takes.
     constexpr std::uint16_t kUsualWindow = 20;
-    constexpr double kLargestWindow = 256;  // of the key
     const auto window = reader.given("in_flight") ? mqtt.in_flight : std::min(mqtt.in_flight, kUsualWindow);
     const double rate = most_messages_per_second(state.project, output);
     const double limit = window / Seconds(mqtt.round_trip).count();
     if (rate <= limit) return;
+    const double needed = std::ceil(rate * Seconds(mqtt.round_trip).count());
     constexpr double kWithTenths = 10;
     const auto tenths = static_cast<std::uint64_t>(10 * limit);
     const auto rounded_up = [](double number) {
         return std::to_string(static_cast<std::uint64_t>(std::ceil(number)));
     };
-    reader.report(
-        Rule::output_falls_behind, "round_trip", {},
-        {{"output", output.name},
-         {"rate", rounded_up(rate)},
-         {"limit",
-          std::to_string(tenths / 10) + (limit < kWithTenths ? "." + std::to_string(tenths % 10) : "")},
-         {"window", std::to_string(window)},
-         {"round_trip", to_text(mqtt.round_trip)},
-         {"needed", rounded_up(std::min(rate * Seconds(mqtt.round_trip).count(), kLargestWindow))}});
+    reader.report(Rule::output_falls_behind, "round_trip", {},
+                  {{"output", output.name},
+                   {"rate", rounded_up(rate)},
+                   {"limit", std::to_string(tenths / 10) +
+                                 (limit < kWithTenths ? "." + std::to_string(tenths % 10) : "")},
+                   {"window", std::to_string(window)},
+                   {"round_trip", to_text(mqtt.round_trip)},
+                   {"needed", rounded_up(needed)},
+                   {"remedies", output_remedies(output, needed)}});
+}
+
+std::string output_remedies(const Output& output, std::optional<double> needed) {
+    std::string words;
+    const auto add = [&](bool helps, std::string_view word) {
+        if (helps) words.append(words.empty() ? "" : ",").append(word);
+    };
+    const auto any = [&](auto has) { return std::ranges::any_of(output.selections, has); };
+    const bool joins = output.mqtt.backlog == Backlog::array;
+    add(!joins, "array");
+    add(joins && any([](const auto& its) { return its.retain; }), "retain");
+    add(any([](const auto& its) { return its.message == MessageScope::variable; }), "device");
+    const bool wider = needed ? *needed <= kLargestInFlight : output.mqtt.in_flight < kLargestInFlight;
+    add(wider, needed ? "window" : "in_flight");
+    add(!wider, "fewer");
+    return words;
 }
 
 }  // namespace takt::model

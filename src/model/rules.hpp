@@ -37,9 +37,10 @@ enum class Rule : std::uint8_t {
     field_quoted_number,
     field_length,  // {length}
     field_control_character,
-    field_without_effect,  // {key}, {condition}
-    field_needs,           // {key}, {condition}
-    field_zero_replaced,   // {used}
+    field_without_effect,     // {key}, {condition}
+    field_no_effect_default,  // {key}, {condition}
+    field_needs,              // {key}, {condition}
+    field_zero_replaced,      // {used}
     integer_malformed,
     integer_fraction,
     integer_leading_zero,
@@ -137,7 +138,8 @@ enum class Rule : std::uint8_t {
     variable_single_register,    // {registers}
     variable_write_single_only,  // {registers}
     variable_bit_write,
-    variable_not_offered,  // {area}
+    variable_not_offered,       // {area}
+    variable_area_not_offered,  // {area}
     variable_bit_assumed,
     variable_coil_assumed,            // {number}, {coil}
     variable_discrete_input_assumed,  // {number}, {coil}

@@ -155,6 +155,7 @@ void MqttWork::report(Instant, OutputStatus& status) const {
     status.destination = url_of(options_.session.brokers[mqtt.broker]);
     if (mqtt.failure) status.failure = failure_text(*mqtt.failure);
     status.mqtt = mqtt;
+    status.remedies = options_.remedies;
     status.too_large = messages_->too_large();
     if (!options_.commands) return;
     const auto counters = options_.commands->desk.counters();

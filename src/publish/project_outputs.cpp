@@ -13,6 +13,7 @@
 #include "file_reason.hpp"
 #include "takt/file/read.hpp"
 #include "takt/model/output.hpp"
+#include "takt/model/output_remedies.hpp"
 #include "takt/os/rotating_file.hpp"
 #include "takt/publish/command_desk.hpp"
 #include "takt/publish/history_work.hpp"
@@ -181,6 +182,7 @@ std::unique_ptr<OutputWork> mqtt_work(const ProjectOutputsOptions& options, cons
     work.composer = std::move(composer);
     work.pipe = std::make_unique<MosquittoPipe>();
     work.host = *std::move(session);
+    work.remedies = model::output_remedies(output);
     add_commands(options, output, work);
     return std::make_unique<MqttWork>(std::move(work));
 }

@@ -44,6 +44,10 @@ file::Json mqtt_json(const publish::MqttStatus& status) {
     return object;
 }
 
+std::string behind_advice(const Texts& texts, const publish::OutputStatus& status) {
+    return texts("problem.advice.falls_behind", {{"remedies", texts.remedies(status.remedies)}});
+}
+
 /// Null unless it falls behind.
 file::Json behind_json(const Texts& texts, const publish::OutputStatus& status) {
     if (status.behind_per_s == 0 || !status.mqtt) return {};
@@ -56,7 +60,7 @@ file::Json behind_json(const Texts& texts, const publish::OutputStatus& status) 
                       {"window", std::to_string(status.mqtt->window)},
                       {"round_trip",
                        std::to_string(std::chrono::round<std::chrono::milliseconds>(round_trip).count())}}));
-    object.set("advice", texts("problem.advice.falls_behind"));
+    object.set("advice", behind_advice(texts, status));
     return object;
 }
 
@@ -204,7 +208,7 @@ void add_outputs(const Texts& texts, file::Json& status, std::span<const publish
         problem.text = output_text(texts, output, wall_ns);
         if (is_behind) {
             problem.tried = texts("problem.tried.journal");
-            problem.advice = texts("problem.advice.falls_behind");
+            problem.advice = behind_advice(texts, output);
         }
         problems.push_back(problem_json(problem));
     }

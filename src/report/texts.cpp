@@ -39,9 +39,25 @@ std::string Texts::advice(const model::Finding& finding) const {
     if (!finding.allowed.empty() && text::has(text::Language::english, with_allowed))
         return filled_message(language_, with_allowed, finding_arguments(finding));
     const std::string code = finding.code + ".advice";
-    return text::has(text::Language::english, code)
-               ? filled_message(language_, code, finding_arguments(finding))
-               : std::string();
+    if (!text::has(text::Language::english, code)) return {};
+    auto arguments = finding_arguments(finding);
+    std::string variant;
+    for (auto& [name, text] : arguments) {
+        if (name == "remedies") text = remedies(text, finding.arguments);
+        if (name == "variant") variant = '.' + text;
+    }
+    return filled_message(language_, code + variant, arguments);
+}
+
+std::string Texts::remedies(std::string_view words, const Arguments& arguments) const {
+    std::string text;
+    while (!words.empty()) {
+        const auto end = std::min(words.find(','), words.size());
+        text += (text.empty() ? "" : "; ") +
+                (*this)("output.remedy." + std::string(words.substr(0, end)), arguments);
+        words.remove_prefix(std::min(end + 1, words.size()));
+    }
+    return text;
 }
 
 std::string Texts::describe(const Error& error) const {

@@ -23,6 +23,7 @@ struct Case {
 
 std::string project_of(At at, const std::string& text) {
     const std::string variable = "{name: V, type: int, register: 0, read: 0x03}";
+    const std::string two = variable + ", {name: W, type: float, register: 2, read: 3, write: 16}";
     const auto device = [](const std::string& settings, const std::string& variables) {
         return "{name: D, address: 1, " + settings + "variables: [" + variables + "]}";
     };
@@ -47,10 +48,8 @@ std::string project_of(At at, const std::string& text) {
             return "takt: 1\n" + usual +
                    unit("banks: [{area: holding_register, items: [0..9]}], variables: [" + text + "]");
         case At::output:
-            return "takt: 1\n" +
-                   line(serial,
-                        device("", variable + ", {name: W, type: float, register: 2, read: 3, write: 16}")) +
-                   "outputs:\n- {name: o, transport: mqtt, " + text + "}\n";
+            return "takt: 1\n" + line(serial, device("", two)) + "outputs:\n- {name: o, transport: mqtt, " +
+                   text + "}\n";
         case At::instrument: break;
     }
     return "takt: 1\ninstruments:\n- {name: I, port: /dev/ttyS1, " + text + "}\n";
@@ -101,14 +100,8 @@ const std::vector<Case>& cases() {
           "1}]}\n"}},
         {"field.out_of_range", At::device, "attempts: 999", {"attempts: 255"}},
         {"field.unknown_word", At::device, "strategy: optimum", {"strategy: optimal"}},
-        {"field.unknown_word",
-         At::line,
-         "port: /dev/ttyUSB0, parity: E",
-         {"port: /dev/ttyUSB0, parity: even"}},
-        {"field.unlike_word",
-         At::line,
-         "port: /dev/ttyUSB0, parity: mark",
-         {"port: /dev/ttyUSB0, parity: odd"}},
+        {"field.unknown_word", At::line, "port: /dev/ttyS0, parity: E", {"port: /dev/ttyS0, parity: even"}},
+        {"field.unlike_word", At::line, "port: /dev/ttyS0, parity: mark", {"port: /dev/ttyS0, parity: odd"}},
         {"field.quoted_number", At::device, "attempts: \"3\"", {"attempts: 3"}},
         {"field.length", At::local, "{name: \"\", type: bool}", {"{name: go, type: bool}"}},
         {"field.control_character", At::device, "comment: \"a\\tb\"", {"comment: a b"}},
@@ -198,6 +191,10 @@ const std::vector<Case>& cases() {
          {"host: h, idle_close: 1s, connection: on_demand", "host: h"}},
         {"line.tls", At::line, "transport: tls, host: h", {"transport: tcp, host: h"}},
         {"line.port_missing", At::line, "framing: rtu", {"framing: rtu, port: /dev/ttyUSB0"}},
+        {"field.no_effect_default",
+         At::output,
+         "brokers: [mqtt://b], backlog: array",
+         {"brokers: [mqtt://b]"}},
         {"field.without_effect",
          At::line,
          "transport: tcp, host: h, baud: 9600",
@@ -257,6 +254,7 @@ const std::vector<Case>& cases() {
          "{name: V, type: bool, register: 1, bit: 2, read: 3, write: 6}",
          {"{name: V, type: bool, register: 1, bit: 2, read: 3, write: none}",
           "{name: V, type: uint16, register: 1, read: 3, write: 6}"}},
+        {"variable.area_not_offered", At::device, "offers: {coil: [0]}", {"offers: [0..9]"}},
         {"variable.not_offered", At::device, "offers: [5..9]", {"offers: [0..9]", "offers: [0, 1, 5..9]"}},
         {"variable.bit_assumed",
          At::variable,

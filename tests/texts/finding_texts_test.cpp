@@ -39,6 +39,8 @@ std::vector<std::string> bad_projects() {
         "takt: 1\nlines:\n- {name: N, host: 10.0.0.5/24, port: 502, parity: E, devices: []}\n",
         "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, offers: [5..9], "
         "variables: [{name: A, type: float, register: 9, read: 3}]}]}\n",
+        "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, offers: {coil: [5]}, "
+        "variables: [{name: A, type: float, register: 9, read: 3}]}]}\n",
         "takt: 1\n" + line +
             "{name: A, type: bool, register: 17, read: 1}, {name: B, type: float, register: 1, read: 3},\n"
             "{name: D, type: bool, register: 5, read: 2},\n"
@@ -190,7 +192,7 @@ std::vector<std::string> bad_projects() {
             "- {name: o6, transport: mqtt, brokers: [mqtt://b], control_topic: c, topic: c/set}\n"
             "- {name: h1, transport: history, variables: [A, A]}\n- {name: h2, transport: history}\n"
             "- {name: o7, transport: mqtt, brokers: [mqtt://b], control_topic: c, quota_mb: 32, round_trip: "
-            "1s, period: 1ms}\n",
+            "1s, period: 1ms, backlog: array}\n",
         "takt: 1\n" + line +
             "{name: A, type: int, register: 1, read: 3}, {name: B, type: int, register: 2, read: 3}]}]}\n"
             "outputs:\n- {name: o, transport: mqtt, brokers: [mqtt://b], topic: a}\n",

@@ -10,6 +10,7 @@
 #include "findings_text.hpp"
 #include "flow.hpp"
 #include "takt/model/findings.hpp"
+#include "takt/model/output_remedies.hpp"
 
 namespace takt::model {
 namespace output_test {
@@ -425,6 +426,9 @@ TEST(Output, TheLongestPauseIsShortNearby) {
     EXPECT_EQ(pauses_of("backoff: {limit: 90s}"), (std::array<Duration, 3>{1s, 90s, 90s}));
     EXPECT_EQ(pauses_of("backoff: {limit: 500ms}"), (std::array<Duration, 3>{500ms, 500ms, 500ms}));
     EXPECT_EQ(findings_of("backoff: {first: 2s, limit: 1s}"), "backoff.limit limit=1s [>= 2s]");
+    const auto other = with_keys("backoff: {max: 5s}").findings.at(0);
+    EXPECT_EQ(other.code, "key.unknown");
+    EXPECT_EQ(other.arguments.at(0).second, "limit") << "as other programs call it";
 }
 
 TEST(Output, MoreMessagesThanTheWindowTakesAreANote) {
@@ -439,7 +443,8 @@ TEST(Output, MoreMessagesThanTheWindowTakesAreANote) {
         {"period: 20ms, round_trip: 100ms, message: device", ""},
         {"period: 20ms, round_trip: 100ms, backlog: array, retain: false", ""},
         {"period: 20ms, round_trip: 100ms, backlog: array",
-         "output.falls_behind round_trip=100ms; ?field.without_effect backlog=array"},
+         "output.falls_behind round_trip=100ms; ?field.no_effect_default backlog=array"},
+        {"period: 20ms, backlog: array, retain: true", "?field.without_effect backlog=array"},
         {"backlog: array, message: device", ""},
         {"backlog: array, select: [{variables: [Flow], retain: false}, {variables: ['*']}]", ""},
         {"backlog: list", "field.unlike_word backlog=list [single, array]"},
@@ -454,7 +459,27 @@ TEST(Output, MoreMessagesThanTheWindowTakesAreANote) {
                                                                 {"limit", "200"},
                                                                 {"window", "20"},
                                                                 {"round_trip", "100ms"},
-                                                                {"needed", "25"}}));
+                                                                {"needed", "25"},
+                                                                {"remedies", "array,device,window"}}));
+}
+
+TEST(Output, RemediesAreThoseThatTheSettingsLeaveOpen) {
+    const std::pair<std::string, std::string> cases[] = {
+        {"period: 20ms, message: device, topic: '{device}', retain: false", "array"},
+        {"period: 20ms, backlog: array", "retain,device"},
+        {"period: 20ms, backlog: array, retain: false", "device"},
+        {"period: 20ms, backlog: array, message: device, topic: '{device}', retain: false", ""},
+    };
+    for (const auto& [keys, remedies] : cases) {
+        const auto& output = with_keys(keys).project.outputs.at(0);
+        const auto with = [&](std::string_view last) {
+            return remedies + (remedies.empty() ? "" : ",") + std::string(last);
+        };
+        EXPECT_EQ(output_remedies(output, 256), with("window")) << keys;
+        EXPECT_EQ(output_remedies(output, 257), with("fewer")) << keys;
+        EXPECT_EQ(output_remedies(output), with("in_flight")) << keys;
+    }
+    EXPECT_EQ(output_remedies(with_keys("in_flight: 256").project.outputs.at(0)), "array,device,fewer");
 }
 
 TEST(Output, TheRateOfSamplesIsBoundedByPollingPeriodAndHeartbeat) {

@@ -384,7 +384,7 @@ TEST(PlanningKeys, TheControllerAsksASilentDeviceOnceEachPeriod) {
     EXPECT_FALSE(device("{}").backoff);
 }
 
-// The device has holding register 5 to 9; other areas are not known.
+// The device has holding register 5 to 9 and nothing else.
 TEST(PlanningKeys, OffersAreTheRangesOfADevice) {
     const auto findings = [](const std::string& offers, const std::string& variables) {
         std::string all;
@@ -397,7 +397,10 @@ TEST(PlanningKeys, OffersAreTheRangesOfADevice) {
     };
     const std::string range = "{holding_register: [5..9]}";
     EXPECT_EQ(findings(range, "{name: A, type: float, register: 8, read: 3}"), "");
-    EXPECT_EQ(findings(range, "{name: A, type: float, register: 8, read: 4}"), "");
+    EXPECT_EQ(findings(range, "{name: A, type: float, register: 8, read: 4}"),
+              "variable.area_not_offered 8..9 []\n");
+    EXPECT_EQ(findings("{holding_register: [9..5]}", "{name: A, type: int, register: 8, read: 3}"),
+              "range.reversed 9..5 [0..65535]\n");
     EXPECT_EQ(findings(range, "{name: A, type: float, register: 9, read: 3}"),
               "variable.not_offered 9..10 [5..9]\n");
     EXPECT_EQ(findings("[0..9, 20]", "{name: A, type: int, register: 10, read: 4}"),

@@ -94,6 +94,7 @@ TEST(OutputsReport, AnOutputThatFallsBehindNamesItsWindowAndARemedy) {
     made.state = publish::OutputState::falls_behind;
     made.failure.clear();
     made.behind_per_s = 640;
+    made.remedies = "array,in_flight";
     made.mqtt = publish::MqttStatus{.window = 20, .round_trip = std::chrono::microseconds(100'300)};
     EXPECT_TRUE(output_text(english(), made, 0)
                     .starts_with("output cloud: falls behind: 640 samples/s waiting, window 20 × 100 ms, at "

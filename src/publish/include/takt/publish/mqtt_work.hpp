@@ -35,6 +35,7 @@ public:
         std::unique_ptr<MqttPipe> pipe;
         std::unique_ptr<host::Session> host;  ///< without events
         std::optional<Commands> commands;     ///< nothing: read-only
+        std::string remedies = {};            ///< model::output_remedies()
         WallClock wall_ns = system_wall_ns;
     };
 

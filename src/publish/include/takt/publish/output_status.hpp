@@ -44,6 +44,7 @@ struct OutputStatus {
     std::optional<Error> journal_failure;           ///< of its disk; none as soon as it works again
     Duration disk_waits{};           ///< for so long the disk has not answered; zero: less than 2 s
     std::uint64_t behind_per_s = 0;  ///< of falls_behind: samples a second that are not delivered
+    std::string remedies;            ///< of MQTT: model::output_remedies()
     std::string failure;             ///< the last one of the destination; empty: none since the last success
     store::JournalStatus journal;
     std::optional<MqttStatus> mqtt;  ///< of an MQTT output

@@ -23,9 +23,12 @@ public:
     /// The message of `code` with its {placeholders} filled in.
     [[nodiscard]] std::string operator()(std::string_view code, const Arguments& arguments = {}) const;
 
-    /// The message of a finding, and its advice (empty where the code has none).
+    /// The message of a finding, and its advice (empty where the code has none). The argument `variant` names
+    /// one of several advices of a code.
     [[nodiscard]] std::string message(const model::Finding& finding) const;
     [[nodiscard]] std::string advice(const model::Finding& finding) const;
+    /// The texts of model::output_remedies(), separated by `; `.
+    [[nodiscard]] std::string remedies(std::string_view words, const Arguments& arguments = {}) const;
 
     /// The message of an error, then its advice, as one text.
     [[nodiscard]] std::string describe(const Error& error) const;
