@@ -55,6 +55,7 @@ void add_late_devices(LoadedProject& loaded) {
                 return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(time).count());
             };
             const Duration advised = bus::advised_timeout(usual);
+            const auto later = measured.later_than(advised);
             const Duration limit = by_turnaround ? *device.turnaround : device.response_timeout;
             loaded.findings.push_back(
                 {.severity = model::Severity::warning,
@@ -68,7 +69,8 @@ void add_late_devices(LoadedProject& loaded) {
                                {"limit", milliseconds(limit) + " ms"},
                                {"advised", milliseconds(advised) + "ms"},
                                {"count", std::to_string(measured.late)},
-                               {"later", std::to_string(measured.later_than(advised))}}});
+                               {"later", std::to_string(later)}}});
+            if (later == 0) loaded.findings.back().arguments.emplace_back("variant", "none_later");
         }
 }
 

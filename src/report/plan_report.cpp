@@ -234,10 +234,13 @@ std::string when_text(const Texts& texts, const model::Project& project, const p
 
 std::string line_heading(const Texts& texts, const model::Project& project, const plan::LinePlan& planned) {
     const auto& line = project.lines[planned.line];
+    auto requests = std::to_string(planned.request_count);
+    if (planned.ungrouped_requests != planned.request_count)
+        requests = texts("app.plan.instead",
+                         {{"requests", requests}, {"ungrouped", std::to_string(planned.ungrouped_requests)}});
     return texts("app.plan.line", {{"line", line.name},
                                    {"framing", std::string(wire::name(line.framing)) + baud_text(line)},
-                                   {"requests", std::to_string(planned.request_count)},
-                                   {"ungrouped", std::to_string(planned.ungrouped_requests)},
+                                   {"requests", requests},
                                    {"cycle", milliseconds_text(planned.cycle)},
                                    {"utilization", percent_text(plan::busy(planned))}});
 }

@@ -254,8 +254,14 @@ TEST_F(FolderTest, ADeviceThatWasLaterThanTheProjectAllowsIsAWarning) {
     EXPECT_EQ(finding.arguments[3].second, "150ms") << "from the third longest";
     EXPECT_EQ(finding.arguments[4].second, "7");
     EXPECT_EQ(finding.arguments[5].second, "2") << "would be late with it, too";
+    EXPECT_EQ(finding.arguments.size(), 6U);
     loaded.findings.clear();
-    device.response_timeout = std::chrono::milliseconds(120);
+    times[0][0].measured.next_latest = {{std::chrono::milliseconds(410), std::chrono::milliseconds(410)}};
+    folder.write("plant.learnt.json", file::learnt_text(loaded.project, {{model::Learnt{}}}, times, {}));
+    EXPECT_EQ(recall_learnt(loaded, path), folder / "plant.learnt.json");
+    EXPECT_EQ(loaded.findings.back().arguments.back().second, "none_later");
+    loaded.findings.clear();
+    device.response_timeout = std::chrono::milliseconds(420);
     EXPECT_EQ(recall_learnt(loaded, path), folder / "plant.learnt.json");
     EXPECT_TRUE(loaded.findings.empty());
 }
