@@ -1,4 +1,6 @@
 """`takt demo`, the first command of a new user."""
+import csv
+import io
 import json
 
 import pytest
@@ -79,6 +81,16 @@ def test_its_plan_needs_fewer_requests_than_polling_one_by_one():
     assert all(grouped[what] < ungrouped[what] for what in ("requests", "bytes", "bus_time_us", "cycle_us"))
 
 
+def test_the_plan_as_csv_has_all_that_its_json_has():
+    example = ROOT / "examples/demo.yaml"
+    rows = list(csv.DictReader(io.StringIO(takt("plan", example, "--csv").out)))
+    requests = takt("plan", example, "--json").json["lines"][0]["requests"]
+    assert [(row["line"], int(row["start"]), row["why"], row["variables"]) for row in rows] == [
+        ("rs485-1", r["start"], r["why"], "; ".join(r["variables"])) for r in requests]
+    assert set(rows[0]) == {"line"}.union(*requests)
+    takt("plan", example, "--csv", "--json", code=2)
+
+
 def test_the_text_compares_and_sums_up():
     with start("demo") as demo:
         demo.wait_line(lambda line: "Supply temperature = " in line, "a value")
@@ -93,6 +105,15 @@ def test_the_plan_reads_over_gaps_where_that_is_cheaper():
                       "--compare").json["lines"][0]["compare"]["strategies"]
     counts = {name: its["requests"] for name, its in strategies.items()}
     assert counts["optimal"] < counts["classic"] < counts["single"], counts
+
+
+def test_the_example_shows_the_same_plant(tmp_path):
+    project = tmp_path / "demo.yaml"
+    project.write_text((ROOT / "examples/demo.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    with start("run", project, "--json") as run:
+        value = run.wait_event(lambda e: e["event"] == "value" and e["name"] == "Voltage L1", "a value")
+        assert 225 < value["value"] < 235
+        run.interrupt()
 
 
 def test_the_trends_begin_with_an_hour_of_the_plant(tmp_path):

@@ -37,13 +37,15 @@ def reload(run, said):
     until(lambda: any(said in line for line in run.err[before:]), f"{said}\n{run!r}")
 
 
-def test_a_changed_project_keeps_its_connection(project):
+def test_a_changed_project_keeps_its_connection(project, tmp_path):
+    log = tmp_path / "takt.log"
     with Counting() as slave:
         path = project(tcp([A], slave.port))
-        with start("run", path, "--json", "--stdin") as run:
+        with start("run", path, "--json", "--stdin", "--log", log) as run:
             run.wait_event(good("A"), "the value of the first project")
-            path.write_text(tcp([A, B], slave.port))
+            path.write_text(tcp([A, B + ", write_on_change: true"], slave.port))
             reload(run, "in force")
+            until(lambda: "`write_on_change` has no effect" in log.read_text(), "its warning in the log")
             run.wait_event(good("B"), "the value of the second project")
             assert slave.connections == 1
             run.send("get A")

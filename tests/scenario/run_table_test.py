@@ -13,14 +13,14 @@ def requests_of(log):
 
 def frames_of(command, tmp_path, name, least=1, script=()):
     """Runs a project or a table; gives what was sent: at least `least` frames, then after each command one
-    more."""
+    more, or as many as stand beside it."""
     log = tmp_path / f"{name}.log"
     with start(*command, "--stdin", "--json", "--traffic", log) as run:
         until(lambda: len(requests_of(log)) >= least, "the first round")
-        for said in script:
-            before = len(requests_of(log))
+        for said, more in [its if isinstance(its, tuple) else (its, 1) for its in script]:
+            enough = len(requests_of(log)) + more
             run.send(said)
-            until(lambda b=before: len(requests_of(log)) > b, f"a request for '{said}'")
+            until(lambda n=enough: len(requests_of(log)) >= n, f"a request for '{said}'")
         run.send("quit")
         run.finish()
     return requests_of(log)
@@ -106,13 +106,15 @@ def test_another_place(project, tmp_path, pair, blank_device):
     with start("run", "--table", table, "--port", f"tcp://127.0.0.1:{port}", "--json") as run:
         run.wait_event(lambda e: e["event"] == "value" and e["quality"] == "good", "a good value")
         run.interrupt()
-    takt("run", "--table", table, "--port", f"rtu://{pair.a}", code=2)
+    assert "--port tcp://HOST:502" in takt("run", "--table", table, "--port", f"rtu://{pair.a}", code=2).err
 
 
 def test_tables_that_cannot_run(project, tmp_path):
     path = project(scenario_1())
     takt("table", "build", path, "-o", tmp_path / "owen.bin", "--profile", "owen-kc1")
     assert "--port" in takt("run", "--table", tmp_path / "owen.bin", code=2).err
+    moved = takt("run", "--table", tmp_path / "owen.bin", "--port", "tcp://127.0.0.1:1", code=2)
+    assert "the table is for rtu" in moved.err and "--port rtu+tcp://127.0.0.1:1" in moved.err
     assert "not a request table" in takt("run", "--table", path, code=2).err
     takt("run", "--table", tmp_path / "none.bin", code=2)
     takt("run", path, "--table", tmp_path / "owen.bin", code=2)
@@ -139,7 +141,7 @@ def test_a_table_of_the_controller_sends_the_frames_of_its_project(project, tmp_
     changes = {"project": ("F", "B", "go", "out"), "table": ("value4", "value6", "local1", "local2")}
     frames = {}
     for name, (number, bit, go, out) in changes.items():
-        script = [f"set {number} 7", f"set {bit} true", f"set {go} true", f"set {out} true"]
+        script = [f"set {number} 7", (f"set {bit} true", 2), f"set {go} true", f"set {out} true"]
         if name == "project":
             script[0] = "set F 9.8e-45"  # the bits of the integer 7
         command = ["run", path] if name == "project" else ["run", "--table", table, "--port", pair.a]

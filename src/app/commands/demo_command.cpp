@@ -113,7 +113,7 @@ ExitCode demo(const CommonOptions& common, const DemoOptions& options) {
     return run_project(texts, loaded.project, planned, run, [&](std::size_t line, sim::Devices& devices) {
         if (line >= loaded.project.lines.size()) return;
         refuse_one_register(loaded.project.lines[line], devices);
-        for (std::size_t i = 0; i < devices.size(); ++i) devices[i].set_model(&plant);
+        plant.show(devices);
     });
 }
 

@@ -1,5 +1,6 @@
 #include "commands/demo_plant.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -66,6 +67,19 @@ DemoPlant::DemoPlant(Instant start)
     : start_(start),
       setpoint_{kSetpoint, kSetpoint, start, kBurnerSeconds},
       turning_{1, 1, start, kRunUpSeconds} {}
+
+bool DemoPlant::fits(const model::Line& line) {
+    return std::ranges::all_of(kNames, [&](const Named& its) {
+        return std::ranges::any_of(line.devices, [&](const model::Device& device) {
+            return std::ranges::find(device.variables, its.name, &model::Variable::name) !=
+                   device.variables.end();
+        });
+    });
+}
+
+void DemoPlant::show(sim::Devices& devices) {
+    for (std::size_t i = 0; i < devices.size(); ++i) devices[i].set_model(this);
+}
 
 // A pump at n times its rated speed: the flow follows n, the pressure n² less what the flow loses.
 PlantState DemoPlant::at(Instant t) const {

@@ -5,6 +5,8 @@
 #include <string_view>
 
 #include "takt/base/time.hpp"
+#include "takt/model/line.hpp"
+#include "takt/sim/devices.hpp"
 #include "takt/sim/value_source.hpp"
 
 namespace takt::app {
@@ -32,6 +34,9 @@ struct PlantState {
 /// Pure functions of time and of what was written. One owner, one thread.
 class DemoPlant final : public sim::PlantModel {
 public:
+    /// Whether a line has all variables of the plant, as that of examples/demo.yaml.
+    [[nodiscard]] static bool fits(const model::Line& line);
+
     /// @param start  the counters have their first values then; earlier times are the past of the plant
     explicit DemoPlant(Instant start);
 
@@ -40,6 +45,9 @@ public:
     [[nodiscard]] std::optional<double> value(std::string_view variable, Instant t) const override;
     /// The setpoint, and whether the pump runs; others change nothing.
     void on_written(std::string_view variable, double value, Instant t) override;
+
+    /// The devices show this plant, which must outlive them.
+    void show(sim::Devices& devices);
 
 private:
     Instant start_;

@@ -11,9 +11,6 @@
 
 namespace takt::app {
 
-namespace {
-
-// What the project does not do as written, such as variables beyond a limit, is also in the log.
 void log_findings(const std::vector<model::Finding>& findings) {
     const auto to = log("project");
     if (!to.enabled()) return;
@@ -29,8 +26,6 @@ void log_findings(const std::vector<model::Finding>& findings) {
                    finding.code, arguments);
     }
 }
-
-}  // namespace
 
 std::optional<host::LoadedProject> load_to_run(const Texts& texts, const std::string& path,
                                                std::string* learnt) {

@@ -18,6 +18,9 @@ namespace takt::app {
 [[nodiscard]] std::optional<host::LoadedProject> load_to_run(const Texts& texts, const std::string& path,
                                                              std::string* learnt = nullptr);
 
+/// Logs warnings and errors: what the project does not do as written, such as variables beyond a limit.
+void log_findings(const std::vector<model::Finding>& findings);
+
 /// The rules of a file that is a list of them; nothing when they cannot be used.
 [[nodiscard]] std::optional<std::vector<model::AccessRule>> load_access(const Texts& texts,
                                                                         const std::string& path);

@@ -6,12 +6,14 @@
 #include <string>
 #include <string_view>
 
+#include "commands/demo_plant.hpp"
 #include "commands/input_files.hpp"
 #include "commands/run_project.hpp"
 #include "options/option_error.hpp"
 #include "output.hpp"
 #include "stop_signals.hpp"
 #include "takt/file/write.hpp"
+#include "takt/line/loop.hpp"
 #include "takt/line/target.hpp"
 #include "takt/plan/proof.hpp"
 #include "takt/report/table_report.hpp"
@@ -20,6 +22,15 @@
 
 namespace takt::app {
 namespace {
+
+/// A target as near as possible to another one that has the framing of the line of a table.
+std::string fitting_target(const line::Target& target, const std::string& text, wire::Framing framing) {
+    const auto rest = text.substr(text.find("://"));
+    const bool serial = target.transport == model::Transport::serial;
+    if (framing == wire::Framing::tcp) return serial ? "tcp://HOST:502" : "tcp" + rest;
+    if (serial) return std::string(wire::name(framing)) + rest;
+    return framing == wire::Framing::rtu ? "rtu+tcp" + rest : "ascii:///dev/ttyUSB0";
+}
 
 /// Puts the line of a table to another port or host. Its framing is the table's.
 bool move_line(const Texts& texts, model::Project& project, const std::string& text) {
@@ -40,6 +51,10 @@ bool move_line(const Texts& texts, model::Project& project, const std::string& t
     if (target->framing != line.framing) {
         print_error(texts("app.table.other_framing",
                           {{"target", text}, {"framing", std::string(wire::name(line.framing))}}));
+        print_status("    " +
+                     texts("app.table.other_framing.advice",
+                           {{"fitting", fitting_target(*target, text, line.framing)}}) +
+                     '\n');
         return false;
     }
     line.transport = target->transport;
@@ -130,7 +145,13 @@ ExitCode run(const CommonOptions& common, const RunOptions& options) {
     if (errors > 0) print_error(texts("app.run.infeasible", {{"count", std::to_string(errors)}}));
     RunOptions learning = options;
     learning.learnt = learnt;
-    return run_project(texts, loaded->project, proof.plan, learning);
+    // The example of the demo shows the same plant here.
+    DemoPlant plant(line::now());
+    const auto& lines = loaded->project.lines;
+    return run_project(texts, loaded->project, proof.plan, learning,
+                       [&](std::size_t line, sim::Devices& devices) {
+                           if (line < lines.size() && DemoPlant::fits(lines[line])) plant.show(devices);
+                       });
 }
 
 }  // namespace takt::app

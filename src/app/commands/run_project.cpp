@@ -146,6 +146,7 @@ private:
     /// On a thread of the page.
     Result<void> apply_saved(host::LoadedProject loaded) {
         if (!options_.learnt.empty()) static_cast<void>(host::recall_learnt(loaded, options_.file));
+        log_findings(loaded.findings);
         return put_in_force(std::move(loaded));
     }
 
