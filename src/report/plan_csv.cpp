@@ -1,7 +1,8 @@
 #include "takt/report/plan_csv.hpp"
 
-#include <array>
+#include <algorithm>
 #include <string_view>
+#include <vector>
 
 #include "takt/report/formatting.hpp"
 
@@ -9,10 +10,6 @@ namespace takt::report {
 namespace {
 
 using file::Json;
-
-constexpr std::array<std::string_view, 14> kKeys{
-    "device",    "unit",         "function",      "write_function",  "start",       "quantity", "variables",
-    "period_ms", "read_trigger", "write_trigger", "write_on_change", "bus_time_us", "share",    "why"};
 
 std::string cell_text(const Json* value) {
     if (value == nullptr || value->is_null()) return "";
@@ -31,16 +28,27 @@ const Json::Array& list_at(const Json& object, std::string_view key) {
     return list == nullptr ? kNone : *list;
 }
 
+// The keys of all requests, in the order in which they occur.
+std::vector<std::string> columns_of(const Json& plan) {
+    std::vector<std::string> columns;
+    for (const auto& line : list_at(plan, "lines"))
+        for (const auto& request : list_at(line, "requests"))
+            for (const auto& [key, value] : std::get<Json::Object>(request.value()))
+                if (std::ranges::find(columns, key) == columns.end()) columns.push_back(key);
+    return columns;
+}
+
 }  // namespace
 
 std::string plan_csv(const Json& plan) {
+    const auto columns = columns_of(plan);
     std::string text = "line";
-    for (const auto key : kKeys) text += "," + std::string(key);
+    for (const auto& key : columns) text += "," + key;
     text += "\r\n";
     for (const auto& line : list_at(plan, "lines"))
         for (const auto& request : list_at(line, "requests")) {
             text += csv_cell(cell_text(line.find("name")), ',');
-            for (const auto key : kKeys) text += "," + csv_cell(cell_text(request.find(key)), ',');
+            for (const auto& key : columns) text += "," + csv_cell(cell_text(request.find(key)), ',');
             text += "\r\n";
         }
     return text;

@@ -30,16 +30,19 @@ constexpr std::array<std::string_view, 14> kCodes{
 constexpr std::int64_t kLongestMs = 65535;
 constexpr std::size_t kMost = 0xFFFF;
 
+// The first type of a kind stands for all of them where only the entry is known.
+constexpr std::array<std::pair<DataType, std::uint8_t>, 6> kKinds{{
+    {DataType::boolean, OwenEntry::kBit},
+    {DataType::int16, OwenEntry::kWord},
+    {DataType::uint16, OwenEntry::kWord},
+    {DataType::int32, OwenEntry::kDoubleWord},
+    {DataType::uint32, OwenEntry::kDoubleWord},
+    {DataType::float32, OwenEntry::kDoubleWord},
+}};
+
 std::optional<std::uint8_t> kind_of(DataType type) {
-    switch (type) {
-        case DataType::boolean: return OwenEntry::kBit;
-        case DataType::int16:
-        case DataType::uint16: return OwenEntry::kWord;
-        case DataType::int32:
-        case DataType::uint32:
-        case DataType::float32: return OwenEntry::kDoubleWord;
-        default: return std::nullopt;
-    }
+    const auto* const found = std::ranges::find(kKinds, type, &std::pair<DataType, std::uint8_t>::first);
+    return found == kKinds.end() ? std::nullopt : std::optional(found->second);
 }
 
 /// Whole milliseconds a 16-bit field can hold.
@@ -364,6 +367,11 @@ const std::uint8_t* take_all(const std::uint8_t* from, std::size_t count, std::v
 }
 
 }  // namespace
+
+DataType OwenEntry::type() const {
+    const auto kind = static_cast<std::uint8_t>(type_and_bit & 15);
+    return std::ranges::find(kKinds, kind, &std::pair<DataType, std::uint8_t>::second)->first;
+}
 
 OwenBuilt build_owen(const model::Project& project, const plan::Plan& plan) {
     return OwenBuilder(project, plan).build();

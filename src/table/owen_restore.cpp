@@ -21,25 +21,6 @@ std::optional<model::LocalIndex> local_at(Place place) {
     return place == 0 ? std::nullopt : std::optional<model::LocalIndex>(place - 1U);
 }
 
-wire::Area area_at(const OwenEntry& entry) {
-    switch (Function{entry.read != 0 ? entry.read : entry.write}) {
-        case Function::read_discrete_inputs: return wire::Area::discrete_input;
-        case Function::read_input_registers: return wire::Area::input_register;
-        case Function::read_coils:
-        case Function::write_single_coil:
-        case Function::write_multiple_coils: return wire::Area::coil;
-        default: return wire::Area::holding_register;
-    }
-}
-
-DataType type_at(const OwenEntry& entry) {
-    switch (entry.type_and_bit & 15) {
-        case OwenEntry::kBit: return DataType::boolean;
-        case OwenEntry::kWord: return DataType::int16;
-        default: return DataType::int32;
-    }
-}
-
 // The functions that an entry of a controller has; others make no request.
 bool is_usable(const OwenEntry& entry) {
     const auto known = [](std::uint8_t code, std::initializer_list<std::uint8_t> codes) {
@@ -167,8 +148,8 @@ private:
                                 std::uint16_t member) const {
         model::Variable variable;
         variable.name = "value" + std::to_string(entry.data + member);
-        variable.type = type_at(entry);
-        variable.area = area_at(entry);
+        variable.type = entry.type();
+        variable.area = wire::area_of(Function{entry.read != 0 ? entry.read : entry.write});
         variable.registers = variable.type == DataType::int32 ? 2 : 1;
         const bool bit = variable.type == DataType::boolean;
         variable.register_number =

@@ -13,6 +13,7 @@
 #include "takt/report/comparison_report.hpp"
 #include "takt/report/findings_report.hpp"
 #include "takt/report/guarantee_report.hpp"
+#include "takt/report/plan_csv.hpp"
 #include "takt/report/plan_report.hpp"
 #include "takt/report/plan_svg.hpp"
 #include "texts.hpp"
@@ -24,6 +25,10 @@ using Applied = std::optional<plan::AppliedMeasures>;
 
 void print_plan(const Texts& texts, const host::LoadedProject& loaded, const plan::Proof& proof,
                 const PlanOptions& options, const Applied& applied) {
+    if (options.csv)
+        return print_raw(
+            report::plan_csv(applied ? report::applied_json(texts, *applied)
+                                     : report::project_plan_json(texts, loaded, proof, nullptr, false)));
     if (options.compare)
         return print(report::comparison_text(texts, loaded.project, proof.plan, columns_of(STDOUT_FILENO)));
     report::TableStyle style{.figures = options.prove ? report::Figures::proof : report::Figures::usual};

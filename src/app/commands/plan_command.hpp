@@ -11,6 +11,7 @@ namespace takt::app {
 struct PlanOptions {
     std::string file;
     bool json = false;
+    bool csv = false;
     bool compare = false;
     std::string svg;  ///< file for the picture; "-": stdout instead of the text; empty: none
     bool no_notes = false;

@@ -24,9 +24,10 @@ void add_plan(CommandLine& line, const CommonOptions& common) {
     auto& options = line.keep<PlanOptions>();
     auto plan = line.root().command("plan", "help.plan", [&] { return app::plan(common, options); });
     plan.value("FILE", options.file, "help.project").required();
-    plan.flag("--json", options.json, "help.json");
-    plan.flag("--compare", options.compare, "help.plan.compare");
-    plan.value("--svg", options.svg, "help.plan.svg").value_name("FILE.svg");
+    auto json = plan.flag("--json", options.json, "help.json");
+    auto compare = plan.flag("--compare", options.compare, "help.plan.compare");
+    auto csv = plan.flag("--csv", options.csv, "help.plan.csv").excludes(json).excludes(compare);
+    plan.value("--svg", options.svg, "help.plan.svg").value_name("FILE.svg").excludes(csv);
     plan.flag("--no-notes", options.no_notes, "help.no_notes");
     plan.flag("--prove", options.prove, "help.prove_and_show");
     plan.flag("--fix", options.fix, "help.plan.fix");

@@ -136,7 +136,7 @@ TEST_F(ProjectApiTest, TheRequestsOfADraftAreFiles) {
     EXPECT_EQ(csv.file_name, "plant.requests.csv");
     EXPECT_TRUE(csv.body.starts_with("line,device,unit,function,write_function,start,quantity,variables,"))
         << csv.body;
-    EXPECT_NE(csv.body.find("\r\nbus,Boiler,16,3,,0,2,Level,1000.0,"), std::string::npos) << csv.body;
+    EXPECT_NE(csv.body.find("\r\nbus,Boiler,16,3,,0,2,Level,2143,1000.0,"), std::string::npos) << csv.body;
     const auto svg = as("svg", document);
     EXPECT_EQ(svg.file_name, "plant.requests.svg");
     EXPECT_NE(svg.body.find("<svg"), std::string::npos);

@@ -160,7 +160,7 @@ export const project = {
       list: 'Variables of a device',
       devices: 'Devices',
     },
-    found: (kind: string, n: number) => `${kind}: ${n} rows`,
+    found: (kind: string, n: number) => `${kind}: ${n === 1 ? '1 row' : `${n} rows`}`,
     into: 'Into',
     append: 'Add, and overwrite rows with the same name',
     appendDevices: 'Add, and overwrite devices with the same address',

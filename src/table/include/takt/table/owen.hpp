@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "takt/base/data_type.hpp"
 #include "takt/base/engine.hpp"
 #include "takt/base/result.hpp"
 #include "takt/model/findings.hpp"
@@ -34,6 +35,9 @@ struct OwenEntry {
     Place data = 0;              ///< of the first one; the others follow
     Place read_trigger = 0, write_trigger = 0, status = 0;
     std::uint32_t period_ms = kPeriodOfDevice;
+
+    /// bool, int16 or int32: an entry distinguishes neither signs nor floats. Of an entry of read_owen().
+    [[nodiscard]] DataType type() const;
 
     friend bool operator==(const OwenEntry&, const OwenEntry&) = default;
 };
