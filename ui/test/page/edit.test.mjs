@@ -416,7 +416,7 @@ test('the window of a device is pasted as the IDE shows it', async () => {
   const dialog = page.getByRole('dialog');
   const take = dialog.getByRole('button', { name: 'Take over' });
   await dialog.getByRole('textbox').fill(`${lines('Устройство', 16).join('\n')}\nV1;int;0;\n`);
-  await dialog.locator('.error', { hasText: 'V1;int;0;' }).waitFor();
+  await dialog.locator('.error', { hasText: /^Line 11: .*V1;int;0;/ }).waitFor();
   assert.ok(await take.isDisabled());
   await dialog.getByRole('textbox').fill(lines('Устройство', 16).join('\n'));
   await dialog.locator('td', { hasText: '2143' }).waitFor();

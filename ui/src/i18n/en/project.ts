@@ -161,6 +161,7 @@ export const project = {
       devices: 'Devices',
     },
     found: (kind: string, n: number) => `${kind}: ${n === 1 ? '1 row' : `${n} rows`}`,
+    line: (n: number) => `Line ${n}: `,
     into: 'Into',
     append: 'Add, and overwrite rows with the same name',
     appendDevices: 'Add, and overwrite devices with the same address',

@@ -176,6 +176,7 @@ export const project: Translated<typeof source> = {
       devices: 'Устройства',
     },
     found: (kind, n) => `${kind}: ${of(n, 'строка', 'строки', 'строк')}`,
+    line: (n) => `Строка ${n}: `,
     into: 'Куда',
     append: 'Добавить; строки с тем же именем заменить',
     appendDevices: 'Добавить; устройства с тем же адресом заменить',

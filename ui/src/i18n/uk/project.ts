@@ -174,6 +174,7 @@ export const project: Translated<typeof source> = {
       devices: 'Пристрої',
     },
     found: (kind, n) => `${kind}: ${of(n, 'рядок', 'рядки', 'рядків')}`,
+    line: (n) => `Рядок ${n}: `,
     into: 'Куди',
     append: 'Додати; рядки з тим самим іменем замінити',
     appendDevices: 'Додати; пристрої з тією самою адресою замінити',

@@ -68,6 +68,7 @@ function Preview({ found, rows }: { found: ImportedRows; rows: ImportedRow[] }) 
       {variables.length > 0 && <Rows kind="variables" rows={variables} />}
       {findings.map((its) => (
         <p key={its.code + its.line + its.column} class={`small ${its.severity}`}>
+          {its.line > 0 && t.value.project.importing.line(its.line)}
           {its.message} <span class="muted">{its.advice}</span>
         </p>
       ))}
