@@ -17,7 +17,7 @@ std::string cell_text(const Json* value) {
     const auto* const items = std::get_if<Json::Array>(&value->value());
     if (items == nullptr) return value->dump();
     std::string joined;
-    for (const auto& item : *items) joined += (joined.empty() ? "" : "; ") + cell_text(&item);
+    for (const auto& item : *items) joined += (&item == items->data() ? "" : "; ") + cell_text(&item);
     return joined;
 }
 
