@@ -215,6 +215,18 @@ TEST(ProjectEngine, ASetOfADeviceThatDoesNotAnswerEndsAsWaiting) {
     EXPECT_EQ(only_outcome(*session).progress, Outcome::Progress::waiting);
 }
 
+TEST(ProjectEngine, ASetThatNothingSendsSaysSo) {
+    Rig rig(kPlant);
+    const auto session = rig.open();
+    rig.run(300ms);
+    for (const auto& [name, progress] :
+         {std::pair("Limit", Outcome::Progress::not_written), std::pair("go", Outcome::Progress::settled)}) {
+        ASSERT_TRUE(session->submit({Command::Kind::set, rig.slot(name), std::int64_t{1}}));
+        rig.serve();
+        EXPECT_EQ(only_outcome(*session).progress, progress) << name;
+    }
+}
+
 TEST(ProjectEngine, ACommandExpiresAtItsInstantAndIsNotExecutedLater) {
     Rig rig(kPlant);
     const auto session = rig.open();

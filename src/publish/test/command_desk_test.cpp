@@ -55,12 +55,14 @@ struct Desk {
         now.t += length;
         now.wall_ns += length.count();
     }
-    void done(const Command& command, value::CommandResult result = value::CommandResult::done) {
+    void done(const Command& command, value::CommandResult result = value::CommandResult::done,
+              host::Outcome::Progress progress = host::Outcome::Progress::settled) {
         desk.on_outcome(now, {.tag = command.tag,
                               .kind = command.kind,
                               .slot = command.slot,
                               .t = now.t,
                               .result = result,
+                              .progress = progress,
                               .value = command.value});
     }
     std::optional<MqttMessage> answer() {
@@ -203,7 +205,10 @@ TEST(CommandDesk, ASetVariableWithoutWriteOnChangeIsNotWritten) {
     for (const auto& [subject, written] : cases) {
         Desk desk;
         ASSERT_TRUE(desk.give(request("a", R"("command":"set","value":5,"variable":")" + subject + '"')));
-        desk.done(*desk.next());
+        using Progress = host::Outcome::Progress;
+        const auto command = *desk.next();
+        desk.done(command, value::CommandResult::done, written ? Progress::settled : Progress::not_written);
+        EXPECT_EQ(command.kind == Command::Kind::write, subject == "Setpoint");
         const auto answer = desk.answer()->payload;
         EXPECT_EQ(answer.find(R"("outcome":"done","reason":"not_written")") == std::string::npos, written)
             << answer;

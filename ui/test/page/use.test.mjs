@@ -60,7 +60,7 @@ test('the formed requests are downloaded as a table, as JSON and as a picture', 
   const [csvName, csv] = await saved('CSV');
   assert.equal(csvName, 'plant.requests.csv');
   assert.equal(csv.trim().split('\r\n').length, 7);
-  assert.match(csv, /rs485-1,Meter,17,4,,100,12,Voltage L1; Voltage L2; Voltage L3; Energy,21; 21; 21; 2143,500.0,/);
+  assert.match(csv, /rs485-1,Meter,17,4,,100,12,Voltage L1; .*; Energy,21; 21; 21; 2143,500\.0,/);
   const [, json] = await saved('JSON');
   assert.equal(JSON.parse(json).lines[0].requests.length, 6);
   assert.match((await saved('SVG'))[1], /^<\?xml|^<svg/);
