@@ -6,7 +6,9 @@ import {
   framingIn,
   itemOf,
   itemsBefore,
+  lineOf,
   merged,
+  newTargets,
   targetAt,
   targetsFor,
 } from '../src/views/project/importing';
@@ -74,6 +76,35 @@ test('an imported table goes where its kind fits', () => {
   // The table of a file is read-only.
   assert.deepEqual(paths('variables'), ['lines/0/devices/0/variables', 'lines/1/devices/0/variables']);
   assert.deepEqual(paths('devices'), ['lines/0/devices', 'lines/1/devices']);
+});
+
+test('an imported table can go to a new device or a new line', () => {
+  const names = { device: (line: string) => `${line}: new`, line: 'new' };
+  const made = (kind: Parameters<typeof newTargets>[1]) =>
+    newTargets(document, kind, names).map((its) => `${its.path.join('/')} ${its.makes}`);
+  assert.deepEqual(made('list'), [
+    'lines/0/devices/2/variables device',
+    'lines/1/devices/1/variables device',
+    'lines/2/devices/0/variables line',
+  ]);
+  assert.deepEqual(made('devices'), ['lines/2/devices line']);
+  assert.deepEqual(made('served'), []);
+  const line = (transport: Parameters<typeof lineOf>[1]['transport'], port = '', host = '') =>
+    lineOf(document.lines, { transport, port, host, tcp_port: '' }, { line: 'north', simulated: 'toy' });
+  assert.equal(line('serial', ' ', 'plc'), undefined);
+  assert.deepEqual(line('serial', 'COM3'), {
+    name: 'north 2',
+    transport: 'serial',
+    port: 'COM3',
+    devices: [],
+  });
+  assert.deepEqual(line('tcp', 'COM3', 'plc'), {
+    name: 'north 2',
+    transport: 'tcp',
+    host: 'plc',
+    devices: [],
+  });
+  assert.deepEqual(line('simulated', 'COM3'), { name: 'toy', transport: 'simulated', devices: [] });
 });
 
 test('imported rows overwrite those with the same name, or replace all', () => {

@@ -349,8 +349,23 @@ test('an empty project begins with an example, which runs after saving', async (
   await page.getByRole('button', { name: 'Paste a table' }).click();
   await page.getByRole('dialog').getByRole('textbox').waitFor();
   await page.keyboard.press('Escape');
-  await page.getByRole('button', { name: 'Undo' }).click();
-  await page.getByRole('button', { name: 'Undo' }).click();
+  await page.getByRole('dialog').waitFor({ state: 'detached' });
+  // Nothing was changed, so nothing can be undone.
+  const undo = page.getByRole('button', { name: 'Undo' });
+  assert.ok(await undo.isDisabled());
+  // A table gets the line that the user describes, as one step.
+  await page.getByRole('button', { name: 'Paste a table' }).click();
+  const dialog = page.getByRole('dialog');
+  await dialog.getByRole('textbox').fill('Name\tType\tRegister\nLevel\tfloat\t10');
+  const accept = dialog.getByRole('button', { name: 'Take over' });
+  await dialog.getByLabel('Connection').waitFor();
+  assert.ok(await accept.isDisabled(), 'a serial line needs its port');
+  await dialog.getByLabel('Port', { exact: true }).fill('/dev/ttyS7');
+  assert.ok(await accept.isEnabled());
+  await dialog.getByLabel('Connection').selectOption('simulated');
+  await accept.click();
+  await page.getByRole('treeitem', { name: /^Simulated/ }).waitFor();
+  await undo.click();
   await page.getByRole('button', { name: 'Example' }).click();
   await page.getByRole('button', { name: 'Save…' }).click();
   await page.getByRole('dialog').getByRole('button', { name: 'Save and apply' }).click();
@@ -421,6 +436,7 @@ test('the window of a device is pasted as the IDE shows it', async () => {
   await dialog.getByRole('textbox').fill(lines('Устройство', 16).join('\n'));
   await dialog.locator('td', { hasText: '2143' }).waitFor();
   assert.equal(await dialog.locator('.error, .warning').count(), 0);
+  await dialog.getByLabel('Port', { exact: true }).fill('/dev/ttyS7');
   await dialog.getByRole('button', { name: 'Take over' }).click();
   await dialog.waitFor({ state: 'detached' });
   await page.getByRole('treeitem', { name: 'Устройство, 16' }).click();
@@ -446,6 +462,7 @@ test('the window of a device is pasted as the IDE shows it', async () => {
   assert.match(saved, /name: Устройство, address: 17/);
   assert.match(saved, /\{name: Давление, type: int16, area: holding_register, register: 7/);
   assert.match(saved, /byte_order: "2143"/);
+  assert.match(saved, /transport: serial, port: \/dev\/ttyS7/);
   assert.match(saved, /framing: ascii/);
   assert.doesNotMatch(saved, /protocol|Device 1/);
 });

@@ -12,7 +12,7 @@ import {
 } from '../../store/document';
 import { change, draft, isReadOnlyPart, setNodes } from '../../store/project';
 import { mayEdit } from '../../store/info';
-import { freeAddress } from './importing';
+import { deviceOf } from './importing';
 import { namesIn } from './rows';
 import { select } from './selection';
 
@@ -99,9 +99,7 @@ export function addLine(name: string): void {
 
 export function addDevice(line: number, name: string): void {
   const path: Path = ['lines', line, 'devices'];
-  const devices = listAt(draft.peek(), path);
-  const address = freeAddress(devices);
-  append(path, { name: freeName(name, namesIn(devices)), address, variables: [] }, 'device');
+  append(path, deviceOf(listAt(draft.peek(), path), name), 'device');
 }
 
 export function addServer(name: string): void {

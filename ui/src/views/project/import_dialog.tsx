@@ -10,17 +10,23 @@ import { draft, setNodes } from '../../store/project';
 import { type CoilChoice, openRows, withChoice } from './coil_choice';
 import { CoilQuestion } from './coil_question';
 import {
+  type Connection,
   completed,
+  deviceOf,
   framingIn,
   importing,
   itemOf,
   itemsBefore,
+  lineOf,
   merged,
+  newTargets,
+  type Target,
   targetAt,
   targetsFor,
   variablesOf,
 } from './importing';
-import { keyText } from './rules';
+import { NewLine } from './new_line';
+import { keyText, wordText } from './rules';
 import { select, tab } from './selection';
 
 const ASK_AFTER_MS = 200;
@@ -38,7 +44,7 @@ function Rows({ kind, rows }: { kind: ImportedRows['kind']; rows: ImportedRow[] 
             <tr>
               {keys.map((key) => (
                 <th key={key} scope="col">
-                  {keyText(key)}
+                  {keyText(key === 'protocol' ? 'framing' : key)}
                 </th>
               ))}
             </tr>
@@ -76,6 +82,26 @@ function Preview({ found, rows }: { found: ImportedRows; rows: ImportedRow[] }) 
   );
 }
 
+type Change = { path: Path; value: Node };
+
+/** The line and the device that a target makes; undefined: its connection is incomplete. */
+function madeFor(target: Target, connection: Connection): Change[] | undefined {
+  const { newDevice, newLine } = t.peek().project.tree;
+  const changes: Change[] = [];
+  if (target.makes === 'line') {
+    const names = { line: newLine, simulated: wordText('simulated') };
+    const line = lineOf(listAt(draft.value, ['lines']), connection, names);
+    if (!line) return undefined;
+    changes.push({ path: target.path.slice(0, 2), value: line });
+  }
+  if (target.makes && target.path.at(-1) === 'variables')
+    changes.push({
+      path: target.path.slice(0, 4),
+      value: deviceOf(listAt(draft.value, target.path.slice(0, 3)), newDevice),
+    });
+  return changes;
+}
+
 export function ImportDialog({ start, path }: { start: string; path: Path | null }) {
   const texts = t.value.project.importing;
   const [text, setText] = useState(start);
@@ -84,6 +110,7 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
   const [into, setInto] = useState<string | null>(null);
   const [replace, setReplace] = useState(false);
   const [choice, setChoice] = useState<CoilChoice | null>(null);
+  const [entered, setConnection] = useState<Connection | null>(null);
   useEffect(() => {
     if (text.trim() === '') {
       setFound(null);
@@ -110,12 +137,18 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
   }, [text]);
 
   const targets = found
-    ? targetsFor(draft.value, found.kind, {
-        locals: t.value.project.tree.locals,
-        devices: t.value.keys.devices,
-      })
+    ? [
+        ...targetsFor(draft.value, found.kind, {
+          locals: t.value.project.tree.locals,
+          devices: t.value.keys.devices,
+        }),
+        ...newTargets(draft.value, found.kind, { device: texts.newDevice, line: texts.newLine }),
+      ]
     : [];
   const target = targets.find((its) => formatPath(its.path) === into) ?? targetAt(targets, path);
+  const overTcp = found?.rows.some((its) => /tcp/i.test(String(its.protocol ?? '')));
+  const connection = entered ?? { transport: overTcp ? 'tcp' : 'serial', port: '', host: '', tcp_port: '' };
+  const made = target && madeFor(target, connection);
   const close = () => {
     importing.value = null;
   };
@@ -129,16 +162,17 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
     : openRows(list, before);
   const wrong = found?.findings.some((its) => its.severity === 'error') ?? false;
   const accept = () => {
-    if (!target) return;
+    if (!target || !made) return;
     const coils = (all: Mapping[]) => (choice ? withChoice(all, open, choice) : all);
     const value = devices
       ? list.map((its) =>
           Array.isArray(its.variables) ? { ...its, variables: coils(listAt(its, ['variables'])) } : its,
         )
       : coils(list);
-    const changes: { path: Path; value: Node }[] = [{ path: target.path, value }];
+    const changes: Change[] = [...made, { path: target.path, value }];
     const line = target.path.slice(0, 2);
-    const framing = found && devices && framingIn(found.rows, at(draft.value, line) as Mapping);
+    const node = (target.makes === 'line' ? made[0]!.value : at(draft.value, line)) as Mapping;
+    const framing = found && devices && framingIn(found.rows, node);
     if (framing) changes.push({ path: [...line, 'framing'], value: framing });
     setNodes(changes, `import ${formatPath(target.path)}`);
     select(target.path[0] === 'locals' ? target.path : target.path.slice(0, -1));
@@ -150,7 +184,7 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
     <Dialog
       title={texts.title}
       accept={texts.accept}
-      acceptDisabled={wrong || !target || items.length === 0 || (open.length > 0 && choice === null)}
+      acceptDisabled={wrong || !made || items.length === 0 || (open.length > 0 && choice === null)}
       onAccept={accept}
       onClose={close}
     >
@@ -185,16 +219,19 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
                 ))}
               </select>
             </label>
-            <label>
-              <span class="muted">{texts.mode}</span>
-              <select
-                value={String(replace)}
-                onChange={(event) => setReplace(event.currentTarget.value === 'true')}
-              >
-                <option value="false">{devices ? texts.appendDevices : texts.append}</option>
-                <option value="true">{texts.replace}</option>
-              </select>
-            </label>
+            {target.makes === 'line' && <NewLine value={connection} onValue={setConnection} />}
+            {!target.makes && (
+              <label>
+                <span class="muted">{texts.mode}</span>
+                <select
+                  value={String(replace)}
+                  onChange={(event) => setReplace(event.currentTarget.value === 'true')}
+                >
+                  <option value="false">{devices ? texts.appendDevices : texts.append}</option>
+                  <option value="true">{texts.replace}</option>
+                </select>
+              </label>
+            )}
           </div>
         )}
       </div>

@@ -14,6 +14,16 @@ export interface Target {
   path: Path;
   title: string;
   object: TableObject;
+  /** The line, or the device, that is made first. */
+  makes?: 'line' | 'device';
+}
+
+/** How a new line is connected. */
+export interface Connection {
+  transport: 'serial' | 'tcp' | 'simulated';
+  port: string;
+  host: string;
+  tcp_port: string;
 }
 
 /** The tables of a project that take rows of a kind. */
@@ -50,6 +60,54 @@ export function targetsFor(
       .filter((its) => typeof its.table !== 'string')
       .map(({ table: _, ...its }) => its),
   );
+}
+
+/** What a table of a master can be put into besides: a new device of each line, and a new line. */
+export function newTargets(
+  document: Mapping,
+  kind: ImportedRows['kind'],
+  names: { device: (line: string) => string; line: string },
+): Target[] {
+  if (kind === 'locals' || kind === 'served') return [];
+  const lines = listAt(document, ['lines']);
+  const made = (path: Path, title: string, makes: 'line' | 'device'): Target => ({
+    path,
+    title,
+    makes,
+    object: 'variable',
+  });
+  const line: Path = ['lines', lines.length, 'devices'];
+  if (kind === 'devices') return [made(line, names.line, 'line')];
+  const devices = lines.map((its, i) => {
+    const path = ['lines', i, 'devices', listAt(its, ['devices']).length, 'variables'];
+    return made(path, names.device(textAt(its, ['name']) ?? ''), 'device');
+  });
+  return [...devices, made([...line, 0, 'variables'], names.line, 'line')];
+}
+
+/** The line that a connection describes; undefined: its port or host is missing. */
+export function lineOf(
+  lines: Mapping[],
+  its: Connection,
+  names: { line: string; simulated: string },
+): Mapping | undefined {
+  const { transport } = its;
+  const place = { serial: ['port'], tcp: ['host', 'tcp_port'], simulated: [] }[transport] as (
+    | 'port'
+    | 'host'
+  )[];
+  if (place[0] && its[place[0]].trim() === '') return undefined;
+  return {
+    name: freeName(transport === 'simulated' ? names.simulated : names.line, namesIn(lines)),
+    transport,
+    ...Object.fromEntries(place.map((key) => [key, its[key].trim()]).filter(([, text]) => text !== '')),
+    devices: [],
+  };
+}
+
+/** A device with a free name and address. */
+export function deviceOf(devices: Mapping[], name: string): Mapping {
+  return { name: freeName(name, namesIn(devices)), address: freeAddress(devices), variables: [] };
 }
 
 /** The target where a table was pasted, else the one of that line, else the first one. */

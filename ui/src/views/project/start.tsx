@@ -5,7 +5,6 @@ import { go } from '../../shell/route';
 import { listAt } from '../../store/document';
 import { mayEdit } from '../../store/info';
 import { draft, setNode } from '../../store/project';
-import { addDevice, addLine } from './edit';
 import { importing } from './importing';
 import { select } from './selection';
 
@@ -38,14 +37,6 @@ export const isEmpty = computed(
     listAt(draft.value, ['instruments']).length === 0,
 );
 
-/** The rows of a table need a device. */
-function paste(): void {
-  const texts = t.peek().project.tree;
-  addLine(texts.newLine);
-  addDevice(0, texts.newDevice);
-  importing.value = { text: '', path: ['lines', 0, 'devices', 0, 'variables'] };
-}
-
 function example(): void {
   setNode(['lines'], [EXAMPLE]);
   select(['lines', 0, 'devices', 0]);
@@ -56,7 +47,7 @@ export function Start() {
   if (!isEmpty.value || !mayEdit.value) return null;
   const ways = [
     { name: texts.find, hint: texts.findHint, act: () => go('devices') },
-    { name: texts.paste, hint: texts.pasteHint, act: paste },
+    { name: texts.paste, hint: texts.pasteHint, act: () => (importing.value = { text: '', path: null }) },
     { name: texts.example, hint: texts.exampleHint, act: example },
   ];
   return (
