@@ -1,7 +1,8 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import type { History, HistoryVariable } from '../src/api/types';
-import { changesOf, curveOf, spansOf, statisticsOf, valueAt } from '../src/views/trends/data';
+import { decimalsOf, shortest } from '../src/views/live/format';
+import { changesOf, curveOf, firstPens, spansOf, statisticsOf, valueAt } from '../src/views/trends/data';
 
 const at = (second: number) => new Date(1_790_000_000_000 + second * 1000).toISOString();
 const seconds = (second: number) => 1_790_000_000 + second;
@@ -75,11 +76,11 @@ test('damage of the file is a gap of its variable, or of all', () => {
   const gaps = [{ from: at(40), to: at(41), cause: 'damaged', samples: 3 }];
   const all = { ...history(its), damage, gaps };
   assert.deepEqual(
-    spansOf(all, its).map(({ from, to, kind, text }) => [from, to, kind, text]),
+    spansOf(all, its).map(({ from, to, kind, text, own }) => [from, to, kind, text, own]),
     [
-      [seconds(20), seconds(30), 'damaged', 'chunk'],
-      [seconds(40), seconds(41), 'damaged', 'damaged: 3'],
-      [seconds(70), seconds(80), 'damaged', 'chunk'],
+      [seconds(20), seconds(30), 'damaged', 'chunk', true],
+      [seconds(40), seconds(41), 'damaged', 'damaged: 3', false],
+      [seconds(70), seconds(80), 'damaged', 'chunk', false],
     ],
   );
   const curve = curveOf(all, its);
@@ -87,4 +88,36 @@ test('damage of the file is a gap of its variable, or of all', () => {
   assert.equal(valueAt(curve, seconds(25)), null);
   assert.equal(valueAt(curve, seconds(65)), 7);
   assert.equal(valueAt(curve, seconds(75)), null);
+});
+
+test('a view without pens begins with the last ones, or the first numbers of a device with values', () => {
+  const value = (name: string, device: string, type = 'float', quality: 'good' | 'bad' = 'good') => ({
+    name,
+    device,
+    type,
+    quality,
+  });
+  const values = [
+    value('Dead', 'Pump', 'float', 'bad'),
+    value('On', 'Fan', 'bool'),
+    value('Level', 'Tank'),
+    value('Kept nowhere', 'Tank'),
+    value('Flow', 'Tank', 'int16'),
+    value('Speed', 'Fan'),
+  ];
+  const series = values.filter((its) => its.name !== 'Kept nowhere');
+  assert.deepEqual(firstPens(series, [''], values), ['Level', 'Flow']);
+  assert.deepEqual(firstPens(series, ['Gone', 'On'], values), ['On']);
+  assert.deepEqual(firstPens(series, ['Gone'], []), []);
+});
+
+test('numbers have the shortest digits of their type', () => {
+  const float = (value: number) => shortest(Math.fround(value), 'float');
+  assert.deepEqual([65.4, 1.79, -0.1, 16777216, 0].map(float), ['65.4', '1.79', '-0.1', '16777216', '0']);
+  assert.equal(shortest(Math.fround(65.4), 'double'), '65.4000015258789');
+  assert.equal(shortest(1065353216, 'uint32'), '1065353216');
+  assert.deepEqual(
+    [65.4, 2, 1e-7].map((its) => decimalsOf(its, 'double')),
+    [1, 0, 7],
+  );
 });

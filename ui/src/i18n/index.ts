@@ -54,18 +54,9 @@ export function slavic(code: 'ru' | 'uk', n: number, one: string, few: string, m
   return rule === 'one' ? one : rule === 'few' ? few : many;
 }
 
-// Making a formatter takes far longer than using it.
-const formatters = new Map<string, Intl.NumberFormat>();
+/** As the program, its messages and the file write numbers, in each language: 1234567.8 */
+export const formatNumber = (value: number, digits = 0): string => String(Number(value.toFixed(digits)));
 
-export function formatNumber(value: number, digits = 0): string {
-  const key = `${language.value} ${digits}`;
-  let its = formatters.get(key);
-  if (!its) {
-    its = new Intl.NumberFormat(language.value, { minimumFractionDigits: 0, maximumFractionDigits: digits });
-    formatters.set(key, its);
-  }
-  return its.format(value);
-}
 /** Milliseconds with the unit that people would choose. */
 export function formatDuration(ms: number): string {
   const u = t.value.units;
@@ -80,3 +71,6 @@ export function formatClock(ms: number, millis = false): string {
   const base = date.toLocaleTimeString(language.value, { hour12: false });
   return millis ? `${base}.${String(date.getMilliseconds()).padStart(3, '0')}` : base;
 }
+/** Day and time, the month as a word: the order of its numbers differs between countries. */
+export const formatDate = (time: number | string): string =>
+  new Date(time).toLocaleString(language.value, { dateStyle: 'medium', timeStyle: 'medium', hour12: false });

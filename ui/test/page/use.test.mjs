@@ -283,6 +283,26 @@ test('the times of a request and of its line are drawn', async () => {
     await page.getByRole('img', { name: part }).locator('rect').first().waitFor();
 });
 
+test('the trends begin with the first numbers of a device, and again with the last pens', async () => {
+  // A program that has just started keeps no sample yet.
+  const kept = async () => (await (await fetch(`${plant.url}api/v1/history/series`)).json()).variables;
+  while ((await kept()).length < 16) await new Promise((done) => setTimeout(done, 100));
+  const page = await open('#/trends');
+  const pens = page.locator('.pens tbody th');
+  await pens.filter({ hasText: 'Supply temperature' }).waitFor();
+  assert.equal(await pens.count(), 3);
+  await page.locator('.chart canvas').waitFor();
+  await page.getByLabel('Add a pen').selectOption('Bearing temperature');
+  await pens.filter({ hasText: 'Bearing temperature' }).waitFor();
+  await page.getByRole('button', { name: 'Remove Pressure' }).click();
+  const again = await open('#/trends');
+  await again.locator('.pens tbody tr', { hasText: 'Bearing temperature' }).waitFor();
+  assert.equal(await again.locator('.pens tbody th').count(), 3);
+  // Values as in Live: a float without the digits that it does not have.
+  const last = again.locator('.pens tbody tr', { hasText: 'Supply temperature' }).locator('td').first();
+  assert.match(await last.textContent(), /^\d+(\.\d{1,7})?$/);
+});
+
 test('registers are shown as they were on the wire', async () => {
   const page = await open('#/live');
   await page.getByLabel('Format', { exact: true }).selectOption('registers');

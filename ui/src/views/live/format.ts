@@ -58,6 +58,21 @@ export function formatValue(value: LiveValue, format: Format): string {
   return grouped(bits.toString(2).padStart(size, '0'), 4);
 }
 
+/** A number as the program prints it: the shortest digits that are this value of its type. */
+export function shortest(value: number, type: string): string {
+  for (let digits = 1; type === 'float' && digits < 9; ++digits) {
+    const its = Number(value.toPrecision(digits));
+    if (Math.fround(its) === Math.fround(value)) return String(its);
+  }
+  return String(value);
+}
+/** The digits after the point. */
+export function decimalsOf(value: number, type: string): number {
+  const [, fraction = '', exponent = '0'] =
+    /^-?\d+(?:\.(\d+))?(?:e-(\d+))?$/.exec(shortest(value, type)) ?? [];
+  return Math.min(100, fraction.length + Number(exponent));
+}
+
 /**
  * A sparkline in a box; empty with fewer than two points.
  * @param points  [second, value]; NaN: the value was not good from then on

@@ -7,64 +7,9 @@ import type { History } from '../../api/types';
 import { formatNumber, language, t } from '../../i18n';
 import { theme } from '../../shell/theme';
 import { color, drawMarks, marksNear } from './chart_marks';
-import { changesOf, type Curve, curveOf, type Span, type SpanKind, spansOf } from './data';
+import { changesOf, curveOf, spansOf } from './data';
 import { cursors, frozen, goLive, marks, pens, range, width, zoomTo } from './state';
-
-const LANE = 16;
-
-export const penColor = (index: number) => `var(--pen-${(index % 6) + 1})`;
-const penCanvasColor = (index: number) => color(`--pen-${(index % 6) + 1}`);
-
-const HATCHES: Record<SpanKind, { color: string; step: number; rising: boolean }> = {
-  restart: { color: '--idle', step: 9, rising: true },
-  replaced: { color: '--idle', step: 14, rising: false },
-  lost: { color: '--warn', step: 6, rising: true },
-  damaged: { color: '--bad', step: 4, rising: true },
-  bad: { color: '--bad', step: 7, rising: false },
-  uncertain: { color: '--warn', step: 12, rising: false },
-};
-
-function hatch(u: uPlot, span: Span): void {
-  const { ctx, bbox } = u;
-  const left = Math.max(bbox.left, u.valToPos(span.from, 'x', true));
-  const right = Math.min(bbox.left + bbox.width, u.valToPos(span.to, 'x', true));
-  if (right <= bbox.left || left >= bbox.left + bbox.width) return;
-  const style = HATCHES[span.kind];
-  const step = style.step * devicePixelRatio;
-  ctx.save();
-  ctx.beginPath();
-  ctx.rect(left, bbox.top, Math.max(1, right - left), bbox.height);
-  ctx.clip();
-  ctx.strokeStyle = color(style.color);
-  ctx.globalAlpha = 0.55;
-  ctx.lineWidth = devicePixelRatio;
-  ctx.beginPath();
-  for (let x = left - bbox.height; x < right + bbox.height; x += step) {
-    const [x0, x1] = style.rising ? [x, x + bbox.height] : [x + bbox.height, x];
-    ctx.moveTo(x0, bbox.top + bbox.height);
-    ctx.lineTo(x1, bbox.top);
-  }
-  ctx.stroke();
-  ctx.restore();
-}
-
-interface Drawn {
-  name: string;
-  pen: number;
-  bool: boolean;
-  curve: Curve;
-  spans: Span[];
-}
-
-function drawBefore(u: uPlot, drawn: Drawn[]): void {
-  const seen = new Set<string>();
-  for (const its of drawn)
-    for (const span of its.spans) {
-      const key = `${span.from}/${span.to}/${span.kind}`;
-      if (!seen.has(key)) hatch(u, span);
-      seen.add(key);
-    }
-}
+import { type Drawn, drawBands, drawHatches, hasAxis, hasTrack, isLane, penCanvasColor } from './tracks';
 
 /** The change of a value happened somewhere between two polls: a band from the poll before to this one. */
 function drawAges(u: uPlot, history: History, drawn: Drawn[]): void {
@@ -75,7 +20,7 @@ function drawAges(u: uPlot, history: History, drawn: Drawn[]): void {
   ctx.clip();
   ctx.globalAlpha = 0.22;
   for (const its of drawn) {
-    if (its.bool) continue;
+    if (!hasAxis(its)) continue;
     const variable = history.variables.find((one) => one.name === its.name);
     if (!variable) continue;
     ctx.fillStyle = penCanvasColor(its.pen);
@@ -89,41 +34,8 @@ function drawAges(u: uPlot, history: History, drawn: Drawn[]): void {
   ctx.restore();
 }
 
-/** Booleans are lanes at the bottom: filled where the value is true. */
-function drawLanes(u: uPlot, drawn: Drawn[]): void {
-  const { ctx, bbox } = u;
-  const height = LANE * devicePixelRatio;
-  let lane = 0;
-  for (const its of drawn) {
-    if (!its.bool) continue;
-    const top = bbox.top + bbox.height - ++lane * height;
-    ctx.save();
-    ctx.beginPath();
-    ctx.rect(bbox.left, top, bbox.width, height);
-    ctx.clip();
-    ctx.fillStyle = penCanvasColor(its.pen);
-    for (const [i, time] of its.curve.times.entries()) {
-      if (!its.curve.values[i]) continue;
-      const left = u.valToPos(time, 'x', true);
-      const right = u.valToPos(its.curve.times[i + 1] ?? time, 'x', true);
-      ctx.fillRect(
-        left,
-        top + 3 * devicePixelRatio,
-        Math.max(1, right - left),
-        height - 6 * devicePixelRatio,
-      );
-    }
-    ctx.font = `${11 * devicePixelRatio}px sans-serif`;
-    ctx.fillStyle = color('--text');
-    // An edge around the name: it is read above a filled lane too.
-    ctx.strokeStyle = color('--surface');
-    ctx.lineWidth = 3 * devicePixelRatio;
-    ctx.strokeText(its.name, bbox.left + 4 * devicePixelRatio, top + height - 5 * devicePixelRatio);
-    ctx.fillText(its.name, bbox.left + 4 * devicePixelRatio, top + height - 5 * devicePixelRatio);
-    ctx.restore();
-  }
-}
-
+const AXIS = 64; // pixels, or more where a label is long
+const MOST_OF_WIDTH = 0.4; // for the axes
 const DAY = 86_400;
 
 /** Times in the language of the page; the day below the first one and where it changes. */
@@ -147,8 +59,11 @@ function timeLabels(_: uPlot, times: number[], _axis: number, _space: number, st
 function options(history: History, drawn: Drawn[], size: { width: number; height: number }): uPlot.Options {
   const line = color('--hairline');
   const text = color('--muted');
-  const numbers = drawn.filter((its) => !its.bool);
-  const lanes = drawn.length - numbers.length;
+  const numbers = drawn.filter(hasAxis);
+  const lanes = drawn.filter(isLane).length;
+  const tracks = drawn.filter((its) => hasTrack(its, drawn)).length;
+  // The axes of the first pens; a narrow chart has space for few.
+  const axes = Math.max(1, Math.floor((size.width * MOST_OF_WIDTH) / AXIS));
   return {
     ...size,
     cursor: { drag: { x: true, y: false, setScale: false } },
@@ -159,11 +74,11 @@ function options(history: History, drawn: Drawn[], size: { width: number; height
         numbers.map((its) => [
           its.name,
           {
-            // Room at the bottom for the lanes.
+            // Bands of booleans are at the bottom, those of outages at the top.
             range: (_: uPlot, min: number | null, max: number | null): [number, number] => {
               if (min === null || max === null) return [0, 1];
               const span = max - min || Math.abs(max) || 1;
-              return [min - span * (0.06 + lanes * 0.09), max + span * 0.08];
+              return [min - span * (0.06 + lanes * 0.09), max + span * (0.08 + tracks * 0.05)];
             },
           },
         ]),
@@ -177,15 +92,16 @@ function options(history: History, drawn: Drawn[], size: { width: number; height
         ticks: { stroke: line },
         values: timeLabels,
       },
-      ...numbers.map(
+      ...numbers.slice(0, axes).map(
         (its, i): uPlot.Axis => ({
           scale: its.name,
           side: i % 2 === 0 ? 3 : 1,
           stroke: penCanvasColor(its.pen),
-          size: 64,
+          size: (_, labels) =>
+            Math.max(AXIS, 24 + 7.5 * Math.max(0, ...(labels ?? []).map((one) => one.length))),
           grid: { show: i === 0, stroke: line, width: 1 },
           ticks: { stroke: line },
-          values: (_, splits) => splits.map((value) => formatNumber(value, 6)),
+          values: (_, splits) => splits.map((value) => formatNumber(value, 9)),
         }),
       ),
     ],
@@ -203,11 +119,11 @@ function options(history: History, drawn: Drawn[], size: { width: number; height
       ),
     ],
     hooks: {
-      drawAxes: [(u) => drawBefore(u, drawn)],
+      drawAxes: [(u) => drawHatches(u, drawn)],
       draw: [
         (u) => {
           drawAges(u, history, drawn);
-          drawLanes(u, drawn);
+          drawBands(u, drawn);
           drawMarks(u);
         },
       ],
@@ -233,7 +149,7 @@ export function drawnOf(history: History): Drawn[] {
       {
         name,
         pen,
-        bool: variable.type === 'bool',
+        type: variable.type,
         curve: curveOf(history, variable),
         spans: spansOf(history, variable),
       },
@@ -256,7 +172,7 @@ export function Chart({ history }: { history: History }) {
   // uPlot keeps its options: another picture is another chart.
   useEffect(() => {
     const drawn = drawnOf(history);
-    const numbers = drawn.filter((its) => !its.bool);
+    const numbers = drawn.filter(hasAxis);
     const tables = numbers.map((its): uPlot.AlignedData => [its.curve.times, its.curve.values]);
     const data: uPlot.AlignedData = tables.length > 0 ? uPlot.join(tables) : [[]];
     const height = Math.max(HEIGHT, Math.min(900, window.innerHeight - 380));

@@ -1,10 +1,8 @@
 // The damaged parts of the history file as a list, also those without times, which no chart has.
-import { language, t } from '../../i18n';
+import { formatDate, t } from '../../i18n';
 import { damage } from './state';
 
 const MOST = 200;
-
-const timeText = (time: string) => new Date(time).toLocaleString(language.value, { hour12: false });
 
 export function DamageList() {
   const texts = t.value.trends.damage;
@@ -16,7 +14,7 @@ export function DamageList() {
       <ul>
         {all.slice(0, MOST).map((its, i) => (
           <li key={i}>
-            <time>{its.from && its.to ? `${timeText(its.from)} – ${timeText(its.to)}` : '–'}</time>
+            <time>{its.from && its.to ? `${formatDate(its.from)} – ${formatDate(its.to)}` : '–'}</time>
             <span>{its.variable ?? texts.several}</span>
             <code class="muted small">{its.part}</code>
             {its.samples !== null && <span>{texts.lost(its.samples)}</span>}

@@ -2,7 +2,7 @@
 //
 // The program gives four points for each column of pixels (M4: first, minimum, maximum, last), so that no
 // spike is lost. A polled value holds until the next one: the lines are steps.
-import type { History, HistoryPoint, HistoryVariable } from '../../api/types';
+import type { History, HistoryPoint, HistorySeries, HistoryVariable, LiveValue } from '../../api/types';
 
 export interface Curve {
   times: number[]; // seconds since 1970
@@ -20,6 +20,8 @@ export interface Span {
   to: number;
   kind: SpanKind;
   text: string;
+  /** Of this variable alone, not of the whole history. */
+  own: boolean;
 }
 
 const seconds = (time: string) => Date.parse(time) / 1000;
@@ -48,11 +50,20 @@ export function spansOf(history: History, variable: HistoryVariable): Span[] {
       to: seconds(gap.to),
       kind: gapKind(gap.cause),
       text: gap.samples ? `${gap.cause}: ${gap.samples}` : gap.cause,
+      own: false,
     }),
   );
   const damaged = (history.damage ?? []).flatMap((its): Span[] =>
     its.from !== null && its.to !== null && (its.variable === null || its.variable === variable.name)
-      ? [{ from: seconds(its.from), to: seconds(its.to), kind: 'damaged', text: its.part }]
+      ? [
+          {
+            from: seconds(its.from),
+            to: seconds(its.to),
+            kind: 'damaged',
+            text: its.part,
+            own: its.variable !== null,
+          },
+        ]
       : [],
   );
   const bad = variable.bad.map(
@@ -61,6 +72,7 @@ export function spansOf(history: History, variable: HistoryVariable): Span[] {
       to: seconds(its.to),
       kind: its.quality === 'uncertain' ? 'uncertain' : 'bad',
       text: its.reason ?? its.quality,
+      own: true,
     }),
   );
   return [...gaps, ...damaged, ...bad].sort((a, b) => a.from - b.from);
@@ -154,4 +166,29 @@ export function statisticsOf(curve: Curve, from: number, to: number) {
   take(before, since, to);
   if (min > max) return null;
   return { min, max, mean: known > 0 ? area / known : min };
+}
+
+const MOST_FIRST = 3;
+
+/**
+ * The pens of a view that names none.
+ * @param used  names of the last time
+ * @returns those of `used` that the history has, else the first numbers of the first device with values
+ */
+export function firstPens(
+  series: Pick<HistorySeries, 'name' | 'type'>[],
+  used: string[],
+  values: Pick<LiveValue, 'name' | 'type' | 'device' | 'quality'>[],
+): string[] {
+  const known = new Map(series.map((its) => [its.name, its.type]));
+  const again = used.filter((name) => known.has(name));
+  if (again.length > 0) return again;
+  const numbers = values.filter(
+    ({ name, type, quality }) =>
+      quality === 'good' && known.has(name) && type !== 'bool' && type !== 'string',
+  );
+  return numbers
+    .filter((its) => its.device === numbers[0]!.device)
+    .slice(0, MOST_FIRST)
+    .map((its) => its.name);
 }

@@ -1,58 +1,107 @@
 // The table of the pens: values at the cursors, their difference, and the figures of the range.
+import type { HistoryVariable } from '../../api/types';
 import { formatClock, formatDuration, formatNumber, t } from '../../i18n';
 import { Icon } from '../../widgets/icon';
-import { drawnOf, penColor } from './chart';
+import { decimalsOf, shortest } from '../live/format';
+import { drawnOf } from './chart';
 import { statisticsOf, valueAt } from './data';
 import { cursors, picture, removePen } from './state';
+import { type Drawn, isLane, penColor } from './tracks';
 
-const shown = (value: number | null | undefined) =>
-  value === null || value === undefined ? '–' : formatNumber(value, 6);
+type Figure = number | null | undefined;
+const isKnown = (value: Figure): value is number => value !== null && value !== undefined;
+
+/** As Live prints it. */
+function valueText(its: Drawn, value: Figure): string {
+  if (!isKnown(value)) return '–';
+  return isLane(its) ? t.value.live.boolean[value ? 'on' : 'off'] : shortest(value, its.type);
+}
+/** What is derived from values has their digits, and `more`; of a boolean it is the share of the time. */
+function derivedText(its: Drawn, value: Figure, from: Figure[], more: number): string {
+  if (!isKnown(value)) return '–';
+  if (isLane(its)) return `${formatNumber(100 * value, 1)} %`;
+  return formatNumber(
+    value,
+    more + Math.max(...from.filter(isKnown).map((one) => decimalsOf(one, its.type))),
+  );
+}
+
+interface Column {
+  title: string;
+  text: (its: Drawn, variable: HistoryVariable) => string;
+}
+
+function columns(): Column[] {
+  const texts = t.value.trends;
+  const { a, b } = cursors.value;
+  const atA = (its: Drawn) => (a === null ? its.curve.values.at(-1) : valueAt(its.curve, a / 1000));
+  const atB = (its: Drawn) => (b === null ? null : valueAt(its.curve, b / 1000));
+  const difference = (its: Drawn) => {
+    const [first, second] = [atA(its), atB(its)];
+    return isKnown(first) && isKnown(second) && !isLane(its)
+      ? derivedText(its, second - first, [first, second], 0)
+      : '–';
+  };
+  const figures = (its: Drawn, variable: HistoryVariable) =>
+    a !== null && b !== null
+      ? statisticsOf(its.curve, Math.min(a, b) / 1000, Math.max(a, b) / 1000)
+      : variable;
+  const mean: Column['text'] = (its, variable) => {
+    const of = figures(its, variable);
+    return derivedText(its, of?.mean, [of?.min, of?.max], 1);
+  };
+  return [
+    {
+      title: a === null ? texts.now : `A ${formatClock(a, true)}`,
+      text: (its) => valueText(its, atA(its)),
+    },
+    ...(b === null
+      ? []
+      : [{ title: `B ${formatClock(b, true)}`, text: (its: Drawn) => valueText(its, atB(its)) }]),
+    ...(a === null || b === null
+      ? []
+      : [{ title: `${texts.difference} (${formatDuration(Math.abs(b - a))})`, text: difference }]),
+    { title: texts.min, text: (its, variable) => valueText(its, figures(its, variable)?.min) },
+    { title: texts.mean, text: mean },
+    { title: texts.max, text: (its, variable) => valueText(its, figures(its, variable)?.max) },
+    { title: texts.good, text: (_, { good_share }) => `${formatNumber(100 * good_share, 1)} %` },
+    { title: texts.samples, text: (_, { samples }) => formatNumber(samples) },
+  ];
+}
 
 export function Pens() {
   const texts = t.value.trends;
   const history = picture.value;
   if (!history) return null;
-  const { a, b } = cursors.value;
-  const both = a !== null && b !== null;
+  const shown = columns();
   return (
     <div class="pens">
       <table>
         <thead>
           <tr>
             <th scope="col">{texts.pens}</th>
-            <th scope="col">{a === null ? texts.now : `A ${formatClock(a, true)}`}</th>
-            <th scope="col">{b === null ? '' : `B ${formatClock(b, true)}`}</th>
-            <th scope="col">{both ? `${texts.difference} (${formatDuration(Math.abs(b - a))})` : ''}</th>
-            <th scope="col">{texts.min}</th>
-            <th scope="col">{texts.mean}</th>
-            <th scope="col">{texts.max}</th>
-            <th scope="col">{texts.good}</th>
-            <th scope="col">{texts.samples}</th>
+            {shown.map(({ title }) => (
+              <th key={title} scope="col">
+                {title}
+              </th>
+            ))}
             <th />
           </tr>
         </thead>
         <tbody>
           {drawnOf(history).map((its) => {
             const variable = history.variables.find((one) => one.name === its.name)!;
-            const atA = a === null ? its.curve.values.at(-1) : valueAt(its.curve, a / 1000);
-            const atB = b === null ? null : valueAt(its.curve, b / 1000);
-            const figures = both
-              ? statisticsOf(its.curve, Math.min(a, b) / 1000, Math.max(a, b) / 1000)
-              : variable;
             return (
               <tr key={its.name}>
                 <th scope="row">
                   <i class="pen" style={{ background: penColor(its.pen) }} /> {its.name}{' '}
                   <span class="muted">{variable.unit}</span>
                 </th>
-                <td>{shown(atA)}</td>
-                <td>{b === null ? '' : shown(atB)}</td>
-                <td>{both && typeof atA === 'number' && typeof atB === 'number' ? shown(atB - atA) : ''}</td>
-                <td>{shown(figures?.min)}</td>
-                <td>{shown(figures?.mean)}</td>
-                <td>{shown(figures?.max)}</td>
-                <td>{formatNumber(100 * variable.good_share, 1)} %</td>
-                <td>{formatNumber(variable.samples)}</td>
+                {shown.map(({ title, text }) => (
+                  <td key={title} data-title={title}>
+                    {text(its, variable)}
+                  </td>
+                ))}
                 <td>
                   <button
                     type="button"

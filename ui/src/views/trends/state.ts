@@ -4,6 +4,8 @@ import { get } from '../../api/client';
 import type { History, HistoryDamage, HistoryMark, HistorySeries } from '../../api/types';
 import { query, setQuery, view } from '../../shell/route';
 import { clockKnown, programNow } from '../../store/clock';
+import { values } from '../../store/live';
+import { firstPens } from './data';
 
 export interface Range {
   from: number;
@@ -12,6 +14,7 @@ export interface Range {
 
 export const SPANS = { m1: 60, m10: 600, h1: 3600, h8: 28_800, d1: 86_400, d7: 604_800 } as const;
 const MOST_PENS = 6;
+const USED = 'takt.pens';
 const REFRESH_MS = 1000;
 const LEAST_SPAN_MS = 100;
 
@@ -64,7 +67,9 @@ effect(() => {
       from: String(Math.round(frozen.value.from)),
       to: String(Math.round(frozen.value.to)),
     });
-  if (!reading && view.peek() === 'trends') setQuery(its);
+  if (reading || view.peek() !== 'trends') return;
+  setQuery(its);
+  if (its.pens) localStorage.setItem(USED, its.pens);
 });
 
 // ---- the data
@@ -127,15 +132,29 @@ export async function loadSeries(): Promise<void> {
   }
 }
 
+/** Without pens in the address: the last used ones, or else the first numbers that there are. */
+async function begin(): Promise<void> {
+  await loadSeries();
+  if (!beginning || pens.peek().length > 0) return;
+  const used = (localStorage.getItem(USED) ?? '').split('\u001f');
+  const all = values.peek().map((its) => its.peek());
+  pens.value = firstPens(series.peek(), used, all).slice(0, MOST_PENS);
+}
+/** No pen was drawn yet since the view was opened. */
+let beginning = false;
+
 /** Refreshes while the view is open. @returns a function that ends it */
 export function follow(): () => void {
-  void loadSeries();
+  beginning = true;
+  void begin();
   const stop = effect(() => {
+    if (pens.value.length > 0) beginning = false;
     void [pens.value, frozen.value, span.value, width.value, clockKnown.value];
     void refresh();
   });
   const timer = setInterval(() => {
-    if (!frozen.peek() && !document.hidden) void refresh();
+    if (beginning) void begin();
+    else if (!frozen.peek() && !document.hidden) void refresh();
   }, REFRESH_MS);
   return () => {
     stop();

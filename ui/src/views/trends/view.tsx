@@ -1,10 +1,11 @@
 import { useEffect } from 'preact/hooks';
 import { openUrl } from '../../api/client';
-import { formatClock, t } from '../../i18n';
+import type { History } from '../../api/types';
+import { formatDate, t } from '../../i18n';
 import { toast } from '../../shell/toasts';
 import { info } from '../../store/info';
 import { Icon } from '../../widgets/icon';
-import { Chart } from './chart';
+import { Chart, drawnOf } from './chart';
 import { DamageList } from './damage_list';
 import { Marks } from './marks';
 import { Pens } from './pens';
@@ -134,24 +135,33 @@ function Tools() {
   );
 }
 
-function Legend() {
+/** Of what is in the chart. */
+function Legend({ history }: { history: History }) {
   const texts = t.value.trends.legend;
+  const kinds = new Set(drawnOf(history).flatMap((its) => its.spans.map((span) => span.kind)));
+  const marks = new Set(state.marks.value.map((its) => its.kind));
   return (
     <p class="legend small muted">
-      {(['restart', 'replaced', 'lost', 'damaged', 'bad', 'uncertain'] as const).map((kind) => (
-        <span key={kind}>
-          <i class={`hatch ${kind}`} /> {texts[kind]}
-        </span>
-      ))}
+      {(['restart', 'replaced', 'lost', 'damaged', 'bad', 'uncertain'] as const)
+        .filter((kind) => kinds.has(kind))
+        .map((kind) => (
+          <span key={kind}>
+            <i class={`hatch ${kind}`} /> {texts[kind]}
+          </span>
+        ))}
       <span>
         <i class="age" /> {texts.age}
       </span>
-      <span>
-        <i class="mark-line" /> {texts.message}
-      </span>
-      <span>
-        <i class="mark-line command" /> {texts.command}
-      </span>
+      {marks.has('message') && (
+        <span>
+          <i class="mark-line" /> {texts.message}
+        </span>
+      )}
+      {marks.has('command') && (
+        <span>
+          <i class="mark-line command" /> {texts.command}
+        </span>
+      )}
     </p>
   );
 }
@@ -182,7 +192,7 @@ export function TrendsView() {
       <DamageList />
       {state.picture.value && state.pens.value.length > 0 && (
         <footer>
-          <Legend />
+          <Legend history={state.picture.value} />
           <p class="small muted">
             {texts.cursorHint}
             {(a !== null || b !== null) && (
@@ -199,7 +209,7 @@ export function TrendsView() {
             {state.frozen.value && (
               <>
                 {' '}
-                {new Date(state.frozen.value.from).toLocaleString()} – {formatClock(state.frozen.value.to)}
+                {formatDate(state.frozen.value.from)} – {formatDate(state.frozen.value.to)}
               </>
             )}
           </p>
