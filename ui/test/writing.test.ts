@@ -1,6 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import type { LiveValue } from '../src/api/types';
+import { withoutDefault } from '../src/views/live/format';
 import { changeText, doubtOf, parsedValue, proofOf, readAfter, valueText } from '../src/views/live/writing';
 
 const words = { on: 'on', off: 'off' };
@@ -79,4 +80,22 @@ test('a write is compared with the first read that began after it', () => {
   assert.equal(readAfter(write, { value: 80, sampled_at: null }), null);
   assert.equal(readAfter(write, { value: 80, sampled_at: 999 }), null);
   assert.equal(readAfter(write, { value: 90, sampled_at: 1000 }), 90);
+});
+
+test('a variable that was never read has no value, and keeps the last one that was', () => {
+  const its = (parts: Partial<LiveValue>) =>
+    withoutDefault({
+      value: -1,
+      text: '-1',
+      local: false,
+      quality: 'bad',
+      sampled_at: null,
+      ...parts,
+    } as LiveValue);
+  assert.deepEqual([its({}).value, its({}).text], [null, '']);
+  assert.equal(its({ quality: 'never_read' }).value, null);
+  assert.equal(its({ sampled_at: 1000 }).value, -1);
+  assert.equal(its({ local: true, quality: 'never_read' }).value, -1);
+  // A retained value of the run before.
+  assert.equal(its({ quality: 'uncertain' }).value, -1);
 });

@@ -3,6 +3,7 @@
 import { type Signal, signal } from '@preact/signals';
 import { openStream, type Stream } from '../api/stream';
 import type { LiveValue, Notice, ReadBatch, Snapshot, Status, ValueBatch } from '../api/types';
+import { withoutDefault } from '../views/live/format';
 import { checkClock } from './clock';
 import { connected, loadInfo, status } from './info';
 import { refreshProject } from './project';
@@ -50,7 +51,7 @@ function note(name: string, number: number, time: number): void {
 function onSnapshot(snapshot: Snapshot): void {
   checkClock(snapshot.time);
   waiting = [];
-  const made = snapshot.values.map((value) => signal(value));
+  const made = snapshot.values.map((value) => signal(withoutDefault(value)));
   byName = new Map(made.map((its) => [its.peek().name, its]));
   for (const name of recent.keys()) if (!byName.has(name)) recent.delete(name);
   for (const its of made) remember(its.peek(), snapshot.time);
@@ -74,8 +75,8 @@ function apply(): void {
       const { words: _, ...before } = its.peek();
       const next: LiveValue = { ...before, value, text, quality, reason, sampled_at };
       if (words !== undefined) next.words = words;
-      its.value = next;
-      remember(next, batch.time);
+      its.value = withoutDefault(next);
+      remember(its.peek(), batch.time);
     }
     valueTime.value = batch.time;
   }

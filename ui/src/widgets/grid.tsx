@@ -9,8 +9,12 @@ export interface Column<Row> {
   width: string; // of a CSS grid: "120px", "minmax(120px, 1fr)"
   align?: 'right';
   sortable?: boolean;
-  /** In a narrow grid: in a second line of each row, `text` at its begin, `figure` at its end; or hidden. */
+  /** In a narrow grid: in a further line of each row, `text` at its begin, `figure` at its end; or hidden. */
   folds?: 'text' | 'figure' | 'hidden';
+  /** The line that it folds into; 2 if it is not given. */
+  line?: 3;
+  /** In a grid as narrow as a phone its text has two lines. */
+  wraps?: boolean;
   /** In the first line of a narrow grid. */
   foldedWidth?: string;
   cell: (row: Row, index: number) => ComponentChildren;
@@ -50,7 +54,8 @@ const USUAL_ROW = 28; // pixels: the widths of columns are for this size
 function scaled(width: string, factor: number): string {
   return factor === 1 ? width : width.replace(/([\d.]+)px/g, (_, px) => `${Math.round(px * factor)}px`);
 }
-const FOLDED_ROW = 1.65; // of the height of a row: a second line in it
+const PHONE = 480; // pixels
+const FURTHER_LINE = 0.65; // of the height of a row
 
 /** The least width of a column: all rows of a table get the same widths. */
 function leastWidth(width: string): number {
@@ -65,15 +70,19 @@ export function Grid<Row>(props: GridProps<Row>) {
   const current = props.current === undefined ? own : props.current;
   const rowHeight = useRef(USUAL_ROW);
   const [factor, setFactor] = useState(1);
-  const [folded, setFolded] = useState(false);
+  const [width, setWidth] = useState(Number.POSITIVE_INFINITY);
   const widths = props.columns.map((its) => scaled(its.width, factor));
   const least = (its: string[]) => its.reduce((sum, one) => sum + leastWidth(one), 0);
   const foldBelow = props.columns.some((its) => its.folds) ? least(widths) : 0;
+  const lineOf = (its: Column<Row>) => (its.folds === 'hidden' || !its.folds ? 1 : (its.line ?? 2));
+  const folded = width < foldBelow;
+  const wraps = folded && width < PHONE && props.columns.some((its) => its.wraps);
+  const lines = (folded ? Math.max(...props.columns.map(lineOf)) : 1) + Number(wraps);
 
   const look = () => {
     const element = box.current;
     if (!element) return;
-    setFolded(element.clientWidth < foldBelow);
+    setWidth(element.clientWidth);
     const first = Math.max(0, Math.floor(element.scrollTop / rowHeight.current) - SPARE_ROWS);
     const last = Math.ceil((element.scrollTop + element.clientHeight) / rowHeight.current) + SPARE_ROWS;
     setRange((before) => (before.first === first && before.last === last ? before : { first, last }));
@@ -81,13 +90,13 @@ export function Grid<Row>(props: GridProps<Row>) {
   useLayoutEffect(() => {
     const usual =
       Number.parseFloat(getComputedStyle(document.documentElement).getPropertyValue('--row')) || USUAL_ROW;
-    rowHeight.current = Math.round(usual * (folded ? FOLDED_ROW : 1));
+    rowHeight.current = Math.round(usual * (1 + (lines - 1) * FURTHER_LINE));
     setFactor(usual / USUAL_ROW);
     look();
     const observer = new ResizeObserver(look);
     observer.observe(box.current!);
     return () => observer.disconnect();
-  }, [folded, foldBelow]);
+  }, [lines, foldBelow]);
   useEffect(look, [props.rows.length]);
   useEffect(() => {
     const element = box.current;
@@ -142,14 +151,15 @@ export function Grid<Row>(props: GridProps<Row>) {
     .map((its, c) => (folded && its.foldedWidth ? scaled(its.foldedWidth, factor) : widths[c]!))
     .filter((_, c) => !isBelow(props.columns[c]!));
   const template = { gridTemplateColumns: beside.join(' '), minWidth: `${least(beside)}px` };
-  const figures = props.columns.filter((its) => isBelow(its) && its.folds === 'figure');
-  /** The place of a cell in the second line. */
+  /** The place of a cell in a further line. */
   const place = (column: Column<Row>) => {
     if (!isBelow(column)) return undefined;
     if (column.folds === 'hidden') return { display: 'none' };
+    const gridRow = lineOf(column);
+    const figures = props.columns.filter((its) => its.folds === 'figure' && lineOf(its) === gridRow);
     const after = figures.indexOf(column) - figures.length; // from the end
     return {
-      gridRow: 2,
+      gridRow,
       gridColumn: column.folds === 'text' ? `1 / ${-1 - figures.length}` : `${after - 1} / ${after}`,
     };
   };
@@ -157,7 +167,9 @@ export function Grid<Row>(props: GridProps<Row>) {
   const first = Math.min(range.first, props.rows.length);
   const last = Math.min(range.last, props.rows.length);
   const side = (column: Column<Row>) =>
-    `${column.align === 'right' ? 'right' : ''} ${isBelow(column) ? 'below' : ''}`;
+    `${column.align === 'right' ? 'right' : ''} ${isBelow(column) ? 'below' : ''} ${
+      wraps && column.wraps ? 'wraps' : ''
+    }`;
   return (
     <div
       class={`grid ${folded ? 'folded' : ''}`}

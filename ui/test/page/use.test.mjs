@@ -245,8 +245,19 @@ test('the frames can be paused, filtered and downloaded', async () => {
   assert.equal(bytes.readUInt32LE(0), 0x0a0d0d0a, 'pcapng');
 });
 
-test('a response that does not come is a red row of the traffic', async (t) => {
-  const silent = createServer(() => {}).listen(0, '127.0.0.1');
+/** Unit 7 is silent, unit 8 has register 0 only. */
+function answer(request) {
+  const [unit, code, start] = [request[6], request[7], request.readUInt16BE(8)];
+  if (unit === 7) return Buffer.alloc(0);
+  const body = start === 0 ? [unit, code, 2, 0, 42] : [unit, code + 128, 2];
+  return Buffer.from([request[0], request[1], 0, 0, 0, body.length, ...body]);
+}
+
+test('a response that does not come is a red row, and a device with findings is not green', async (t) => {
+  const silent = createServer((socket) => {
+    socket.on('data', (request) => socket.write(answer(request)));
+    socket.on('error', () => {});
+  }).listen(0, '127.0.0.1');
   await once(silent, 'listening');
   const own = await Plant.start((file) =>
     writeFileSync(
@@ -264,6 +275,12 @@ lines:
         poll_period: 100ms
         response_timeout: 200ms
         variables: [{name: A, type: uint16, register: 0, read: 0x03}]
+      - name: Half
+        address: 8
+        poll_period: 100ms
+        variables:
+          - {name: B, type: uint16, register: 0, read: 0x03}
+          - {name: C, type: int16, register: 500, read: 0x03, default: -1}
 `,
     ),
   );
@@ -273,6 +290,20 @@ lines:
   const row = page.locator('[role="row"]', { hasText: /No response within 200 ms/ }).first();
   await row.locator('.bad').waitFor();
   assert.match(await row.textContent(), /Mute/);
+  // One state in each view.
+  await page.locator('nav a[href="#/devices"]').click();
+  const device = page.locator('[role="row"]', { hasText: 'Half' });
+  await device.getByText('answering, with findings').waitFor();
+  assert.equal(await device.locator('.dot.warn').count(), 1);
+  await page.locator('nav a[href="#/overview"]').click();
+  await page.locator('.overview .states', { hasText: 'answering, with findings: 1' }).waitFor();
+  await page.getByRole('link', { name: 'Half: answering, with findings' }).waitFor();
+  // A variable that was never read has no value: its default is none.
+  await page.locator('nav a[href="#/live"]').click();
+  const value = (name) => page.getByRole('row', { name: new RegExp(`^Half ${name} `) }).locator('.value');
+  await page.getByRole('row', { name: /^Half B 42/ }).waitFor();
+  assert.equal(await value('B').count(), 1);
+  assert.equal(await value('C').count(), 0);
 });
 
 test('the times of a request and of its line are drawn', async () => {

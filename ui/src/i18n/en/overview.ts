@@ -1,8 +1,7 @@
 export const overview = {
   lines: 'Load of the lines',
   planned: (load: string) => `planned ${load}`,
-  moreLines: (n: number) => (n === 1 ? 'and 1 line with less load' : `and ${n} lines with less load`),
-  answeringWithFindings: 'answering, with findings',
+  moreLines: (n: number) => (n === 1 ? 'and 1 more line' : `and ${n} more lines`),
   ages: 'Ages and their proof',
   agesHint:
     'Of each device the value whose proved age leaves the least time before its deadline. ' +

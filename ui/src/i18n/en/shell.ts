@@ -14,6 +14,7 @@ export const shell = {
   state: {
     unknown: 'not asked yet',
     answering: 'answering',
+    troubled: 'answering, with findings',
     not_answering: 'not answering',
     switched_off: 'switched off',
     link_down: 'no connection',

@@ -5,8 +5,7 @@ import type { overview as source } from '../en/overview';
 export const overview: Translated<typeof source> = {
   lines: 'Загрузка линий',
   planned: (load) => `по расчёту ${load}`,
-  moreLines: (n) => `и ещё ${n} ${slavic('ru', n, 'линия', 'линии', 'линий')} с меньшей загрузкой`,
-  answeringWithFindings: 'отвечает, есть замечания',
+  moreLines: (n) => `и ещё ${n} ${slavic('ru', n, 'линия', 'линии', 'линий')}`,
   ages: 'Возраст и доказанный предел',
   agesHint:
     'Для каждого устройства — значение, доказанный возраст которого ближе всего к сроку. ' +

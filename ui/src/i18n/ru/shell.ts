@@ -22,6 +22,7 @@ export const shell: Translated<typeof source> = {
   state: {
     unknown: 'ещё не опрошено',
     answering: 'отвечает',
+    troubled: 'отвечает, есть замечания',
     not_answering: 'не отвечает',
     switched_off: 'отключено',
     link_down: 'нет соединения',

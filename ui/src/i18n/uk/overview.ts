@@ -5,8 +5,7 @@ import type { overview as source } from '../en/overview';
 export const overview: Translated<typeof source> = {
   lines: 'Завантаження ліній',
   planned: (load) => `за розрахунком ${load}`,
-  moreLines: (n) => `і ще ${n} ${slavic('uk', n, 'лінія', 'лінії', 'ліній')} з меншим завантаженням`,
-  answeringWithFindings: 'відповідає, є зауваження',
+  moreLines: (n) => `і ще ${n} ${slavic('uk', n, 'лінія', 'лінії', 'ліній')}`,
   ages: 'Вік і доведена межа',
   agesHint:
     'Для кожного пристрою — значення, доведений вік якого найближчий до строку. ' +

@@ -22,6 +22,7 @@ export const shell: Translated<typeof source> = {
   state: {
     unknown: 'ще не опитано',
     answering: 'відповідає',
+    troubled: 'відповідає, є зауваження',
     not_answering: 'не відповідає',
     switched_off: 'вимкнено',
     link_down: 'немає з’єднання',

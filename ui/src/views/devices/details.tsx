@@ -5,7 +5,7 @@ import { toast } from '../../shell/toasts';
 import { status } from '../../store/info';
 import { Icon } from '../../widgets/icon';
 import { LearntBlock } from './learnt';
-import { stateText } from './state';
+import { deviceState } from './state';
 import { AttemptText, NextProbe, TryNow } from './try_now';
 
 /** A setting for the project, to be copied. */
@@ -41,7 +41,7 @@ export function Details({ line, device }: { line: LineStatus; device: DeviceStat
       </dd>
       <dt>{texts.columns.state}</dt>
       <dd>
-        {stateText(device)}
+        {deviceState(line.name, device).text}
         {device.cause && <span class="muted"> ({texts.cause(device.cause)})</span>}
         <AttemptText line={line} device={device} />
       </dd>

@@ -1,25 +1,19 @@
 import type { OutputStatus } from '../../api/types';
 import { formatNumber, t } from '../../i18n';
-import { narrow } from '../../shell/narrow';
-import { type Column, Grid } from '../../widgets/grid';
-
-/** On a narrow screen: two lines for each output. */
-function shown(columns: Column<OutputStatus>[]): Column<OutputStatus>[] {
-  if (!narrow.value) return columns;
-  const folds = { failure: 'text', dropped: 'figure' } as const;
-  return columns
-    .filter(({ key }) => key !== 'destination' && key !== 'sampled')
-    .map((its) => (its.key in folds ? { ...its, folds: folds[its.key as keyof typeof folds] } : its));
-}
+import { Grid } from '../../widgets/grid';
 
 /** Where values are delivered to: sampled = delivered + waiting + dropped at all times. */
 export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
   const texts = t.value.devices;
-  const count = (key: 'sampled' | 'delivered' | 'waiting' | 'dropped') => ({
+  const count = (
+    key: 'sampled' | 'delivered' | 'waiting' | 'dropped',
+    fold: { foldedWidth: string } | { folds: 'figure' },
+  ) => ({
     key,
     title: texts.output[key],
-    width: narrow.value ? '80px' : '92px',
+    width: '92px',
     align: 'right' as const,
+    ...fold,
     cell: (its: OutputStatus) => formatNumber(its[key]),
   });
   return (
@@ -29,7 +23,7 @@ export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
       </header>
       <Grid
         label={texts.outputs}
-        columns={shown([
+        columns={[
           {
             key: 'name',
             title: texts.output.name,
@@ -40,6 +34,7 @@ export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
             key: 'state',
             title: texts.output.state,
             width: '112px',
+            foldedWidth: 'minmax(100px, 1fr)',
             cell: (its) => (
               <>
                 <i class={`dot ${its.failure ? 'bad' : its.state === 'delivering' ? 'good' : ''}`} />{' '}
@@ -50,24 +45,36 @@ export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
           {
             key: 'destination',
             title: texts.output.destination,
-            width: 'minmax(120px, 1.3fr)',
-            cell: (its) => <span title={its.destination}>{its.destination}</span>,
+            width: 'minmax(260px, 1.3fr)',
+            folds: 'text',
+            cell: (its) => (
+              <span class="text" title={its.destination}>
+                {its.destination}
+              </span>
+            ),
           },
-          count('sampled'),
-          count('delivered'),
-          count('waiting'),
-          count('dropped'),
+          count('sampled', { folds: 'figure' }),
+          count('delivered', { foldedWidth: '84px' }),
+          count('waiting', { foldedWidth: '84px' }),
+          count('dropped', { folds: 'figure' }),
           {
             key: 'failure',
             title: texts.output.failure,
-            width: 'minmax(110px, 1fr)',
+            width: 'minmax(150px, 1fr)',
+            folds: 'text',
+            line: 3,
+            wraps: true,
             cell: (its) => {
               const behind = its.falls_behind;
               const text = its.failure ?? behind?.text;
-              return <span title={[text, behind?.advice].filter(Boolean).join('. ')}>{text ?? '–'}</span>;
+              return (
+                <span class="text" title={[text, behind?.advice].filter(Boolean).join('. ')}>
+                  {text ?? '–'}
+                </span>
+              );
             },
           },
-        ])}
+        ]}
         rows={outputs}
         rowKey={(its) => its.name}
       />

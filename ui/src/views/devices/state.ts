@@ -1,10 +1,40 @@
-// The state of a device in words.
+// The state of a device in words and as a colour.
+import { computed } from '@preact/signals';
 import type { DeviceStatus } from '../../api/types';
 import { t } from '../../i18n';
+import { status } from '../../store/info';
+
+export type Tone = 'good' | 'warn' | 'bad' | '';
+
+const TONES = {
+  unknown: '',
+  answering: 'good',
+  not_answering: 'bad',
+  switched_off: '',
+  link_down: 'bad',
+} as const;
 
 /** A device whose responses are damaged or do not fit is not called silent. */
-export function stateText({ state, cause }: Pick<DeviceStatus, 'state' | 'cause'>): string {
+function stateText({ state, cause }: DeviceStatus): string {
   if (state === 'not_answering' && cause === 'bad_checksum') return t.value.state.damaged;
   if (state === 'not_answering' && cause === 'unexpected_reply') return t.value.state.unfitting;
   return t.value.state[state];
+}
+
+/** Devices with findings, as "line/device". */
+const found = computed(
+  () =>
+    new Set(
+      status.value?.problems
+        .filter((its) => its.severity !== 'note')
+        .map((its) => `${its.line}/${its.device}`),
+    ),
+);
+
+/** A device that answers, and has findings or values that are not good, is no good one. */
+export function deviceState(line: string, device: DeviceStatus): { tone: Tone; text: string } {
+  const troubled =
+    device.values.bad + device.values.uncertain > 0 || found.value.has(`${line}/${device.name}`);
+  if (device.state === 'answering' && troubled) return { tone: 'warn', text: t.value.state.troubled };
+  return { tone: TONES[device.state], text: stateText(device) };
 }

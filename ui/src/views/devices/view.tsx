@@ -9,17 +9,9 @@ import { type Column, Grid } from '../../widgets/grid';
 import { Details } from './details';
 import { OutputList } from './outputs';
 import { SearchPanel } from './search';
-import { stateText } from './state';
+import { deviceState } from './state';
 import { TryNow } from './try_now';
 import '../../style/devices.css';
-
-export const DEVICE_DOTS = {
-  unknown: '',
-  answering: 'good',
-  not_answering: 'bad',
-  switched_off: '',
-  link_down: 'bad',
-} as const;
 
 /** Line and device, as "line/device". */
 const chosen = signal('');
@@ -37,18 +29,18 @@ const current = computed(() => {
   return null;
 });
 
-/** On a narrow screen: two lines for each device. What is missing is in the details of the device. */
+/** On a narrow screen: three lines for each device. The address is in its details. */
 const NARROW: Record<string, Partial<Column<DeviceStatus>> | null> = {
   device: { width: 'minmax(92px, 1fr)' },
   address: null,
-  state: { width: 'minmax(144px, 1.4fr)' },
+  state: { width: 'minmax(126px, 1.4fr)' },
   values: { folds: 'text' },
-  response: { width: '68px' },
-  sent: { width: '66px' },
+  response: { width: '74px' },
+  sent: { width: '78px' },
   failed: { folds: 'figure' },
   exceptions: { folds: 'figure' },
-  late_answers: null,
-  available: null,
+  late_answers: { folds: 'figure', line: 3 },
+  available: { line: 3 },
 };
 
 function shownColumns(line: LineStatus): Column<DeviceStatus>[] {
@@ -75,12 +67,18 @@ function columns(line: LineStatus): Column<DeviceStatus>[] {
       key: 'state',
       title: texts.state,
       width: 'minmax(168px, 1.2fr)',
-      cell: (its) => (
-        <>
-          <i class={`dot ${DEVICE_DOTS[its.state]}`} /> {stateText(its)}
-          {!narrow.value && <TryNow line={line} device={its} />}
-        </>
-      ),
+      cell: (its) => {
+        const { tone, text } = deviceState(line.name, its);
+        return (
+          <>
+            <i class={`dot ${tone}`} />
+            <span class="text" title={text}>
+              {text}
+            </span>
+            {!narrow.value && <TryNow line={line} device={its} />}
+          </>
+        );
+      },
     },
     {
       key: 'values',

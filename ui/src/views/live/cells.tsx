@@ -64,7 +64,7 @@ export function QualityCell({ row }: { row: Row }) {
   const why = words.map(t.value.devices.cause).join(', ');
   return (
     <span class="quality" title={why || word}>
-      <i class={`dot ${DOTS[quality]}`} /> {word}
+      <i class={`dot ${DOTS[quality]}`} /> <span class="word">{word}</span>
       {why && <span class="muted">{why}</span>}
     </span>
   );

@@ -37,6 +37,12 @@ export function bitsOf(type: string, value: number | boolean): bigint | null {
 const grouped = (digits: string, size: number) =>
   (digits.match(new RegExp(`.{1,${size}}(?=(.{${size}})*$)`, 'g')) ?? []).join(' ');
 
+/** Without its default where none was ever read: it is no value of the device. */
+export const withoutDefault = (its: LiveValue): LiveValue =>
+  !its.local && its.sampled_at === null && (its.quality === 'bad' || its.quality === 'never_read')
+    ? { ...its, value: null, text: '' }
+    : its;
+
 /** Whether the other formats make sense for a value. */
 export function hasBits(value: LiveValue): boolean {
   const its = value.value;

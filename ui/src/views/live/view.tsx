@@ -157,7 +157,7 @@ function columns(): Column<Row>[] {
       title: texts.name,
       width: 'minmax(115px, 1.2fr)',
       sortable: true,
-      cell: (row) => <span class={typeClass(row.peek().type)}>{row.peek().name}</span>,
+      cell: (row) => <span class={`text ${typeClass(row.peek().type)}`}>{row.peek().name}</span>,
     },
     {
       key: 'value',

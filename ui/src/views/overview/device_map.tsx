@@ -1,10 +1,9 @@
 // All devices, coloured by state: by name where they are few, else as cells.
 import { useRef, useState } from 'preact/hooks';
-import type { DeviceStatus, LineStatus, Problem } from '../../api/types';
+import type { DeviceStatus, LineStatus } from '../../api/types';
 import { t } from '../../i18n';
 import { status } from '../../store/info';
-import { stateText } from '../devices/state';
-import { DEVICE_DOTS } from '../devices/view';
+import { deviceState, type Tone } from '../devices/state';
 
 const MOST_NAMES = 30;
 /** Colours are not the only mark of a state. */
@@ -13,30 +12,19 @@ const SIGNS = { good: '', warn: '!', bad: '×', '': '' } as const;
 export interface MappedDevice {
   line: string;
   device: DeviceStatus;
-  tone: keyof typeof SIGNS;
+  tone: Tone;
+  text: string;
 }
 
-/** A device that answers, and has findings or values that are not good, is no good one. */
-export function mapped(lines: LineStatus[], problems: Problem[]): MappedDevice[] {
-  const found = new Set(
-    problems.filter((its) => its.severity !== 'note').map((its) => `${its.line}/${its.device}`),
+export const mapped = (lines: LineStatus[]): MappedDevice[] =>
+  lines.flatMap((line) =>
+    line.devices.map((device) => ({ line: line.name, device, ...deviceState(line.name, device) })),
   );
-  return lines.flatMap((line) =>
-    line.devices.map((device) => {
-      const troubled =
-        device.values.bad + device.values.uncertain > 0 || found.has(`${line.name}/${device.name}`);
-      const dot = DEVICE_DOTS[device.state];
-      return { line: line.name, device, tone: dot === 'good' && troubled ? 'warn' : dot };
-    }),
-  );
-}
 
-/** "answering: 297", one for each state and colour; the worst first. */
-export function counted(devices: MappedDevice[]): { tone: string; text: string; count: number }[] {
-  const counts = new Map<string, { tone: string; text: string; count: number }>();
-  const { answeringWithFindings } = t.value.overview;
-  for (const { device, tone } of devices) {
-    const text = device.state === 'answering' && tone === 'warn' ? answeringWithFindings : stateText(device);
+/** "answering: 297", one for each state; the worst first. */
+export function counted(devices: MappedDevice[]): { tone: Tone; text: string; count: number }[] {
+  const counts = new Map<string, { tone: Tone; text: string; count: number }>();
+  for (const { tone, text } of devices) {
     const known = counts.get(text);
     if (known) ++known.count;
     else counts.set(text, { tone, text, count: 1 });
@@ -51,7 +39,7 @@ export function DeviceMap() {
   const its = status.value;
   const list = useRef<HTMLUListElement>(null);
   const [current, setCurrent] = useState(0);
-  const devices = mapped(its?.lines ?? [], its?.problems ?? []);
+  const devices = mapped(its?.lines ?? []);
   const names = devices.length <= MOST_NAMES;
   // The cells are one stop of the Tab key.
   const onKeyDown = (event: KeyboardEvent) => {
@@ -70,8 +58,8 @@ export function DeviceMap() {
       onKeyDown={names ? undefined : onKeyDown}
       aria-label={t.value.devices.title}
     >
-      {devices.map(({ line, device, tone }, index) => {
-        const words = `${device.name}: ${stateText(device)}`;
+      {devices.map(({ line, device, tone, text }, index) => {
+        const words = `${device.name}: ${text}`;
         const where = new URLSearchParams({ line, device: device.name });
         return (
           <li key={`${line}/${device.name}`}>

@@ -160,7 +160,7 @@ export function OverviewView() {
   const texts = t.value.overview;
   const its = status.value;
   if (!its) return <p class="muted">{t.value.shell.loading}</p>;
-  const devices = mapped(its.lines, its.problems);
+  const devices = mapped(its.lines);
   return (
     <div class="overview">
       <section class="panel map-panel" aria-labelledby="overview-devices">

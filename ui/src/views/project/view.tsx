@@ -113,7 +113,7 @@ export function ProjectView() {
       </div>
       <Split
         name="project"
-        start={56}
+        start={48}
         left={
           <div class="panel editing">
             <Tree />

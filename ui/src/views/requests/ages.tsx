@@ -48,11 +48,18 @@ function columns(line: PlannedLine): Column<Age>[] {
         </span>
       ),
     },
-    { key: 'bar', title: texts.columns.share, width: 'minmax(110px, 1fr)', cell: (its) => <Bar age={its} /> },
+    {
+      key: 'bar',
+      title: texts.columns.share,
+      width: 'minmax(110px, 1fr)',
+      folds: 'text',
+      cell: (its) => <Bar age={its} />,
+    },
     {
       key: 'limit',
       title: texts.columns.limit,
       width: '84px',
+      foldedWidth: '110px',
       align: 'right',
       cell: (its) => (its.limit_us === null ? '' : microseconds(its.limit_us)),
     },
@@ -60,6 +67,7 @@ function columns(line: PlannedLine): Column<Age>[] {
       key: 'request',
       title: texts.columns.function,
       width: '120px',
+      folds: 'figure',
       cell: (its) => <span class="mono muted">{requestWords(line.requests[its.request]!)}</span>,
     },
   ];

@@ -45,6 +45,7 @@ function Content() {
         {evaluation.value ? (outdated.value ? texts.outdated : texts.noLine) : texts.waiting}
       </p>
     );
+  if (line.requests.length === 0) return <p class="muted nothing">{texts.noRequests}</p>;
   const late = ages.filter((its) => !its.holds).length;
   return (
     <>

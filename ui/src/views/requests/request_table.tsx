@@ -21,6 +21,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
             key: 'device',
             title: texts.device,
             width: 'minmax(91px, 0.6fr)',
+            foldedWidth: 'minmax(62px, 1fr)',
             cell: (its: PlannedRequest) => <span class="text">{its.device}</span>,
           },
         ]
@@ -29,18 +30,34 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
       key: 'function',
       title: texts.function,
       width: '74px',
+      foldedWidth: '54px',
       cell: (its) => (
         <span class="mono" title={functionsOf(its).map(functionName).join(', ')}>
           {functionsOf(its).map(hex).join(' ')}
         </span>
       ),
     },
-    { key: 'start', title: texts.start, width: '66px', ...right, cell: (its) => its.start },
-    { key: 'quantity', title: texts.quantity, width: '46px', ...right, cell: (its) => its.quantity },
+    {
+      key: 'start',
+      title: texts.start,
+      width: '66px',
+      foldedWidth: '54px',
+      ...right,
+      cell: (its) => its.start,
+    },
+    {
+      key: 'quantity',
+      title: texts.quantity,
+      width: '52px',
+      foldedWidth: '38px',
+      ...right,
+      cell: (its) => its.quantity,
+    },
     {
       key: 'variables',
       title: texts.variables,
-      width: 'minmax(87px, 1.6fr)',
+      width: 'minmax(260px, 1.6fr)',
+      folds: 'text',
       cell: (its) => (
         <span class="text" title={its.variables.slice(0, MOST_NAMES).join('\n')}>
           {its.variables.length > 1 && <b class="count">{its.variables.length}</b>}
@@ -48,14 +65,22 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
         </span>
       ),
     },
-    { key: 'time', title: texts.time, width: '72px', ...right, cell: (its) => microseconds(its.bus_time_us) },
+    {
+      key: 'time',
+      title: texts.time,
+      width: '72px',
+      foldedWidth: '62px',
+      ...right,
+      cell: (its) => microseconds(its.bus_time_us),
+    },
     {
       key: 'period',
       title: texts.period,
-      width: '86px',
+      width: '92px',
+      foldedWidth: 'minmax(102px, 0.6fr)',
       ...right,
       cell: (its) => (
-        <span class="text" title={whenWords(its)}>
+        <span class={`text ${its.period_ms === null ? 'small' : ''}`} title={whenWords(its)}>
           {whenWords(its)}
         </span>
       ),
@@ -64,7 +89,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
       key: 'gaps',
       title: texts.gaps,
       width: '64px',
-      folds: 'figure',
+      folds: 'hidden',
       ...right,
       cell: (its) => <span title={its.bridged}>{gapsOf(its, variables) || ''}</span>,
     },
@@ -72,7 +97,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
       key: 'bytes',
       title: texts.bytes,
       width: '52px',
-      folds: 'figure',
+      folds: 'hidden',
       ...right,
       cell: (its) => bytesOf(line.framing, its),
     },
@@ -81,8 +106,10 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
       title: texts.reason,
       width: 'minmax(260px, 2fr)',
       folds: 'text',
+      line: 3,
+      wraps: true,
       cell: (its) => (
-        <span class="text muted" title={its.why}>
+        <span class="text muted small" title={its.why}>
           {its.why}
         </span>
       ),
@@ -167,7 +194,6 @@ export function RequestTable({ line }: { line: PlannedLine }) {
           setCell(to);
           choose(to);
         }}
-        empty={texts.noRequests}
       />
       {its ? (
         <Details its={its} line={line} gaps={gapsOf(its, variables)} />
