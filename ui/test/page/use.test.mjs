@@ -467,6 +467,7 @@ test('300 devices are on one screen, coloured by state', async (t) => {
   for (const viewport of [
     { width: 1440, height: 900 },
     { width: 1024, height: 768 },
+    { width: 390, height: 844 },
   ]) {
     const page = await openPage(context, `${own.url}?lang=en&theme=light`, errors, viewport);
     await page.locator('.overview .devices-map a.good').nth(299).waitFor();

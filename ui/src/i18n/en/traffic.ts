@@ -35,6 +35,8 @@ export const traffic = {
   shown: (n: number) => `${n} frames`,
   waiting: 'Waiting for frames…',
   histogram: 'Times of the request',
+  /** The bars after the 99th percentile. */
+  tail: (n: string) => `slower than p99: ${n}, own scale`,
   parts: {
     title: 'Where the time goes',
     wire: 'On the wire',

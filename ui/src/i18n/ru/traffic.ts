@@ -38,6 +38,7 @@ export const traffic: Translated<typeof source> = {
   shown: (n: number) => `Кадров: ${n}`,
   waiting: 'Ждём кадры…',
   histogram: 'Время выполнения запроса',
+  tail: (n) => `дольше p99: ${n}, свой масштаб`,
   parts: {
     title: 'На что уходит время',
     wire: 'Передача по линии',

@@ -38,6 +38,7 @@ export const traffic: Translated<typeof source> = {
   shown: (n: number) => `Кадрів: ${n}`,
   waiting: 'Чекаємо на кадри…',
   histogram: 'Час виконання запиту',
+  tail: (n) => `довше за p99: ${n}, власний масштаб`,
   parts: {
     title: 'На що йде час',
     wire: 'Передача лінією',

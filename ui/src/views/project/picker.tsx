@@ -96,9 +96,15 @@ function List(props: {
             >
               <span class={typeClass(its.type)}>{its.name}</span>
               <span class="muted small">{wordType(its.type)}</span>
-              <span class="small">{its.retain ? '☑' : '☐'}</span>
-              <span class="small">{its.initial}</span>
-              <span class="small">{its.used ? t.value.shell.yes : t.value.shell.no}</span>
+              <span class={`small ${its.retain ? '' : 'usual'}`} data-title={keyText('retain')}>
+                {its.retain ? '☑' : '☐'}
+              </span>
+              <span class="small" data-title={keyText('default')}>
+                {its.initial}
+              </span>
+              <span class={`small ${its.used ? 'usual' : ''}`} data-title={keyText('used')}>
+                {its.used ? t.value.shell.yes : t.value.shell.no}
+              </span>
               <span class="muted small comment">{its.comment}</span>
             </div>
           </>
