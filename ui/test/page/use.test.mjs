@@ -43,6 +43,9 @@ test('grouping switched off shows what it costs, and undo takes it back', async 
   await page.getByLabel('Group requests').selectOption('false');
   await page.getByText(/9 requests instead of 16/).waitFor();
   assert.ok(await page.getByLabel('Registers per request').isDisabled());
+  // Words of the IDE are explained where they stand, by keyboard too.
+  await page.getByLabel('Group requests').press('Tab');
+  await page.locator('.hint:focus .tip', { hasText: 'neighbouring variables share a request' }).waitFor();
   await page.keyboard.press('Control+z');
   await page.getByText('6 requests instead of 16').waitFor();
 });

@@ -1,4 +1,5 @@
 import { devices } from './devices';
+import { hints } from './hints';
 import { keys, objectKeys, words } from './keys';
 import { live } from './live';
 import { overview } from './overview';
@@ -12,6 +13,7 @@ export const en = {
   ...shell,
   keys,
   objectKeys,
+  hints,
   words,
   overview,
   project,

@@ -109,6 +109,11 @@ export const project = {
     wrong: 'Write four bytes, for example 00 00 3F 80.',
   },
   picker: {
+    kinds: {
+      standard: 'A standard variable is a value of the program itself.',
+      service: 'A service variable is a state that the program keeps of its lines and devices.',
+      network: 'A network variable is read from a device, or written to it.',
+    },
     title: 'Choose a variable or create a new one',
     standard: (n: number) => `Standard (${n})`,
     service: (n: number) => `Service (${n})`,

@@ -1,5 +1,6 @@
 import type { Texts } from '..';
 import { devices } from './devices';
+import { hints } from './hints';
 import { keys, objectKeys, words } from './keys';
 import { live } from './live';
 import { overview } from './overview';
@@ -13,6 +14,7 @@ export const uk: Texts = {
   ...shell,
   keys,
   objectKeys,
+  hints,
   words,
   overview,
   project,

@@ -14,6 +14,7 @@ import {
 } from './byte_order';
 import { setKeys } from './edit';
 import { bound, objectAt } from './field';
+import { Hint } from '../../widgets/hint';
 import { Mark } from '../../widgets/mark';
 
 const sample = signal('00 00 3F 80');
@@ -61,7 +62,12 @@ export function ByteOrderBlock({ path }: { path: Path }) {
           </label>
         ))}
         <span class="permutation" id={named.id} tabIndex={-1}>
-          Float: <b>{spaced(digits)}</b>
+          Float: <b>{spaced(digits)}</b>{' '}
+          <Hint
+            text={(['byte_order', 'high_byte_first', 'high_register_first'] as const)
+              .map((key) => t.value.hints[key])
+              .join(' ')}
+          />
         </span>
         <Mark findings={findings} />
       </div>

@@ -4,7 +4,7 @@ import { t } from '../../i18n';
 import { plainType, TYPES } from './cells';
 import type { TableColumn } from './columns';
 import { keyText, wordText } from './rules';
-import { wordType } from './words';
+import { functionChoice, wordType } from './words';
 
 const FUNCTIONS = {
   read: ['none', '0x01', '0x02', '0x03', '0x04'],
@@ -16,15 +16,11 @@ const WORDS: Record<string, string[]> = {
   answer: ['when_done', 'at_once'],
 };
 
-export function functionText(word: string): string {
-  return word === 'none' ? t.value.project.functions.none : word;
-}
-
 /** The words of a cell that is chosen from a list, with their texts; undefined: it is typed. */
 export function cellChoices(column: TableColumn): [string, string][] | undefined {
   if (column.kind === 'type') return TYPES.map((its) => [its, wordType(its)]);
   if (column.kind === 'function')
-    return FUNCTIONS[column.key === 'write' ? 'write' : 'read'].map((its) => [its, functionText(its)]);
+    return FUNCTIONS[column.key === 'write' ? 'write' : 'read'].map((its) => [its, functionChoice(its)]);
   if (column.kind === 'word') return WORDS[column.key]?.map((its) => [its, wordText(its)]);
   return undefined;
 }

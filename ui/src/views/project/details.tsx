@@ -104,6 +104,7 @@ export function Details() {
   if (path[0] === 'locals')
     return (
       <div class="item-details">
+        <p class="explained muted small">{texts.picker.kinds.standard}</p>
         <VariableTable path={['locals']} object="local" label={texts.table.locals} />
       </div>
     );

@@ -8,7 +8,7 @@ import { strategyOf } from '../requests/figures';
 import { ByteOrderBlock } from './byte_order_block';
 import { readOnly, setKey, setKeys } from './edit';
 import { bound, isWrong, KeyField, objectAt, Row } from './field';
-import { keyText, profileOf, rulesAt, wordText } from './rules';
+import { hintText, keyText, profileOf, rulesAt, wordText } from './rules';
 import { framingOf, transportOf } from './tree';
 import { protocolText } from './words';
 
@@ -47,6 +47,7 @@ function Protocol({ path }: { path: Path }) {
     <Row
       id={`${its.id}-of-device`}
       label={keyText('framing')}
+      help={hintText('framing', 'line')}
       findings={its.findings}
       note={`${ofLine} ${limit?.greatest ? texts.cut(limit.greatest) : ''}`}
       wide
@@ -93,6 +94,7 @@ function Grouping({ path, device }: { path: Path; device: Mapping }) {
     <Row
       id={its.id}
       label={keyText('group_requests')}
+      help={`${hintText('group_requests', 'device')} ${hintText('strategy', 'device')}`}
       findings={its.findings}
       note={strategy === 'single' ? texts.off : texts.strategy(wordText(strategy))}
     >

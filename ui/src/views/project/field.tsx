@@ -5,13 +5,14 @@ import type { FieldRule, Finding, Mapping, Node } from '../../api/types';
 import { t } from '../../i18n';
 import { at, formatPath, isMapping, type Path } from '../../store/document';
 import { draft, findingsByPath } from '../../store/project';
+import { Hint } from '../../widgets/hint';
 import { Mark } from '../../widgets/mark';
 import { type CellKind, durationText, isYes, milliseconds, nodeText, plainType, rawOf } from './cells';
 import { isProtected, readOnly, setKey } from './edit';
 import { LocalPick } from './local_pick';
-import { boundText, keyText, rangeText, rulesAt, wordText } from './rules';
+import { boundText, hintText, keyText, rangeText, rulesAt, wordText } from './rules';
 import { serverTransportOf, transportOf } from './tree';
-import { protocolText, wordType } from './words';
+import { functionChoice, protocolText, wordType } from './words';
 
 const NO_FINDINGS: Finding[] = [];
 
@@ -84,6 +85,8 @@ export function Row(props: {
   hint?: string | undefined;
   findings?: Finding[];
   note?: ComponentChildren;
+  /** What the label means. */
+  help?: string | undefined;
   wide?: boolean;
   children: ComponentChildren;
 }) {
@@ -93,6 +96,7 @@ export function Row(props: {
       <div class="control">
         {props.children}
         {props.hint && <span class="range muted small">{props.hint}</span>}
+        {props.help && <Hint text={props.help} />}
         <Mark id={`${props.id}-tip`} findings={props.findings ?? NO_FINDINGS} />
       </div>
       {props.note && <p class="note muted small">{props.note}</p>}
@@ -134,7 +138,7 @@ const USUAL: Record<string, string> = {
 function wordName(rule: FieldRule, word: string, path: Path, name: string): string {
   if (name === 'framing') return protocolText(transportAt(path), word);
   if (rule.kind === 'boolean') return t.value.shell[word === 'true' ? 'yes' : 'no'];
-  if (rule.kind === 'function') return word === 'none' ? t.value.project.functions.none : word;
+  if (rule.kind === 'function') return functionChoice(word);
   return rule.words?.includes('uint16') ? wordType(word) : wordText(word);
 }
 
@@ -250,6 +254,7 @@ export function KeyField(props: {
       id={its.id}
       label={label}
       hint={rangeText(rule)}
+      help={hintText(props.name, props.object)}
       findings={findings}
       note={props.note ?? (isProtected(props.name) ? t.value.project.onlyInFile : undefined)}
       wide={props.wide ?? false}

@@ -154,6 +154,7 @@ export function Picker(props: PickerProps) {
           }))}
           onValue={(to) => setTab(Number(to))}
         />
+        <p class="muted small">{texts.kinds[its.kind]}</p>
         <div class="tools">
           <label class="search">
             <Icon name="search" />

@@ -79,3 +79,11 @@ export const keyText = (key: string, object = ''): string =>
   (t.value.objectKeys as Record<string, string>)[`${object}.${key}`] ??
   (t.value.keys as Record<string, string>)[key] ??
   key;
+
+/** Objects whose keys mean what those of a project, line, device or variable mean. */
+const EXPLAINED = ['project', 'line', 'server', 'device', 'variable', 'local', 'served_variable'];
+/** What a key means; undefined: its name says it. */
+export function hintText(key: string, object: string): string | undefined {
+  const hints: Record<string, string> = t.value.hints;
+  return hints[`${object}.${key}`] ?? (EXPLAINED.includes(object) ? hints[key] : undefined);
+}

@@ -12,7 +12,7 @@ import { CoilDialog } from './coil_question';
 import type { TableColumn, TableObject } from './columns';
 import { importing } from './importing';
 import { Picker } from './picker';
-import { keyText } from './rules';
+import { hintText, keyText } from './rules';
 import { lit, wanted } from './selection';
 import { CellView } from './table_cell';
 import { type TableState, useTable } from './table_state';
@@ -143,6 +143,8 @@ export function VariableTable({ path, object, label }: { path: Path; object: Tab
     else state.paste(text);
   };
   const findings = currentFindings(state);
+  const column = state.current && state.columns[state.current.column];
+  const help = column && hintText(column.key, object);
   const lights = object === 'variable' ? lit.value.variables : null;
   return (
     <div
@@ -207,7 +209,12 @@ export function VariableTable({ path, object, label }: { path: Path; object: Tab
             <b aria-hidden="true">!</b> {its.message} <span class="muted">{its.advice}</span>
           </p>
         ))}
-        {findings.length === 0 && !state.locked && <p class="muted small hint">{texts.hint}</p>}
+        {findings.length === 0 && help && (
+          <p class="small">
+            <b>{keyText(column.key)}.</b> <span class="muted">{help}</span>
+          </p>
+        )}
+        {findings.length === 0 && !help && !state.locked && <p class="muted small hint">{texts.hint}</p>}
       </div>
       {state.openPaste && (
         <CoilDialog

@@ -3,12 +3,11 @@ import { t } from '../../i18n';
 import { at, formatPath, textAt } from '../../store/document';
 import { draft, findingsByPath } from '../../store/project';
 import { cellText, durationText, isYes, plainType, typeClass } from './cells';
-import { functionText } from './cell_editor';
 import type { TableColumn } from './columns';
 import { keyText, wordText } from './rules';
 import type { TableState } from './table_state';
 import { markOf } from './tree';
-import { wordType } from './words';
+import { functionChoice, functionText, wordType } from './words';
 
 function shownText(state: TableState, column: TableColumn, index: number): { text: string; usual?: boolean } {
   const row = state.list[index]!;
@@ -66,12 +65,13 @@ export function CellView(props: { state: TableState; column: TableColumn; row: n
   }
   const { text, usual } = shownText(state, column, index);
   const type = typeof its.type === 'string' ? plainType(its.type) : '';
+  const title = column.kind === 'function' && text !== '' ? functionChoice(String(its[column.key])) : text;
   const coloured = column.key === 'name' || column.key === 'type';
   return (
     <>
       <span
         class={`text ${usual ? 'muted' : ''} ${coloured ? typeClass(type) : ''}`}
-        title={usual ? t.value.project.defaultIs(text) : text}
+        title={usual ? t.value.project.defaultIs(text) : title}
       >
         {text}
       </span>

@@ -1,5 +1,6 @@
 // Words of types and protocols in the current language.
 import { t } from '../../i18n';
+import { functionName } from '../requests/words';
 import { plainType } from './cells';
 
 export function wordType(type: string): string {
@@ -11,4 +12,12 @@ export function protocolText(transport: string, framing: string): string {
   const texts = t.value.project.protocol;
   if (framing === 'rtu' && transport === 'tcp') return texts.rtuOverTcp;
   return (texts as unknown as Record<string, string>)[framing] ?? framing;
+}
+
+export function functionText(word: string): string {
+  return word === 'none' ? t.value.project.functions.none : word;
+}
+/** "0x03: Read holding registers" */
+export function functionChoice(word: string): string {
+  return word === 'none' ? functionText(word) : `${word}: ${functionName(Number(word))}`;
 }

@@ -30,7 +30,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
       key: 'function',
       title: texts.function,
       width: '74px',
-      foldedWidth: '54px',
+      foldedWidth: '58px',
       cell: (its) => (
         <span class="mono" title={functionsOf(its).map(functionName).join(', ')}>
           {functionsOf(its).map(hex).join(' ')}
@@ -41,7 +41,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
       key: 'start',
       title: texts.start,
       width: '66px',
-      foldedWidth: '54px',
+      foldedWidth: '50px',
       ...right,
       cell: (its) => its.start,
     },

@@ -4,6 +4,7 @@ import { t } from '../../i18n';
 import { toast } from '../../shell/toasts';
 import { listAt } from '../../store/document';
 import { draft, setNodes } from '../../store/project';
+import { Hint } from '../../widgets/hint';
 import { readOnly, withKey } from '../project/edit';
 import { profileOf } from '../project/rules';
 import { lineStrategy, strategyOf } from './figures';
@@ -119,12 +120,10 @@ export function Strategies({ line }: { line: PlannedLine }) {
         if (!cost) return null;
         const bad = cost.utilization > 1;
         return (
-          <div
-            key={name}
-            class={`strategy ${current === name ? 'current' : ''}`}
-            title={texts[`${name}Hint`]}
-          >
-            <b>{texts[name]}</b>
+          <div key={name} class={`strategy ${current === name ? 'current' : ''}`}>
+            <b>
+              {texts[name]} <Hint text={texts[`${name}Hint`]} />
+            </b>
             <span>{texts.requests(cost.requests)}</span>
             <div class="meter" aria-hidden="true">
               <span
