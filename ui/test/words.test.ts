@@ -50,3 +50,11 @@ test('a fault of the frame is named, an exception is described', async () => {
     'чтение катушек → исключение 1',
   );
 });
+
+test('units in texts of the program are those of the language', async () => {
+  const { withUnits } = await import('../src/i18n');
+  assert.equal(
+    withUnits('отвечает в среднем за 12.6 ms, цикл 1 s; turnaround: 4ms; 5 sensors'),
+    'отвечает в среднем за 12.6 мс, цикл 1 с; turnaround: 4ms; 5 sensors',
+  );
+});

@@ -66,6 +66,11 @@ export function formatDuration(ms: number): string {
   if (ms < 3_600_000) return `${Math.floor(ms / 60_000)} ${u.min} ${Math.floor((ms % 60_000) / 1000)} ${u.s}`;
   return `${Math.floor(ms / 3_600_000)} ${u.h} ${Math.floor((ms % 3_600_000) / 60_000)} ${u.min}`;
 }
+/** Texts of the program have the units of its tables: "12.6 ms" in each language. */
+export const withUnits = (text: string): string =>
+  text.replace(/(\d) (ms|s|min|h)(?!\w)/g, (_, digit: string, unit: 'ms' | 's' | 'min' | 'h') => {
+    return `${digit} ${t.value.units[unit]}`;
+  });
 export function formatClock(ms: number, millis = false): string {
   const date = new Date(ms);
   const base = date.toLocaleTimeString(language.value, { hour12: false });

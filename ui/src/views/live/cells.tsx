@@ -46,10 +46,7 @@ export function ValueCell({ row, format }: { row: Row; format: Format }) {
       : (format === 'normal' && its.words) || formatValue(its, format);
   const stale = its.quality === 'good' ? '' : 'stale';
   return (
-    <span
-      class={`value ${typeClass(its.type)} ${stale} ${format === 'normal' ? '' : 'mono'}`}
-      title={its.text}
-    >
+    <span class={`value ${typeClass(its.type)} ${stale} ${format === 'normal' ? '' : 'mono'}`} title={text}>
       {text}
     </span>
   );

@@ -1,6 +1,6 @@
 // Measures that would make the deadlines hold. One click applies all changes of a measure.
 import type { Measure, PlannedLine } from '../../api/types';
-import { t } from '../../i18n';
+import { t, withUnits } from '../../i18n';
 import { parsePath } from '../../store/document';
 import { seekingMeasures, setNodes } from '../../store/project';
 import { readOnly } from '../project/edit';
@@ -63,7 +63,7 @@ export function Measures({ line }: { line: PlannedLine }) {
           return (
             <div key={i} class="measure">
               <div>
-                <b>{its.text}</b>
+                <b>{withUnits(its.text)}</b>
                 <span class="muted small">
                   {texts.after(percent(its.utilization_before), percent(its.utilization_after))}
                   {'; '}
