@@ -21,8 +21,8 @@ test('frames are described in the language of the page', async () => {
   const { frameWords } = await import('../src/views/traffic/words');
   const cases = [
     ['unit 16 read holding registers 0..9', 'чтение регистров хранения 0..9'],
-    ['unit 16 read coils 0..1 → 2 values: 0 1', 'чтение катушек 0..1 → значений 2: 0 1'],
-    ['unit 1 write single coil 5 = on', 'запись катушки 5 = вкл.'],
+    ['unit 16 read coils 0..1 → 2 values: 0 1', 'чтение дискретных выходов 0..1 → значений 2: 0 1'],
+    ['unit 1 write single coil 5 = on', 'запись дискретного выхода 5 = вкл.'],
     ['unit 1 write multiple registers 8..9 → 8..9 written', 'запись регистров 8..9 → 8..9 записано'],
     [
       'unit 1 read/write multiple registers read 1, write 2 = 3',
@@ -30,7 +30,7 @@ test('frames are described in the language of the page', async () => {
     ],
     [
       'unit 1 read coils 0 → exception 2 illegal data address',
-      'чтение катушек 0 → исключение 2 недопустимый адрес данных',
+      'чтение дискретных выходов 0 → исключение 2 недопустимый адрес данных',
     ],
   ] as const;
   for (const [words, wanted] of cases) assert.equal(frameWords(frame(words)), wanted);
@@ -47,7 +47,7 @@ test('a fault of the frame is named, an exception is described', async () => {
   assert.equal(frameWords(frame('checksum', 'checksum')), 'неверная контрольная сумма');
   assert.equal(
     frameWords(frame('unit 1 read coils → exception 1', 'exception')),
-    'чтение катушек → исключение 1',
+    'чтение дискретных выходов → исключение 1',
   );
 });
 

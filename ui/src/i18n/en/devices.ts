@@ -63,7 +63,6 @@ export const devices = {
     most: (n: number) => `At most ${n} items in one request.`,
     nothing: 'There are no gaps between its groups.',
     off: 'Off: set `gaps: learn` for the device.',
-    functions: { 1: 'Coils', 2: 'Discrete inputs', 3: 'Holding registers', 4: 'Input registers' },
   },
   search: {
     title: 'Find devices',

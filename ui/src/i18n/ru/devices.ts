@@ -66,7 +66,6 @@ export const devices: Translated<typeof source> = {
     most: (n: number) => `Не больше ${n} элементов в одном запросе.`,
     nothing: 'Между группами промежутков нет.',
     off: 'Выключено: задайте устройству `gaps: learn`.',
-    functions: { 1: 'Флаги (coils)', 2: 'Дискретные входы', 3: 'Регистры хранения', 4: 'Входные регистры' },
   },
   search: {
     title: 'Поиск устройств',
@@ -105,7 +104,7 @@ export const devices: Translated<typeof source> = {
   details: 'Подробности',
   measured: 'Время реакции',
   measuredText: (longest: string, p999: string | null, n: string) =>
-    `наибольшее ${longest}${p999 === null ? '' : `, 99,9 % не дольше ${p999}`}, обменов: ${n}`,
+    `наибольшее ${longest}${p999 === null ? '' : `, 99.9 % не дольше ${p999}`}, обменов: ${n}`,
   later: (later: number, n: string) => `дольше длились ${later} из таких ответов, всего их ${n}`,
   advised: 'Для проекта:',
   outages: 'Отказы',

@@ -66,12 +66,6 @@ export const devices: Translated<typeof source> = {
     most: (n: number) => `Не більше ${n} елементів в одному запиті.`,
     nothing: 'Між групами проміжків немає.',
     off: 'Вимкнено: задайте пристрою `gaps: learn`.',
-    functions: {
-      1: 'Прапорці (coils)',
-      2: 'Дискретні входи',
-      3: 'Регістри зберігання',
-      4: 'Вхідні регістри',
-    },
   },
   search: {
     title: 'Пошук пристроїв',
@@ -110,7 +104,7 @@ export const devices: Translated<typeof source> = {
   details: 'Подробиці',
   measured: 'Час реакції',
   measuredText: (longest: string, p999: string | null, n: string) =>
-    `найдовший ${longest}${p999 === null ? '' : `, 99,9 % не довше ${p999}`}, обмінів: ${n}`,
+    `найдовший ${longest}${p999 === null ? '' : `, 99.9 % не довше ${p999}`}, обмінів: ${n}`,
   later: (later: number, n: string) => `довше тривали ${later} з таких відповідей, усього їх ${n}`,
   advised: 'Для проєкту:',
   outages: 'Відмови',

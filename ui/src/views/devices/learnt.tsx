@@ -5,6 +5,8 @@ import type { DeviceStatus, ItemRange, Learnt, LearntGaps, LineStatus } from '..
 import { formatDuration, t } from '../../i18n';
 
 const AGAIN_MS = 3000;
+/** What the functions 1 to 4 read. */
+const AREAS = ['coil', 'discrete_input', 'holding_register', 'input_register'] as const;
 
 const rangeText = ({ first, last }: ItemRange) => (first === last ? String(first) : `${first}–${last}`);
 
@@ -19,7 +21,7 @@ function Gaps({ its }: { its: LearntGaps }) {
       )}
       {its.refused.map((range) => (
         <li key={range.first}>
-          <i class="dot bad" /> {texts.refuses}: <b>{rangeText(range)}</b>{' '}
+          <i class="dot" /> {texts.refuses}: <b>{rangeText(range)}</b>{' '}
           <span class="muted">
             {texts.exception(range.exception, formatDuration(1000 * range.checked_s))}
           </span>
@@ -57,7 +59,7 @@ export function LearntBlock({ line, device }: { line: LineStatus; device: Device
         {all.length === 0 && <span class="muted">{of.learns ? texts.nothing : texts.off}</span>}
         {all.map((its) => (
           <div key={its.function}>
-            <span class="muted">{texts.functions[String(its.function) as '1' | '2' | '3' | '4']}</span>
+            <span class="muted">{t.value.words[AREAS[its.function - 1]!]}</span>
             <Gaps its={its} />
           </div>
         ))}

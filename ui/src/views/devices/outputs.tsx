@@ -47,6 +47,7 @@ export function OutputList({ outputs }: { outputs: OutputStatus[] }) {
             title: texts.output.destination,
             width: 'minmax(260px, 1.3fr)',
             folds: 'text',
+            wraps: true,
             cell: (its) => (
               <span class="text" title={its.destination}>
                 {its.destination}

@@ -31,12 +31,12 @@ const current = computed(() => {
 
 /** On a narrow screen: three lines for each device. The address is in its details. */
 const NARROW: Record<string, Partial<Column<DeviceStatus>> | null> = {
-  device: { width: 'minmax(92px, 1fr)' },
+  device: { width: 'minmax(88px, 1fr)' },
   address: null,
   state: { width: 'minmax(126px, 1.4fr)' },
   values: { folds: 'text' },
   response: { width: '74px' },
-  sent: { width: '78px' },
+  sent: { width: '82px' },
   failed: { folds: 'figure' },
   exceptions: { folds: 'figure' },
   late_answers: { folds: 'figure', line: 3 },

@@ -145,7 +145,7 @@ export function WriteDialog({ value, onClose }: { value: LiveValue; onClose: () 
         <label class="muted" for="new-value">
           {texts.newValue}
         </label>
-        <span>
+        <span class="entry">
           {value.type === 'bool' ? (
             <select id="new-value" value={text} onChange={(event) => setText(event.currentTarget.value)}>
               <option value="true">{texts.boolean.on}</option>

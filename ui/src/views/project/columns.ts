@@ -34,7 +34,7 @@ const name = column('name', 'text', 'minmax(136px, 1.4fr)', {
 });
 const type = column('type', 'type', 'minmax(126px, 0.8fr)', {
   main: true,
-  foldedWidth: 'minmax(84px, 1fr)',
+  foldedWidth: 'minmax(88px, 1fr)',
 });
 const comment = column('comment', 'text', 'minmax(120px, 1fr)', { main: true, folds: 'text' });
 const register = column('register', 'number', '84px', { main: true, right: true, foldedWidth: '66px' });

@@ -118,7 +118,8 @@ export function Strategies({ line }: { line: PlannedLine }) {
       {STRATEGIES.map((name) => {
         const cost = costs[name];
         if (!cost) return null;
-        const bad = cost.utilization > 1;
+        // The others are only what would be.
+        const bad = cost.utilization > 1 && current === name;
         return (
           <div key={name} class={`strategy ${current === name ? 'current' : ''}`}>
             <b>

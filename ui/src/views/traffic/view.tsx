@@ -37,7 +37,7 @@ function columns(): Column<frames.NumberedFrame>[] {
     {
       key: 'device',
       title: texts.columns.device,
-      width: 'minmax(90px, 0.6fr)',
+      width: 'minmax(100px, 0.4fr)',
       foldedWidth: 'minmax(90px, 1fr)',
       cell: (its) => its.device ?? its.line,
     },
@@ -45,8 +45,9 @@ function columns(): Column<frames.NumberedFrame>[] {
     {
       key: 'words',
       title: texts.columns.words,
-      width: 'minmax(220px, 2fr)',
+      width: 'minmax(220px, 3.2fr)',
       folds: 'text',
+      wraps: true,
       cell: (its) => (
         <span class={`text ${frames.isError(its) ? 'bad' : ''}`} title={frameWords(its)}>
           {frameWords(its)}
@@ -56,7 +57,7 @@ function columns(): Column<frames.NumberedFrame>[] {
     {
       key: 'raw',
       title: texts.columns.raw,
-      width: 'minmax(220px, 2fr)',
+      width: 'minmax(220px, 1.3fr)',
       folds: 'hidden',
       cell: (its) => its.raw && <code title={its.raw}>{its.raw}</code>,
     },
