@@ -75,6 +75,7 @@ export const live = {
   plot: 'Show in Trends',
   notices: 'Messages',
   noNotices: 'No messages since the page was opened.',
+  empty: 'The project has no variables yet.',
   waiting: 'Waiting for values…',
   boolean: { on: 'on', off: 'off' },
 };

@@ -1,4 +1,5 @@
 export const overview = {
+  empty: 'The project has no device yet.',
   lines: 'Load of the lines',
   planned: (load: string) => `planned ${load}`,
   moreLines: (n: number) => (n === 1 ? 'and 1 more line' : `and ${n} more lines`),

@@ -80,6 +80,7 @@ export const live: Translated<typeof source> = {
   plot: 'Показать на графике',
   notices: 'Сообщения',
   noNotices: 'С открытия страницы сообщений не было.',
+  empty: 'В проекте пока нет переменных.',
   waiting: 'Ждём значения…',
   boolean: { on: 'вкл', off: 'выкл' },
 };

@@ -3,6 +3,7 @@ import { slavic } from '..';
 import type { overview as source } from '../en/overview';
 
 export const overview: Translated<typeof source> = {
+  empty: 'В проекте пока нет устройств.',
   lines: 'Загрузка линий',
   planned: (load) => `по расчёту ${load}`,
   moreLines: (n) => `и ещё ${n} ${slavic('ru', n, 'линия', 'линии', 'линий')}`,

@@ -80,6 +80,7 @@ export const live: Translated<typeof source> = {
   plot: 'Показати на графіку',
   notices: 'Повідомлення',
   noNotices: 'Від відкриття сторінки повідомлень не було.',
+  empty: 'У проєкті поки немає змінних.',
   waiting: 'Чекаємо на значення…',
   boolean: { on: 'увімк', off: 'вимк' },
 };

@@ -3,6 +3,7 @@ import { slavic } from '..';
 import type { overview as source } from '../en/overview';
 
 export const overview: Translated<typeof source> = {
+  empty: 'У проєкті поки немає пристроїв.',
   lines: 'Завантаження ліній',
   planned: (load) => `за розрахунком ${load}`,
   moreLines: (n) => `і ще ${n} ${slavic('uk', n, 'лінія', 'лінії', 'ліній')}`,

@@ -7,7 +7,7 @@ import { go, query, view } from '../../shell/route';
 import { toast, toastError } from '../../shell/toasts';
 import { second } from '../../store/clock';
 import { info, mayWrite } from '../../store/info';
-import { values } from '../../store/live';
+import { values, valueTime } from '../../store/live';
 import { type Column, Grid } from '../../widgets/grid';
 import { Icon } from '../../widgets/icon';
 import { AgeCell, QualityCell, type Row, SparkCell, typeClass, ValueCell } from './cells';
@@ -258,7 +258,7 @@ export function LiveView() {
             const its = rows.peek()[row]?.peek();
             if (its?.writable && mayWrite.peek()) writing.value = its;
           }}
-          empty={values.value.length === 0 ? texts.waiting : undefined}
+          empty={values.value.length > 0 ? undefined : valueTime.value > 0 ? texts.empty : texts.waiting}
         />
       </section>
       <Notices />

@@ -161,6 +161,12 @@ export function OverviewView() {
   const its = status.value;
   if (!its) return <p class="muted">{t.value.shell.loading}</p>;
   const devices = mapped(its.lines);
+  if (devices.length === 0)
+    return (
+      <p class="muted">
+        {texts.empty} <a href="#/project">{t.value.nav.project}</a>
+      </p>
+    );
   return (
     <div class="overview">
       <section class="panel map-panel" aria-labelledby="overview-devices">

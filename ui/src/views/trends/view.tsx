@@ -3,8 +3,10 @@ import { openUrl } from '../../api/client';
 import type { History } from '../../api/types';
 import { formatDate, t } from '../../i18n';
 import { toast } from '../../shell/toasts';
-import { info } from '../../store/info';
+import { go } from '../../shell/route';
+import { info, mayEdit } from '../../store/info';
 import { Icon } from '../../widgets/icon';
+import { addOutput } from '../project/edit';
 import { Chart, drawnOf } from './chart';
 import { DamageList } from './damage_list';
 import { Marks } from './marks';
@@ -175,6 +177,18 @@ export function TrendsView() {
         <h2>{texts.noHistory}</h2>
         <p>{texts.noHistoryHint}</p>
         <pre class="mono">{EXAMPLE}</pre>
+        {mayEdit.value && (
+          <button
+            type="button"
+            class="button"
+            onClick={() => {
+              addOutput();
+              go('project');
+            }}
+          >
+            {t.value.project.tree.addOutput}
+          </button>
+        )}
       </section>
     );
   const { a, b } = state.cursors.value;
