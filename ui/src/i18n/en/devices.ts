@@ -1,3 +1,5 @@
+import { of } from './plural';
+
 const CAUSES: Record<string, string> = {
   timeout: 'time-out',
   bad_checksum: 'wrong checksum',
@@ -60,7 +62,7 @@ export const devices = {
     refuses: 'refuses',
     untried: 'not tried yet',
     exception: (code: number, age: string) => `exception ${code}, checked ${age} ago`,
-    most: (n: number) => `At most ${n} items in one request.`,
+    most: (n: number) => `At most ${of(n, 'item')} in one request.`,
     nothing: 'There are no gaps between its groups.',
     off: 'Off: set `gaps: learn` for the device.',
   },
@@ -102,7 +104,7 @@ export const devices = {
   details: 'Details',
   measured: 'Turnaround',
   measuredText: (longest: string, p999: string | null, n: string) =>
-    `longest ${longest}${p999 === null ? '' : `, 99.9 % within ${p999}`}, over ${n} exchanges`,
+    `longest ${longest}${p999 === null ? '' : `, 99.9 % within ${p999}`}, over ${of(n, 'exchange')}`,
   later: (later: number, n: string) => `of ${n} such responses, ${later} took longer`,
   advised: 'For the project:',
   outages: 'Outages',

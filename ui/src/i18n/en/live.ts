@@ -1,3 +1,5 @@
+import { of } from './plural';
+
 export const live = {
   title: 'Live values',
   columns: {
@@ -12,7 +14,7 @@ export const live = {
   },
   filter: 'Filter by name or device',
   onlyTrouble: 'Not good only',
-  shown: (n: number, all: number) => (n === all ? `${all} values` : `${n} of ${all} values`),
+  shown: (n: number, all: number) => (n === all ? of(all, 'value') : `${n} of ${of(all, 'value')}`),
   local: 'Local',
   none: 'no value',
   write: 'Write',

@@ -1,8 +1,10 @@
+import { of } from './plural';
+
 export const overview = {
   empty: 'The project has no device yet.',
   lines: 'Load of the lines',
   planned: (load: string) => `planned ${load}`,
-  moreLines: (n: number) => (n === 1 ? 'and 1 more line' : `and ${n} more lines`),
+  moreLines: (n: number) => `and ${of(n, 'more line')}`,
   ages: 'Ages and their proof',
   agesHint:
     'Of each device the value whose proved age leaves the least time before its deadline. ' +

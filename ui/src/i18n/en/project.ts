@@ -1,3 +1,5 @@
+import { of } from './plural';
+
 export const project = {
   title: 'Project',
   undo: 'Undo',
@@ -32,9 +34,9 @@ export const project = {
   changed: 'Not saved yet',
   checking: 'Checking…',
   allGood: 'No findings',
-  errors: (n: number) => (n === 1 ? '1 error' : `${n} errors`),
-  warnings: (n: number) => (n === 1 ? '1 warning' : `${n} warnings`),
-  notes: (n: number) => (n === 1 ? '1 note' : `${n} notes`),
+  errors: (n: number) => of(n, 'error'),
+  warnings: (n: number) => of(n, 'warning'),
+  notes: (n: number) => of(n, 'note'),
   late: (n: number) => `deadlines at risk: ${n}`,
   start: {
     title: 'The project is empty. How to begin:',
@@ -165,7 +167,7 @@ export const project = {
       list: 'Variables of a device',
       devices: 'Devices',
     },
-    found: (kind: string, n: number) => `${kind}: ${n === 1 ? '1 row' : `${n} rows`}`,
+    found: (kind: string, n: number) => `${kind}: ${of(n, 'row')}`,
     line: (n: number) => `Line ${n}: `,
     into: 'Into',
     newLine: 'A new line',

@@ -1,3 +1,5 @@
+import { of } from './plural';
+
 export const requests = {
   title: 'Requests',
   lines: 'Lines',
@@ -17,8 +19,8 @@ export const requests = {
   },
   summary: (grouped: number, single: number) =>
     grouped === single
-      ? `${grouped} requests, one for each variable`
-      : `${grouped === 1 ? '1 request' : `${grouped} requests`} instead of ${single}`,
+      ? `${of(grouped, 'request')}, one for each variable`
+      : `${of(grouped, 'request')} instead of ${single}`,
   busy: 'Line busy',
   busyWorst: (percent: string) => `${percent} in the worst case`,
   round: (time: string) => `a round takes ${time}`,
@@ -30,7 +32,7 @@ export const requests = {
       'With `turnaround: learn` the program measures it while the project runs, and computes with it.',
     measuring: 'is measured while the project runs',
     use: (value: string) => `Use ${value}`,
-    useHint: (n: string) => `Measured over ${n} exchanges.`,
+    useHint: (n: string) => `Measured over ${of(n, 'exchange')}.`,
   },
   strategies: {
     title: 'Ways to form requests',
@@ -40,7 +42,7 @@ export const requests = {
     singleHint: 'A request for each variable.',
     classicHint: 'Adjacent variables of one type share a request: the rules of the IDE.',
     optimalHint: 'The cheapest requests on the bus that still hold the deadlines.',
-    requests: (n: number) => (n === 1 ? '1 request' : `${n} requests`),
+    requests: (n: number) => of(n, 'request'),
     apply: 'Use',
     applyHint: (name: string) => `Use ${name} for all devices of the line`,
     current: 'in use',
@@ -56,7 +58,7 @@ export const requests = {
     titleFaults: (n: number) => `Measures for deadlines that hold also while a device fails: ${n}`,
     searching: 'Searching for measures that would make the deadlines hold…',
     apply: 'Apply',
-    changes: (n: number) => (n === 1 ? '1 change' : `${n} changes`),
+    changes: (n: number) => of(n, 'change'),
     after: (before: string, after: string) => `line busy ${before} → ${after}`,
     response: (variable: string, before: string, after: string) =>
       `${variable}: response ${before} → ${after}`,
@@ -88,7 +90,7 @@ export const requests = {
   },
   details: {
     choose: 'Choose a request or a variable: the other one lights up.',
-    gaps: (n: number) => `${n} items in gaps are read too.`,
+    gaps: (n: number) => `Also read, in gaps: ${of(n, 'item')}.`,
     show: (name: string) => `Show ${name} in the table`,
     trigger: 'trigger',
     onChange: 'on change',

@@ -1,3 +1,5 @@
+import { of as plural } from './plural';
+
 export const shell = {
   nav: {
     label: 'Views',
@@ -37,8 +39,8 @@ export const shell = {
       none: 'Nothing to report.',
       severity: { error: 'error', warning: 'warning', note: 'note' },
       since: (time: string) => `for ${time}`,
-      count: (n: string) => `${n} times`,
-      countOf: (n: string, of: string) => `${n} of ${of} requests`,
+      count: (n: string) => plural(n, 'time'),
+      countOf: (n: string, of: string) => `${n} of ${plural(of, 'request')}`,
       notGood: 'Not good:',
       more: (n: string) => `and ${n} more`,
       open: 'Details',

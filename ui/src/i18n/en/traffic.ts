@@ -1,3 +1,5 @@
+import { of } from './plural';
+
 export const traffic = {
   title: 'Traffic',
   frames: 'Frames',
@@ -31,8 +33,8 @@ export const traffic = {
   resume: 'Continue',
   download: 'Download capture',
   clear: 'Clear',
-  missed: (n: number) => `${n} frames were not shown: they came too fast`,
-  shown: (n: number) => `${n} frames`,
+  missed: (n: number) => `Not shown, because they came too fast: ${of(n, 'frame')}`,
+  shown: (n: number) => of(n, 'frame'),
   waiting: 'Waiting for frames…',
   histogram: 'Times of the request',
   /** The bars after the 99th percentile. */
@@ -104,7 +106,7 @@ export const traffic = {
     malformed: 'malformed',
     'no answer to that request': 'no answer to that request',
   },
-  values: (n: number) => (n === 1 ? '1 value:' : `${n} values:`),
+  values: (n: number) => `${of(n, 'value')}:`,
   incidents: {
     no_response: (time: string) => `No response within ${time}`,
     late_response: () => 'Late response to an earlier request',

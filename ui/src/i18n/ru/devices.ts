@@ -1,4 +1,5 @@
 import type { Translated } from '..';
+import { slavic } from '..';
 import type { devices as source } from '../en/devices';
 
 const CAUSES: Record<string, string> = {
@@ -63,7 +64,8 @@ export const devices: Translated<typeof source> = {
     refuses: 'отказывает',
     untried: 'ещё не проверено',
     exception: (code: number, age: string) => `исключение ${code}, проверено ${age} назад`,
-    most: (n: number) => `Не больше ${n} элементов в одном запросе.`,
+    most: (n: number) =>
+      `Не больше ${n} ${slavic('ru', n, 'элемента', 'элементов', 'элементов')} в одном запросе.`,
     nothing: 'Между группами промежутков нет.',
     off: 'Выключено: задайте устройству `gaps: learn`.',
   },

@@ -35,7 +35,7 @@ export const requests: Translated<typeof source> = {
     measureHint: 'С `turnaround: learn` программа измеряет его во время работы и считает с ним.',
     measuring: 'измеряется во время работы',
     use: (value) => `Взять ${value}`,
-    useHint: (n) => `Измерено за ${n} обменов.`,
+    useHint: (n) => `Измерено, обменов: ${n}.`,
   },
   strategies: {
     title: 'Способы группировки',

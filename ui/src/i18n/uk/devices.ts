@@ -1,4 +1,5 @@
 import type { Translated } from '..';
+import { slavic } from '..';
 import type { devices as source } from '../en/devices';
 
 const CAUSES: Record<string, string> = {
@@ -63,7 +64,8 @@ export const devices: Translated<typeof source> = {
     refuses: 'відмовляє',
     untried: 'ще не перевірено',
     exception: (code: number, age: string) => `виняток ${code}, перевірено ${age} тому`,
-    most: (n: number) => `Не більше ${n} елементів в одному запиті.`,
+    most: (n: number) =>
+      `Не більше ${n} ${slavic('uk', n, 'елемента', 'елементів', 'елементів')} в одному запиті.`,
     nothing: 'Між групами проміжків немає.',
     off: 'Вимкнено: задайте пристрою `gaps: learn`.',
   },

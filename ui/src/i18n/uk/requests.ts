@@ -35,7 +35,7 @@ export const requests: Translated<typeof source> = {
     measureHint: 'З `turnaround: learn` програма вимірює його під час роботи й рахує з ним.',
     measuring: 'вимірюється під час роботи',
     use: (value) => `Взяти ${value}`,
-    useHint: (n) => `Виміряно за ${n} обмінів.`,
+    useHint: (n) => `Виміряно, обмінів: ${n}.`,
   },
   strategies: {
     title: 'Способи групування',
