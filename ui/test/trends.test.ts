@@ -2,7 +2,15 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import type { History, HistoryVariable } from '../src/api/types';
 import { decimalsOf, shortest } from '../src/views/live/format';
-import { changesOf, curveOf, firstPens, spansOf, statisticsOf, valueAt } from '../src/views/trends/data';
+import {
+  changesOf,
+  curveOf,
+  firstPens,
+  goodShare,
+  spansOf,
+  statisticsOf,
+  valueAt,
+} from '../src/views/trends/data';
 
 const at = (second: number) => new Date(1_790_000_000_000 + second * 1000).toISOString();
 const seconds = (second: number) => 1_790_000_000 + second;
@@ -120,4 +128,15 @@ test('numbers have the shortest digits of their type', () => {
     [65.4, 2, 1e-7].map((its) => decimalsOf(its, 'double')),
     [1, 0, 7],
   );
+});
+
+test('what a running program has not committed yet is not called bad', () => {
+  const share = (good_share: number, known: number) => {
+    const its = variable({ good_share, known_until: at(known) });
+    return goodShare(history(its), its);
+  };
+  assert.equal(share(0.98, 98), 1);
+  assert.equal(share(0.49, 98), 0.5);
+  assert.equal(share(0.5, 50), 0.5); // it was not running
+  assert.equal(share(0.5, 200), 0.5);
 });

@@ -141,6 +141,17 @@ export function valueAt(curve: Curve, time: number): number | null {
   return low === 0 ? null : curve.values[low - 1]!;
 }
 
+const LATE_COMMIT = 5; // seconds
+
+/** The good share of what can be known: a running program commits its last second later. */
+export function goodShare(history: History, { good_share, known_until }: HistoryVariable): number {
+  const to = seconds(history.to);
+  const open = to - seconds(known_until);
+  if (open <= 0 || open > LATE_COMMIT) return good_share;
+  const all = to - seconds(history.from);
+  return Math.min(1, (good_share * all) / (all - open));
+}
+
 /** Least, greatest and mean (weighted with time) of a curve between two times. */
 export function statisticsOf(curve: Curve, from: number, to: number) {
   let min = Number.POSITIVE_INFINITY;

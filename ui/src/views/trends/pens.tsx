@@ -1,10 +1,10 @@
 // The table of the pens: values at the cursors, their difference, and the figures of the range.
-import type { HistoryVariable } from '../../api/types';
+import type { History, HistoryVariable } from '../../api/types';
 import { formatClock, formatDuration, formatNumber, t } from '../../i18n';
 import { Icon } from '../../widgets/icon';
 import { decimalsOf, shortest } from '../live/format';
 import { drawnOf } from './chart';
-import { statisticsOf, valueAt } from './data';
+import { goodShare, statisticsOf, valueAt } from './data';
 import { cursors, picture, removePen } from './state';
 import { type Drawn, isLane, penColor } from './tracks';
 
@@ -31,7 +31,7 @@ interface Column {
   text: (its: Drawn, variable: HistoryVariable) => string;
 }
 
-function columns(): Column[] {
+function columns(history: History): Column[] {
   const texts = t.value.trends;
   const { a, b } = cursors.value;
   const atA = (its: Drawn) => (a === null ? its.curve.values.at(-1) : valueAt(its.curve, a / 1000));
@@ -64,7 +64,7 @@ function columns(): Column[] {
     { title: texts.min, text: (its, variable) => valueText(its, figures(its, variable)?.min) },
     { title: texts.mean, text: mean },
     { title: texts.max, text: (its, variable) => valueText(its, figures(its, variable)?.max) },
-    { title: texts.good, text: (_, { good_share }) => `${formatNumber(100 * good_share, 1)} %` },
+    { title: texts.good, text: (_, variable) => `${formatNumber(100 * goodShare(history, variable), 1)} %` },
     { title: texts.samples, text: (_, { samples }) => formatNumber(samples) },
   ];
 }
@@ -73,7 +73,7 @@ export function Pens() {
   const texts = t.value.trends;
   const history = picture.value;
   if (!history) return null;
-  const shown = columns();
+  const shown = columns(history);
   return (
     <div class="pens">
       <table>
