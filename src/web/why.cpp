@@ -110,7 +110,9 @@ private:
         hops_.push_back(
             {HopKind::period,
              overrun ? HopState::trouble : HopState::ok,
-             overrun ? "web.why.overrun" : "web.why.period",
+             overrun              ? "web.why.overrun"
+             : real == Duration{} ? "web.why.period_unmeasured"
+                                  : "web.why.period",
              {{"period", report::milliseconds_text(set)}, {"real", report::milliseconds_text(real)}},
              overrun ? real : set});
     }

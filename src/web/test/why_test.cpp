@@ -34,7 +34,10 @@ host::Snapshot state() {
     line.statistics = {};
     line.devices[0] = {};
     line.devices[0].state = poll::DeviceState::answering;
-    for (auto& its : line.variables) its = {};
+    for (auto& its : line.variables) {
+        its = {};
+        its.recent_period = std::chrono::milliseconds(100);
+    }
     for (auto& its : snapshot.values) its.reason = value::Reason::ok;
     return snapshot;
 }
@@ -57,6 +60,8 @@ TEST(Why, NamesTheHopThatKeepsAValue) {
     };
     const std::vector<Case> cases{
         {[](auto&) {}, {"enabled", "period", "queue", "connected", "answers"}},
+        {[](auto& s) { s.lines[0].variables[0].recent_period = {}; },
+         {"enabled", "period_unmeasured", "queue", "connected", "answers"}},
         {[](auto& s) { s.lines[0].variables[0].overrun = true; },
          {"enabled", "overrun!", "queue", "connected", "answers"}},
         {[](auto& s) { s.lines[0].statistics.recent_utilization = 1; },
