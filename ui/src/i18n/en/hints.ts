@@ -37,7 +37,7 @@ export const hints = {
   fc22: 'The device has the function 0x16: it changes single bits of a register.',
   fc23: 'The device has the function 0x17: it writes and reads in one request.',
   read_modify_write:
-    'A bit is written by reading its register and writing it back. What the device changes in between is lost.',
+    'A bit is written by reading its register and writing it back. A change in between is lost.',
   notation: 'How a table writes classic register numbers such as 40001.',
   high_byte_first: 'Within a register: the high byte is sent first, as usual in Modbus.',
   high_register_first: 'In values of several registers: the register with the high part comes first.',
