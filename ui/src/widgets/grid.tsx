@@ -13,7 +13,7 @@ export interface Column<Row> {
   folds?: 'text' | 'figure' | 'hidden';
   /** The line that it folds into; 2 if it is not given. */
   line?: 3;
-  /** In a grid as narrow as a phone its text has two lines. */
+  /** In a very narrow grid its text has two lines. */
   wraps?: boolean;
   /** In the first line of a narrow grid. */
   foldedWidth?: string;
@@ -54,7 +54,7 @@ const USUAL_ROW = 28; // pixels: the widths of columns are for this size
 function scaled(width: string, factor: number): string {
   return factor === 1 ? width : width.replace(/([\d.]+)px/g, (_, px) => `${Math.round(px * factor)}px`);
 }
-const PHONE = 480; // pixels
+const WRAPS_BELOW = 560; // pixels
 const FURTHER_LINE = 0.65; // of the height of a row
 
 /** The least width of a column: all rows of a table get the same widths. */
@@ -76,7 +76,7 @@ export function Grid<Row>(props: GridProps<Row>) {
   const foldBelow = props.columns.some((its) => its.folds) ? least(widths) : 0;
   const lineOf = (its: Column<Row>) => (its.folds === 'hidden' || !its.folds ? 1 : (its.line ?? 2));
   const folded = width < foldBelow;
-  const wraps = folded && width < PHONE && props.columns.some((its) => its.wraps);
+  const wraps = folded && width < WRAPS_BELOW && props.columns.some((its) => its.wraps);
   const lines = (folded ? Math.max(...props.columns.map(lineOf)) : 1) + Number(wraps);
 
   const look = () => {

@@ -155,7 +155,8 @@ function columns(): Column<Row>[] {
     {
       key: 'name',
       title: texts.name,
-      width: 'minmax(115px, 1.2fr)',
+      width: 'minmax(150px, 1.2fr)',
+      foldedWidth: 'minmax(115px, 1.2fr)',
       sortable: true,
       cell: (row) => <span class={`text ${typeClass(row.peek().type)}`}>{row.peek().name}</span>,
     },

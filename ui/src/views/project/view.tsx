@@ -1,5 +1,6 @@
 // The project: its tree and the settings of what is selected; beside them what they do to the bus.
 import { t } from '../../i18n';
+import { narrow } from '../../shell/narrow';
 import { info, mayEdit } from '../../store/info';
 import { canRedo, canUndo, isChanged, isUnreadable, loaded, redo, revert, undo } from '../../store/project';
 import { Icon, type IconName } from '../../widgets/icon';
@@ -113,7 +114,7 @@ export function ProjectView() {
       </div>
       <Split
         name="project"
-        start={48}
+        start={narrow.value ? 54 : 48}
         left={
           <div class="panel editing">
             <Tree />

@@ -45,7 +45,7 @@ function columns(): Column<frames.NumberedFrame>[] {
     {
       key: 'words',
       title: texts.columns.words,
-      width: 'minmax(220px, 3.2fr)',
+      width: 'minmax(330px, 3.2fr)',
       folds: 'text',
       wraps: true,
       cell: (its) => (
@@ -57,7 +57,7 @@ function columns(): Column<frames.NumberedFrame>[] {
     {
       key: 'raw',
       title: texts.columns.raw,
-      width: 'minmax(220px, 1.3fr)',
+      width: 'minmax(220px, 1fr)',
       folds: 'hidden',
       cell: (its) => its.raw && <code title={its.raw}>{its.raw}</code>,
     },
