@@ -29,7 +29,6 @@ export const shell = {
     demo: 'demo',
     theme: 'Light or dark',
     language: 'Language',
-    connectionLost: 'No connection to Takt. Trying again…',
     unreachable: 'Takt does not answer.',
     close: 'Close',
     cancel: 'Cancel',

@@ -35,7 +35,6 @@ export const shell: Translated<typeof source> = {
     demo: 'демо',
     theme: 'Светлая или тёмная тема',
     language: 'Язык',
-    connectionLost: 'Нет связи с Takt. Повторяем попытку…',
     unreachable: 'Takt не отвечает.',
     close: 'Закрыть',
     cancel: 'Отмена',

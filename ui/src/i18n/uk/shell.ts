@@ -35,7 +35,6 @@ export const shell: Translated<typeof source> = {
     demo: 'демо',
     theme: 'Світла чи темна тема',
     language: 'Мова',
-    connectionLost: 'Немає зв’язку з Takt. Повторюємо спробу…',
     unreachable: 'Takt не відповідає.',
     close: 'Закрити',
     cancel: 'Скасувати',

@@ -41,7 +41,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
       key: 'start',
       title: texts.start,
       width: '66px',
-      foldedWidth: '50px',
+      foldedWidth: 'minmax(50px, 0.3fr)',
       ...right,
       cell: (its) => its.start,
     },
