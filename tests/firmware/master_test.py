@@ -1,4 +1,4 @@
-"""The master of a request table on an emulated board, and the executor of this computer with the same inputs."""
+"""The master of a request table on an emulated board, and the executor of this computer with its inputs."""
 import contextlib
 import struct
 import subprocess

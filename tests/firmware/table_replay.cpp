@@ -1,5 +1,5 @@
-// Repeats the calls that the master on a board noted (firmware/images/table_master.cpp) with the executor of this
-// computer.
+// Repeats the calls that the master on a board noted (firmware/images/table_master.cpp) with the executor of
+// this computer.
 //
 // usage: table_replay TABLE <notes
 // Prints the notes as they come out here: "transmit" lines with the bytes that the executor gives now.
@@ -69,10 +69,8 @@ int main(int argc, char** argv) {
     const auto view = table::View::open(image);
     if (!view) return 1;
     Buffers buffers(*view);
-    const table::Memory memory{.values = buffers.values,
-                               .read = buffers.read,
-                               .wanted = buffers.wanted,
-                               .items = buffers.items};
+    const table::Memory memory{
+        .values = buffers.values, .read = buffers.read, .wanted = buffers.wanted, .items = buffers.items};
     table::initialise(*view, memory);
     table::Executor executor(*view, 0, memory, {.entries = buffers.entries, .devices = buffers.devices});
     for (std::string text_line; std::getline(std::cin, text_line);) {
