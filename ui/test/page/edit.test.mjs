@@ -429,11 +429,12 @@ test('the window of a device is pasted as the IDE shows it', async () => {
   ];
   await page.getByRole('button', { name: 'Paste a table' }).click();
   const dialog = page.getByRole('dialog');
+  const pasted = dialog.getByRole('textbox', { name: 'Pasted table' });
   const take = dialog.getByRole('button', { name: 'Take over' });
-  await dialog.getByRole('textbox').fill(`${lines('Устройство', 16).join('\n')}\nV1;int;0;\n`);
+  await pasted.fill(`${lines('Устройство', 16).join('\n')}\nV1;int;0;\n`);
   await dialog.locator('.error', { hasText: /^Line 11: .*V1;int;0;/ }).waitFor();
   assert.ok(await take.isDisabled());
-  await dialog.getByRole('textbox').fill(lines('Устройство', 16).join('\n'));
+  await pasted.fill(lines('Устройство', 16).join('\n'));
   await dialog.locator('td', { hasText: '2143' }).waitFor();
   assert.equal(await dialog.locator('.error, .warning').count(), 0);
   await dialog.getByLabel('Port', { exact: true }).fill('/dev/ttyS7');
