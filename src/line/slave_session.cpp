@@ -8,14 +8,14 @@
 namespace takt::line {
 
 serve::TcpBuffers& SlaveSessions::acquire() {
-    if (free_.empty()) return *std::make_unique_for_overwrite<serve::TcpBuffers>().release();
+    if (free_.empty()) return *std::make_unique_for_overwrite<Buffers>().release();
     serve::TcpBuffers& buffers = *free_.back().release();
     free_.pop_back();
     return buffers;
 }
 
 void SlaveSessions::release(serve::TcpBuffers& buffers) {
-    std::unique_ptr<serve::TcpBuffers> owned(&buffers);
+    std::unique_ptr<Buffers> owned(static_cast<Buffers*>(&buffers));
     if (free_.size() < kKept) free_.push_back(std::move(owned));
 }
 

@@ -100,7 +100,7 @@ Instant TcpConnectionCore::next_wakeup() const {
 }
 
 std::size_t TcpConnectionCore::wants_bytes() const {
-    return up_ && close_ == CloseReason::none ? kInput - input_size_ : 0;
+    return up_ && close_ == CloseReason::none ? pool_.input_size() - input_size_ : 0;
 }
 
 bool TcpConnectionCore::complete(Instant t, Token token, Bytes pdu) {

@@ -61,7 +61,7 @@ public:
     }
     void collect() {
         for (Bytes out = connection.transmit(now); !out.empty(); out = connection.transmit(now)) {
-            EXPECT_LE(out.size(), TcpConnection::kOutput);
+            EXPECT_LE(out.size(), kTcpBuffer);
             if (!sent.empty()) sent += ' ';
             sent += hex(out);
         }
@@ -158,16 +158,37 @@ TEST(TcpConnection, HoldsTheReaderBackWhileAnswersPileUp) {
         rig.connection.on_bytes(rig.now, request);
         ++given;
     }
-    EXPECT_LE(given, 16u + TcpConnection::kInput / request.size()) << "the driver has sent nothing";
+    EXPECT_LE(given, 16u + kTcpBuffer / request.size()) << "the driver has sent nothing";
     rig.collect();
     EXPECT_EQ(bytes(rig.sent).size(), given * 259) << "and none is lost";
-    EXPECT_EQ(rig.connection.wants_bytes(), TcpConnection::kInput);
+    EXPECT_EQ(rig.connection.wants_bytes(), kTcpBuffer);
     EXPECT_EQ(rig.connection.close_reason(), CloseReason::none);
+}
+
+TEST(TcpConnection, SmallBuffersAreEnough) {
+    Storage storage;
+    std::array units{Unit{UnitId{1}, storage.banks(), nullptr}};
+    Server server(units);
+    BufferedTcpConnection<12, wire::kMaxAsciiFrame> connection({}, server);
+    connection.on_link({}, true);
+    const auto requests =
+        bytes(tcp(1, 1, "03 0000 007D") + tcp(2, 1, "03 0001 0001") + tcp(3, 1, "03 0002 0001"));
+    std::string sent;
+    for (Bytes rest = requests; !rest.empty();) {
+        const std::size_t size = std::min(connection.wants_bytes(), rest.size());
+        ASSERT_GT(size, 0u);
+        connection.on_bytes({}, rest.first(size));
+        rest = rest.subspan(size);
+        for (Bytes out = connection.transmit({}); !out.empty(); out = connection.transmit({}))
+            sent += hex(out);
+    }
+    EXPECT_EQ(bytes(sent).size(), 259u + 2 * 11);
+    EXPECT_EQ(connection.counters().answers, 3u);
 }
 
 TEST(TcpConnection, MoreThanWantedEndsIt) {
     Rig rig;
-    const std::vector<std::uint8_t> flood(TcpConnection::kInput + 1);
+    const std::vector<std::uint8_t> flood(kTcpBuffer + 1);
     rig.connection.on_bytes(rig.now, flood);
     EXPECT_EQ(rig.connection.close_reason(), CloseReason::too_much);
 }
@@ -282,10 +303,10 @@ public:
     void release(TcpBuffers& given) override {
         EXPECT_EQ(&given, &buffers);
         lent = false;
-        buffers.input.fill(0xA5);
-        buffers.output.fill(0x5A);
+        std::ranges::fill(buffers.input, 0xA5);
+        std::ranges::fill(buffers.output, 0x5A);
     }
-    TcpBuffers buffers{};
+    StoredTcpBuffers<> buffers;
     bool lent = false;
 };
 

@@ -39,12 +39,13 @@ public:
 
 private:
     friend class SlaveSession;
+    using Buffers = serve::StoredTcpBuffers<>;
     using Waiting = std::unordered_map<serve::Token, SlaveSession*>;
     static constexpr std::size_t kKept = 64;  // limit of unused buffers kept for later connections
 
     void add(const serve::TcpConnectionCore& connection);
 
-    std::vector<std::unique_ptr<serve::TcpBuffers>> free_;
+    std::vector<std::unique_ptr<Buffers>> free_;
     Waiting waiting_;  // at most one entry a connection
     std::unordered_set<const SlaveSession*> open_;
     serve::Counters counters_;

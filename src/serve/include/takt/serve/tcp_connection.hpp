@@ -36,10 +36,26 @@ enum class CloseReason : std::uint8_t {
 };
 inline constexpr std::size_t kCloseReasons = 5;
 
-/// Buffers of a busy connection: unprocessed requests and unsent answers.
+/// Buffers of a busy connection.
 struct TcpBuffers {
-    std::array<std::uint8_t, 4096> input;  // a segment of the longest requests in one read
-    std::array<std::uint8_t, 4096> output;
+    std::span<std::uint8_t> input;   ///< unprocessed requests
+    std::span<std::uint8_t> output;  ///< unsent answers; wire::kMaxAsciiFrame bytes at least
+};
+
+/// The size of both buffers: a segment of the longest requests in one read.
+inline constexpr std::size_t kTcpBuffer = 4096;
+
+/// Buffers with their storage.
+template <std::size_t Input = kTcpBuffer, std::size_t Output = kTcpBuffer>
+struct StoredTcpBuffers final : TcpBuffers {
+    static_assert(Output >= wire::kMaxAsciiFrame);
+
+    StoredTcpBuffers() : TcpBuffers{input_storage, output_storage} {}
+    StoredTcpBuffers(const StoredTcpBuffers&) = delete;
+    StoredTcpBuffers& operator=(const StoredTcpBuffers&) = delete;
+
+    std::array<std::uint8_t, Input> input_storage;
+    std::array<std::uint8_t, Output> output_storage;
 };
 
 /// Lends buffers. Most connections are idle and need none.
@@ -48,15 +64,21 @@ public:
     /// Exclusive buffers until release(). Must not fail.
     [[nodiscard]] virtual TcpBuffers& acquire() = 0;
     virtual void release(TcpBuffers& buffers) = 0;
+    /// The input of its buffers, in bytes.
+    [[nodiscard]] std::size_t input_size() const { return input_size_; }
 
 protected:
+    explicit TcpBufferPool(std::size_t input_size = kTcpBuffer) : input_size_(input_size) {}
     ~TcpBufferPool() = default;
+
+private:
+    const std::size_t input_size_;
 };
 
 /// Answers the requests of one connection in order, also when several arrive at once. Every request is
 /// answered for any unit (see Server); there is no broadcast.
 ///
-/// Memory is bounded: kInput unprocessed bytes and kOutput bytes of answers. The driver
+/// Memory is bounded: the buffers of the pool. The driver
 ///   - reads at most wants_bytes() bytes at a time and passes them to on_bytes(); 0: the peer must wait;
 ///   - calls transmit() again only after the previous bytes are written. A peer that does not read is
 ///     therefore not read either, and idle_deadline ends it. on_tick() may be called meanwhile, if the driver
@@ -67,9 +89,6 @@ protected:
 /// One owner, one thread; see Engine for the calls.
 class TcpConnectionCore : public Engine {
 public:
-    static constexpr std::size_t kInput = sizeof(TcpBuffers::input);
-    static constexpr std::size_t kOutput = sizeof(TcpBuffers::output);
-
     /// @param responder, observer, pool  outlive the engine; the observer may be absent
     /// @param framer_storage  wire::Framer::storage_size(config.framing) bytes for an incomplete frame;
     /// outlives the engine
@@ -114,7 +133,9 @@ private:
     void take(Instant t, const wire::Frame& frame);
     void release(Instant t);
     void answer(Instant t, UnitId unit, std::uint16_t transaction, Bytes pdu);
-    [[nodiscard]] bool room_for_answer() const { return kOutput - output_size_ >= wire::kMaxAsciiFrame; }
+    [[nodiscard]] bool room_for_answer() const {
+        return !buffers_ || buffers_->output.size() - output_size_ >= wire::kMaxAsciiFrame;
+    }
     template <class Call>
     void observe(Call call);
     void close(CloseReason reason);
@@ -146,21 +167,27 @@ private:
 };
 
 /// Buffers of a single connection.
+template <std::size_t Input, std::size_t Output>
 class OwnTcpBuffers : protected TcpBufferPool {
 protected:
+    OwnTcpBuffers() : TcpBufferPool(Input) {}
     [[nodiscard]] TcpBuffers& acquire() final { return buffers_; }
     void release(TcpBuffers&) final {}
     ~OwnTcpBuffers() = default;
 
-    TcpBuffers buffers_{};
+    StoredTcpBuffers<Input, Output> buffers_;
     wire::FramerStorage framer_storage_;
 };
 
 /// A connection with its own buffers.
-class TcpConnection final : OwnTcpBuffers, public TcpConnectionCore {
+template <std::size_t Input = kTcpBuffer, std::size_t Output = kTcpBuffer>
+class BufferedTcpConnection final : OwnTcpBuffers<Input, Output>, public TcpConnectionCore {
 public:
-    TcpConnection(const TcpConfig& config, Responder& responder, wire::TrafficObserver* observer = nullptr)
-        : TcpConnectionCore(config, responder, *this, framer_storage_.framer_storage, observer) {}
+    BufferedTcpConnection(const TcpConfig& config, Responder& responder,
+                          wire::TrafficObserver* observer = nullptr)
+        : TcpConnectionCore(config, responder, *this, this->framer_storage_.framer_storage, observer) {}
 };
+
+using TcpConnection = BufferedTcpConnection<>;
 
 }  // namespace takt::serve
