@@ -7,6 +7,10 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
 add_compile_options(-Wall -Wextra -Werror -Wno-missing-field-initializers -fstack-usage -fcallgraph-info=su
   -fmacro-prefix-map=${CMAKE_SOURCE_DIR}/=)
 
+set(lwip_parts core/def.c core/inet_chksum.c core/init.c core/ip.c core/mem.c core/memp.c core/netif.c core/pbuf.c
+  core/stats.c core/tcp.c core/tcp_in.c core/tcp_out.c core/timeouts.c core/ipv4/etharp.c core/ipv4/icmp.c
+  core/ipv4/ip4.c core/ipv4/ip4_addr.c netif/ethernet.c)
+
 set(modules base wire serve)
 foreach(module ${modules})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/${module}/*.cpp)
@@ -49,6 +53,14 @@ function(takt_slave_image board name framing baud strict)
     TAKT_SILENCE=${silence})
 endfunction()
 
+# takt_tcp_image(BOARD NAME IDLE KEEP_ALIVE): times as literals of std::chrono
+function(takt_tcp_image board name idle keep_alive)
+  takt_image(${board}_${name} ${board} images/tcp_slave.cpp boards/${board}/ethernet.cpp tcp_device.cpp)
+  target_include_directories(${board}_${name} PRIVATE lwip ${lwip}/include)
+  target_link_libraries(${board}_${name} PRIVATE takt_lwip)
+  target_compile_definitions(${board}_${name} PRIVATE TAKT_IDLE=${idle} TAKT_KEEP_ALIVE=${keep_alive})
+endfunction()
+
 if(TAKT_CPU STREQUAL "cortex-m0")
   set(boards microbit)
 elseif(TAKT_CPU STREQUAL "cortex-m3")
@@ -61,6 +73,21 @@ foreach(board ${boards})
   takt_slave_image(${board} ascii ascii 9600 false)
   takt_slave_image(${board} test_rtu rtu 9600 false 100000)  # the host delivers characters late
 endforeach()
+
+# Slaves on Ethernet, with lwIP
+if(mps2 IN_LIST boards)
+  execute_process(COMMAND ${CMAKE_SOURCE_DIR}/tools/lwip --path OUTPUT_VARIABLE lwip
+    OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  set(lwip ${lwip}/src)
+  enable_language(C)
+  set(CMAKE_C_FLAGS_MINSIZEREL "${CMAKE_CXX_FLAGS_MINSIZEREL}")
+  list(TRANSFORM lwip_parts PREPEND ${lwip}/)
+  add_library(takt_lwip STATIC ${lwip_parts})
+  target_include_directories(takt_lwip PRIVATE lwip ${lwip}/include)
+  set_target_properties(takt_lwip PROPERTIES UNITY_BUILD OFF)
+  takt_tcp_image(mps2 tcp 10min 10s)
+  takt_tcp_image(mps2 test_tcp 4s 1s)  # the tests wait for both
+endif()
 
 # Images of the tests
 if(TAKT_CPU STREQUAL "cortex-m0")

@@ -28,6 +28,11 @@ int main();
     stop();
 }
 
+/// main() does not return: no destructor runs.
+int atexit(void (*)()) {
+    return 0;
+}
+
 [[noreturn]] void reset() {
     const std::uint32_t* from = &data_source;
     for (std::uint32_t* to = &data_begin; to != &data_end;) *to++ = *from++;

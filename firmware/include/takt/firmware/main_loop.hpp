@@ -7,7 +7,7 @@
 namespace takt::firmware {
 
 /// Works and sleeps in between. Never returns.
-/// @param device  a SerialDevice or an EnginePort
+/// @tparam Device  SerialDevice, TcpDevice or EnginePort
 template <class Device>
 [[noreturn]] void run(Device& device) {
     for (;;) {
