@@ -7,8 +7,8 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
 add_compile_options(-Wall -Wextra -Werror -Wno-missing-field-initializers -fstack-usage -fcallgraph-info=su
   -fmacro-prefix-map=${CMAKE_SOURCE_DIR}/=)
 
-set(lwip_parts core/def.c core/inet_chksum.c core/init.c core/ip.c core/mem.c core/memp.c core/netif.c core/pbuf.c
-  core/stats.c core/tcp.c core/tcp_in.c core/tcp_out.c core/timeouts.c core/ipv4/etharp.c core/ipv4/icmp.c
+set(lwip_parts core/def.c core/inet_chksum.c core/init.c core/ip.c core/mem.c core/memp.c core/netif.c
+  core/pbuf.c core/stats.c core/tcp.c core/tcp_in.c core/tcp_out.c core/timeouts.c core/ipv4/etharp.c core/ipv4/icmp.c
   core/ipv4/ip4.c core/ipv4/ip4_addr.c netif/ethernet.c)
 
 set(modules base wire serve)

@@ -72,6 +72,15 @@ err_t set_up(netif* netif) {
     return ERR_OK;
 }
 
+// Bytes that are not acknowledged are probes themselves. A peer whose window is closed would not respond to a
+// keep-alive of lwIP behind a probe of its window.
+void keep_alive(tcp_pcb* pcb) {
+    if (tcp_sndqueuelen(pcb) == 0)
+        ip_set_option(pcb, SOF_KEEPALIVE);
+    else
+        ip_reset_option(pcb, SOF_KEEPALIVE);
+}
+
 void detach(tcp_pcb* pcb) {
     tcp_arg(pcb, nullptr);
     tcp_recv(pcb, nullptr);
@@ -179,7 +188,6 @@ std::int8_t TcpDevice::on_accept(void* device, tcp_pcb* pcb, std::int8_t error) 
     tcp_recv(pcb, on_received);
     tcp_err(pcb, on_error);
     tcp_nagle_disable(pcb);
-    ip_set_option(pcb, SOF_KEEPALIVE);
     pcb->keep_idle = milliseconds(self.config_.keep_alive);
     pcb->keep_intvl = milliseconds(self.config_.keep_alive_interval);
     pcb->keep_cnt = self.config_.keep_alive_probes;
@@ -194,8 +202,9 @@ std::int8_t TcpDevice::on_received(void* connection, tcp_pcb*, pbuf* bytes, std:
         return ERR_OK;
     }
     const std::size_t space = self.received.size() - self.received_size;
-    self.received_size += pbuf_copy_partial(bytes, &self.received[self.received_size],
-                                            static_cast<u16_t>(std::min<std::size_t>(space, bytes->tot_len)), 0);
+    self.received_size +=
+        pbuf_copy_partial(bytes, &self.received[self.received_size],
+                          static_cast<u16_t>(std::min<std::size_t>(space, bytes->tot_len)), 0);
     pbuf_free(bytes);
     return ERR_OK;
 }
@@ -219,6 +228,7 @@ void TcpDevice::serve(Instant t, Connection& connection) {
     if (overdue(t, connection)) return close(connection, true);
     if (over && connection.unsent.empty()) return close(connection, false);
     tcp_output(connection.pcb);
+    keep_alive(connection.pcb);
 }
 
 // @returns false: lwIP has no space now
@@ -237,8 +247,8 @@ bool TcpDevice::write(Instant t, Connection& connection) {
 void TcpDevice::feed(Instant t, Connection& connection) {
     const std::size_t size = std::min(connection.engine->wants_bytes(), connection.received_size);
     connection.engine->on_bytes(t, Bytes(connection.received).first(size));
-    std::copy_n(connection.received.begin() + static_cast<std::ptrdiff_t>(size), connection.received_size - size,
-                connection.received.begin());
+    std::copy_n(connection.received.begin() + static_cast<std::ptrdiff_t>(size),
+                connection.received_size - size, connection.received.begin());
     connection.received_size -= size;
     tcp_recved(connection.pcb, static_cast<u16_t>(size));
 }

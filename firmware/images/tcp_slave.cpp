@@ -1,5 +1,5 @@
-// A Modbus TCP slave with four banks. Register 40108, written by an HMI, is shown on the UART. Input registers
-// show the counters of the device.
+// A Modbus TCP slave with four banks. Register 40108, written by an HMI, is shown on the UART. Input
+// registers show the counters of the device.
 #include "takt/firmware/main_loop.hpp"
 #include "takt/firmware/slave_frame.hpp"
 #include "takt/firmware/stack.hpp"
@@ -100,7 +100,7 @@ int main() {
                                        .gateway = {10, 0, 2, 2},
                                        .connection = {.idle_deadline = TAKT_IDLE},
                                        .keep_alive = TAKT_KEEP_ALIVE,
-                                       .keep_alive_interval = TAKT_KEEP_ALIVE / 5},
+                                       .keep_alive_interval = takt::Duration(TAKT_KEEP_ALIVE) / 4},
                                       server);
     hooks.attach(device);
     if (!firmware::board::open({.baud = 115200, .parity = takt::wire::Parity::none}, console)) return 1;

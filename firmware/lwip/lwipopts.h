@@ -1,4 +1,4 @@
-/* Options of lwIP for tcp_device.cpp: no operating system, IPv4 with TCP and ping only, memory of fixed size. */
+/* Options of lwIP for tcp_device.cpp: no operating system, IPv4 with TCP and ping, memory of fixed size. */
 #pragma once
 
 /* Connections that are served at once, and bytes that each may receive before they are processed. */
@@ -21,15 +21,15 @@
 #define ARP_TABLE_SIZE 8
 #define LWIP_NETIF_TX_SINGLE_PBUF 1
 
-/* A frame is processed before the next one is taken from the controller: the pool holds one of the longest. */
+/* A frame is processed before the next one is taken from the controller: the pool holds the longest one. */
 #define MEM_ALIGNMENT 4
 #define MEM_SIZE (12 * 1024)
 #define PBUF_POOL_SIZE 4
 #define PBUF_POOL_BUFSIZE 512
 #define MEMP_NUM_PBUF 4
 
-/* Segments out of order are dropped, and sent again by the peer: no peer can hold buffers with them. Besides the
-   served connections: as many in the handshake, and as many that are being closed. */
+/* Segments out of order are dropped, and sent again by the peer: no peer can hold buffers with them. Besides
+   the served connections: as many in the handshake, and as many that are being closed. */
 #define TCP_QUEUE_OOSEQ 0
 #define TCP_MSS 536
 #define TCP_WND TAKT_TCP_WINDOW
