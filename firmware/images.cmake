@@ -8,8 +8,8 @@ add_compile_options(-Wall -Wextra -Werror -Wno-missing-field-initializers -fstac
   -fmacro-prefix-map=${CMAKE_SOURCE_DIR}/=)
 
 set(lwip_parts core/def.c core/inet_chksum.c core/init.c core/ip.c core/mem.c core/memp.c core/netif.c
-  core/pbuf.c core/stats.c core/tcp.c core/tcp_in.c core/tcp_out.c core/timeouts.c core/ipv4/etharp.c core/ipv4/icmp.c
-  core/ipv4/ip4.c core/ipv4/ip4_addr.c netif/ethernet.c)
+  core/pbuf.c core/stats.c core/tcp.c core/tcp_in.c core/tcp_out.c core/timeouts.c core/ipv4/etharp.c
+  core/ipv4/icmp.c core/ipv4/ip4.c core/ipv4/ip4_addr.c netif/ethernet.c)
 
 set(modules base wire serve)
 foreach(module ${modules})
@@ -76,8 +76,11 @@ endforeach()
 
 # Slaves on Ethernet, with lwIP
 if(mps2 IN_LIST boards)
-  execute_process(COMMAND ${CMAKE_SOURCE_DIR}/tools/lwip --path OUTPUT_VARIABLE lwip
-    OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ${CMAKE_SOURCE_DIR}/tools/lwip --path OUTPUT_VARIABLE lwip ERROR_VARIABLE problem
+    RESULT_VARIABLE failed OUTPUT_STRIP_TRAILING_WHITESPACE)
+  if(failed)
+    message(FATAL_ERROR "${problem}")
+  endif()
   set(lwip ${lwip}/src)
   enable_language(C)
   set(CMAKE_C_FLAGS_MINSIZEREL "${CMAKE_CXX_FLAGS_MINSIZEREL}")
