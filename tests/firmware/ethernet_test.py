@@ -48,7 +48,8 @@ def other_of(wire):
 def test_ping(wire):
     echo = struct.pack(">BBHHH", 8, 0, 0, 7, 1) + b"x" * 400
     wire.send_ip(1, echo[:2] + struct.pack(">H", checksum(echo)) + echo[4:])
-    wire.until(lambda: any(frame[34:35] == b"\0" and frame.endswith(b"x" * 400) for frame in wire.raw), "a reply")
+    reply = b"x" * 400
+    wire.until(lambda: any(frame[34:35] == b"\0" and frame.endswith(reply) for frame in wire.raw), "a reply")
 
 
 @pytest.mark.parametrize("seed", range(3 * TIMES))
@@ -166,7 +167,8 @@ def closed_without_response(peer):
 
 # hostile-inputs.md: 1, 2, 3, 4, 5, 15
 @pytest.mark.parametrize("characters", [
-    "0001 0001 0006 01 03 0000 0001", "0001 ffff 0006 01 03 0000 0001", "0001 0000 0000 01", "0001 0000 0001 01",
+    "0001 0001 0006 01 03 0000 0001", "0001 ffff 0006 01 03 0000 0001", "0001 0000 0000 01",
+    "0001 0000 0001 01",
     "0001 0000 00ff 01", "0001 0000 ffff 01", "ff" * 100, b"GET / HTTP/1.1\r\nHost: board\r\n\r\n".hex(),
     "160301020001000001fc0303" + "55" * 200
 ])
@@ -234,7 +236,8 @@ def test_fifty_requests_in_one_segment(wire, other):
     peer.send(b"".join(adu(f"03 {i:04x} 0001", i) for i in range(50)))
     assert other.ask("03 0001 0001", 7)[0] == 3
     responses = peer.take(50 * 11)
-    assert [struct.unpack(">H", responses[i:i + 2])[0] for i in range(0, len(responses), 11)] == list(range(50))
+    transactions = [struct.unpack(">H", responses[i:i + 2])[0] for i in range(0, len(responses), 11)]
+    assert transactions == list(range(50))
 
 
 def test_a_reset_in_the_middle_of_a_frame(wire, other):

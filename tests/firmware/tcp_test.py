@@ -89,7 +89,8 @@ def test_mbpoll(port):
         return {int(r): v for r, v in re.findall(r"^\[(\d+)\]:\s+(\S+)", done.stdout, re.MULTILINE)}
 
     mbpoll("-t", "4", "-r", "10", "127.0.0.1", "1", "2", "3")
-    assert mbpoll("-t", "4", "-r", "9", "-c", "5", "127.0.0.1") == {9: "0", 10: "1", 11: "2", 12: "3", 13: "0"}
+    read_back = mbpoll("-t", "4", "-r", "9", "-c", "5", "127.0.0.1")
+    assert read_back == {9: "0", 10: "1", 11: "2", 12: "3", 13: "0"}
     mbpoll("-t", "0", "-r", "3", "127.0.0.1", "1")
     assert mbpoll("-t", "0", "-r", "2", "-c", "3", "127.0.0.1") == {2: "0", 3: "1", 4: "0"}
 
