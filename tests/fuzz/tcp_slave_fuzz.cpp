@@ -90,7 +90,7 @@ private:
         while (may_send) {
             const Bytes sent = connection_.transmit(now_);
             if (sent.empty()) return;
-            require(sent.size() <= serve::TcpConnection::kOutput);
+            require(sent.size() <= serve::kTcpBuffer);
             last_.assign(sent.begin(), sent.end());
             if (config_.framing == wire::Framing::tcp) check(sent);
         }
