@@ -94,7 +94,7 @@ private:
         name_values_of_links();
         find_refused();
         if (device().state == DeviceState::not_answering) {
-            found_.push_back(unanswering());
+            found_.push_back(answers_late() ? too_late() : unanswering());
             name_values([](Reason) { return true; });
         } else {
             find_late();
@@ -253,13 +253,44 @@ private:
         if (failures.kind == unanswered) {
             problem.kind = silent;
             const auto failure = failure_of(reason, failures.code);
+            if (failure.code == Code::modbus_exception) problem.count = device().counters.exceptions;
             problem.text = text::what(texts_.language(), failure);
             problem.advice = text::advice(texts_.language(), failure);
         }
         problem.severity = error;
         problem.since = before_snapshot(device().availability.down_since());
-        problem.tried = texts_("problem.tried.probe", {{"attempts", std::to_string(settings().attempts)},
-                                                       {"pause", age_text(device().back_off)}});
+        problem.tried = tried();
+        return problem;
+    }
+
+    [[nodiscard]] std::string tried() const {
+        return texts_("problem.tried.probe", {{"attempts", std::to_string(settings().attempts)},
+                                              {"pause", age_text(device().back_off)}});
+    }
+
+    /// Most of the responses that were missed came after the time-out.
+    [[nodiscard]] bool answers_late() const {
+        const auto& late = device().delays;
+        const bool timed_out = failures_of(device().failure).code == Code::timed_out;
+        return timed_out && late && late->setting != poll::DelayFinding::Setting::turnaround &&
+               2 * late->count >= device().counters.timeouts;
+    }
+
+    [[nodiscard]] Problem slower(Problem::Severity severity) const {
+        Problem problem = of_device(severity, slow);
+        problem.text = event_text(
+            texts_, configuration_,
+            {.body = host::DelaysFound{.line = line_, .device = device_, .finding = *device().delays}});
+        return problem;
+    }
+
+    /// The device answers, but never in time.
+    [[nodiscard]] Problem too_late() const {
+        Problem problem = slower(error);
+        problem.count = device().delays->count;
+        problem.of = device().counters.sent;
+        problem.since = before_snapshot(device().availability.down_since());
+        problem.tried = tried();
         return problem;
     }
 
@@ -286,13 +317,8 @@ private:
     }
 
     void find_measured() {
-        if (const auto& finding = device().delays) {
-            Problem problem = of_device(note, slow);
-            problem.text = event_text(
-                texts_, configuration_,
-                {.body = host::DelaysFound{.line = line_, .device = device_, .finding = *finding}});
-            found_.push_back(std::move(problem));
-        }
+        const bool listed = device().state == DeviceState::not_answering && answers_late();
+        if (device().delays && !listed) found_.push_back(slower(note));
         if (const auto& finding = device().noise) {
             Problem problem = of_device(note, noise);
             problem.text =
@@ -317,6 +343,7 @@ private:
         for_each_request([&](const plan::Request& request, const poll::RequestStatistics& statistics) {
             if (statistics.counters.exceptions == 0) return;
             const auto code = most_frequent_exception(statistics.counters);
+            if (fails_with(code)) return;  // the problem of the device
             const Error failure{Code::modbus_exception, {}, {code}};
             Problem problem = of_device(note, refused);
             problem.request = request_text(request);
@@ -334,6 +361,11 @@ private:
             problem.advice = text::advice(texts_.language(), failure);
             found_.push_back(std::move(problem));
         });
+    }
+
+    [[nodiscard]] bool fails_with(std::uint8_t exception) const {
+        return device().state == DeviceState::not_answering && value::is_exception(device().failure) &&
+               value::status_code(device().failure) % 256 == exception;
     }
 
     void find_late() {

@@ -83,6 +83,42 @@ TEST(Problems, ARefusedRequestNamesRangeVariableExceptionAndRemedy) {
     EXPECT_EQ(health_word(snapshot, problems(snapshot)), "ok");
 }
 
+// All its responses come after the time-out: it is no dead device.
+TEST(Problems, ADeviceThatAnswersTooLateIsNotSilent) {
+    auto snapshot = healthy();
+    auto& device = snapshot.lines[0].devices[0];
+    device.state = poll::DeviceState::not_answering;
+    device.failure = Reason::timeout;
+    device.counters.sent = device.counters.timeouts = 24;
+    device.delays = poll::DelayFinding{.delay = 401ms, .limit = 200ms, .advised = 500ms, .count = 24};
+    auto found = problems(snapshot);
+    ASSERT_EQ(found.size(), 1U) << "it is listed once";
+    EXPECT_EQ(found[0].severity, Severity::error);
+    EXPECT_EQ(found[0].kind, Kind::slow);
+    EXPECT_EQ(found[0].count, 24U);
+    expect_contains(found[0].text, "set 500ms");
+
+    device.delays->count = 2;
+    found = problems(snapshot);
+    ASSERT_EQ(found.size(), 2U) << "most were lost, and some came late";
+    EXPECT_EQ(found[0].kind, Kind::silent);
+}
+
+// A gateway refuses each request to the device.
+TEST(Problems, AnExceptionOfAllRequestsIsOneProblem) {
+    auto snapshot = healthy();
+    auto& device = snapshot.lines[0].devices[0];
+    device.state = poll::DeviceState::not_answering;
+    device.failure = value::exception_reason(10);
+    device.counters.sent = device.counters.exceptions = device.counters.exceptions_by_code[10] = 50;
+    auto& counters = snapshot.lines[0].requests[request_of(snapshot, "Pump")].counters;
+    counters.sent = counters.exceptions = counters.exceptions_by_code[10] = 50;
+    const auto found = problems(snapshot);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].count, 50U);
+    EXPECT_EQ(found[0].of, 50U);
+}
+
 TEST(Problems, ASilentDeviceHasTheSentenceOfARead) {
     auto snapshot = healthy();
     auto& device = snapshot.lines[0].devices[0];
