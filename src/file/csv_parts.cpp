@@ -238,9 +238,19 @@ private:
         return field && key_of(field->row.cells[0]) == "name" && here.take_window();
     }
 
+    // The lines that are drawn before a device of a tree: box drawing characters, U+2500 to U+257F.
+    static std::string_view without_branches(std::string_view line) {
+        constexpr std::size_t kBytes = 3;
+        while (line.starts_with("\xE2\x94") || line.starts_with("\xE2\x95"))
+            line = trimmed(line.substr(std::min(kBytes, line.size())));
+        return line;
+    }
+
     // Whether a line begins with words of a tree, and the part of the line behind them.
     static std::pair<bool, std::string_view> split_tree(std::string_view line) {
-        bool tree = false;
+        const auto drawn = line.size();
+        line = without_branches(line);
+        bool tree = line.size() < drawn;
         while (!line.empty()) {
             const auto end = std::min(line.find_first_of(",;\t"), line.size());
             if (!is_tree_word(line.substr(0, end))) break;

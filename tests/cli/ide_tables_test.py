@@ -414,6 +414,7 @@ DEVICE_16 = ["name: Устройство", "address: 16", "poll_period: 100ms", 
     PRINTED + "\n" + LIST.replace(";", "\t"),
     TREE + PRINTED + LIST,
     "RS485\nСлот 1\nMaster\n" + PRINTED + "\n\n" + LIST,
+    "RS485\n└── Слот 1, Master\n│     └─ Устройство, 16\n" + PRINTED + LIST,
     PRINTED.replace(";", ": ") + LIST,
     PRINTED.replace(";", "\t") + LIST,
 ])
