@@ -1,5 +1,6 @@
 """Exit codes (docs/commands/README.md): one for each kind of end. stdout has data, stderr has messages."""
 import contextlib
+import socket
 import subprocess
 
 import pytest
@@ -77,6 +78,14 @@ def test_a_new_project_is_created_once(tmp_path):
     before = path.read_bytes()
     assert "exists already" in takt("run", "--new", path, code=2).err
     assert path.read_bytes() == before
+
+
+def test_a_new_project_whose_start_fails_leaves_no_file(tmp_path):
+    path = tmp_path / "plant.yaml"
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        address = f"127.0.0.1:{taken.getsockname()[1]}"
+        assert takt("run", "--new", path, "--web", address, code=None).code != 0
+    assert not path.exists()
 
 
 def test_an_unknown_option_is_named_with_the_nearest_one():

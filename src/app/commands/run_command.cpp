@@ -116,6 +116,12 @@ bool create_project(const Texts& texts, const std::string& file) {
     return false;
 }
 
+// A start that failed, as with a port in use, leaves no file behind: `--new` would refuse it.
+void remove_if_empty(const std::string& path) {
+    if (const auto text = file::read_file(path, kEmptyProject.size()); text && *text == kEmptyProject)
+        std::filesystem::remove(path);
+}
+
 std::optional<host::LoadedProject> load(const Texts& texts, const RunOptions& options, std::string& learnt) {
     if (options.create && !create_project(texts, options.file)) return std::nullopt;
     auto loaded = load_to_run(texts, options.file, &learnt);
@@ -148,10 +154,12 @@ ExitCode run(const CommonOptions& common, const RunOptions& options) {
     // The example of the demo shows the same plant here.
     DemoPlant plant(line::now());
     const auto& lines = loaded->project.lines;
-    return run_project(texts, loaded->project, proof.plan, learning,
-                       [&](std::size_t line, sim::Devices& devices) {
-                           if (line < lines.size() && DemoPlant::fits(lines[line])) plant.show(devices);
-                       });
+    const auto show_plant = [&](std::size_t line, sim::Devices& devices) {
+        if (line < lines.size() && DemoPlant::fits(lines[line])) plant.show(devices);
+    };
+    const ExitCode code = run_project(texts, loaded->project, proof.plan, learning, show_plant);
+    if (options.create && code == ExitCode::cannot_open) remove_if_empty(options.file);
+    return code;
 }
 
 }  // namespace takt::app
