@@ -12,6 +12,7 @@
 #include "options/option_error.hpp"
 #include "output.hpp"
 #include "stop_signals.hpp"
+#include "takt/file/read.hpp"
 #include "takt/file/write.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/line/target.hpp"
