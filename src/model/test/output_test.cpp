@@ -471,7 +471,8 @@ TEST(Output, RemediesAreThoseThatTheSettingsLeaveOpen) {
         {"period: 20ms, backlog: array, message: device, topic: '{device}', retain: false", ""},
     };
     for (const auto& [keys, remedies] : cases) {
-        const auto& output = with_keys(keys).project.outputs.at(0);
+        const auto checked = with_keys(keys);
+        const auto& output = checked.project.outputs.at(0);
         const auto with = [&](std::string_view last) {
             return remedies + (remedies.empty() ? "" : ",") + std::string(last);
         };
