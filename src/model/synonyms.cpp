@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "takt/base/ascii.hpp"
 #include "takt/model/nearest.hpp"
 
 namespace takt::model {
