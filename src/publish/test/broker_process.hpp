@@ -47,10 +47,17 @@ public:
     }
 
     void send(int signal) const { kill(pid_, signal); }
-    /// Sends the signal and waits for the end.
+    /// Sends the signal, once a second, and waits for the end: mosquitto forgets one that it gets while it
+    /// starts.
     void end(int signal) {
-        if (pid_ > 0) send(signal);
-        wait();
+        constexpr int kSecond = 100;
+        for (int polls = 0; pid_ > 0; ++polls) {
+            if (polls % kSecond == 0) send(signal);
+            if (waitpid(pid_, nullptr, WNOHANG) != 0)
+                pid_ = -1;
+            else
+                std::this_thread::sleep_for(10ms);
+        }
     }
     /// @returns the exit status
     int wait() {

@@ -42,7 +42,8 @@ bool has_words(std::string_view pattern) {
 
 TEST(Catalogue, TranslationsDiffer) {
     for (const auto code : codes(Language::english)) {
-        if (!has_words(pattern(Language::english, code))) continue;
+        const auto english = pattern(Language::english, code);
+        if (!has_words(english) || english == "ms") continue;  // the unit is that of project files
         EXPECT_NE(pattern(Language::russian, code), pattern(Language::english, code)) << code;
         EXPECT_NE(pattern(Language::ukrainian, code), pattern(Language::english, code)) << code;
     }
