@@ -217,7 +217,7 @@ TEST(SerialDevice, TheBoardMayHaveNoSuchFormat) {
     EXPECT_FALSE(device.start());
 }
 
-// Whatever is received, with any pauses: afterwards the device answers.
+// The device answers after any bytes with any pauses.
 RC_GTEST_PROP(SerialDevice, AnswersAfterAnyNoise, ()) {
     const auto framing = *rc::gen::element(wire::Framing::rtu, wire::Framing::ascii);
     Rig rig(framing, *rc::gen::arbitrary<bool>());
