@@ -352,17 +352,6 @@ Result<Image> Builder::lay_out() {
 
 }  // namespace
 
-void seal(Image& image) {
-    const auto write = [&](std::size_t offset, std::uint32_t number) {
-        Image bytes;
-        Put put(bytes);
-        put(number);
-        std::copy(bytes.begin(), bytes.end(), image.begin() + static_cast<std::ptrdiff_t>(offset));
-    };
-    write(kChecksumOffset - 4, static_cast<std::uint32_t>(image.size()));
-    write(kChecksumOffset, image_checksum(image));
-}
-
 Result<Image> build(const model::Project& project, const plan::Plan& plan, const BuildOptions& options) {
     TAKT_TRY(Image image, Builder(project, plan, options).build());
     if (const auto view = View::open(image); !view) return std::unexpected(view.error());

@@ -32,4 +32,13 @@ std::uint32_t image_checksum(Bytes image) {
     return crc.value();
 }
 
+void seal(std::span<std::uint8_t> image) {
+    const auto write = [&](std::size_t offset, std::uint32_t number) {
+        for (std::size_t i = 0; i < sizeof number; ++i)
+            image[offset + i] = static_cast<std::uint8_t>(number >> (8 * i));
+    };
+    write(kChecksumOffset - 4, static_cast<std::uint32_t>(image.size()));
+    write(kChecksumOffset, image_checksum(image));
+}
+
 }  // namespace takt::table

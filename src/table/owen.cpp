@@ -1,7 +1,3 @@
-// The image of the controller (docs/formats/request-table.md): magic and header, 28 bytes; then lines of 20
-// bytes, devices of 16 and entries of 20, without gaps. The code() functions below list the fields of a
-// record in the order of the image; writing, reading and record_size() all use them.
-//
 // An entry holds one request. Its variables have no records of their own: they are `quantity` adjacent items
 // of one type, from register `start` on, and their values are in adjacent places of the value buffer, from
 // `data` on. check_neighbours() therefore rejects a request whose variables are not adjacent in both.
@@ -254,124 +250,13 @@ void OwenBuilder::add_entry(const model::Device& device, const plan::Request& re
     built_.table.entries.push_back(entry);
 }
 
-struct OwenHeader {
-    std::uint16_t version = kOwenVersion;
-    std::uint16_t header_size = 0;
-    std::uint32_t length = 0;
-    std::uint32_t checksum = 0;
-    std::uint16_t places = 0;
-    std::uint16_t masters = 0;
-    std::uint16_t devices = 0;
-    std::uint16_t entries = 0;
-};
-
-template <class Coder>
-constexpr void code(Coder& c, OwenHeader& r) {
-    c(r.version), c(r.header_size), c(r.length), c(r.checksum);
-    c(r.places), c(r.masters), c(r.devices), c(r.entries);
-}
-
-}  // namespace
-
-template <class Coder>
-constexpr void code(Coder& c, OwenMaster& r) {
-    c(r.framing), c(r.parity), c(r.data_bits), c(r.stop_bits), c(r.baud), c(r.request_gap_us);
-    c(r.frame_gap_us), c(r.first_device), c(r.device_count);
-}
-template <class Coder>
-constexpr void code(Coder& c, OwenDevice& r) {
-    c(r.unit), c(r.orders), c(r.period_ms), c(r.timeout_ms), c(r.attempts), c(r.status), c(r.poll_enable);
-    c(r.first_entry), c(r.entry_count);
-}
-template <class Coder>
-constexpr void code(Coder& c, OwenEntry& r) {
-    c(r.type_and_bit), c(r.read), c(r.write), c(r.flags), c(r.quantity), c(r.start), c(r.data);
-    c(r.read_trigger), c(r.write_trigger), c(r.status), c(r.period_ms);
-}
-
-namespace {
-
-constexpr std::size_t kOwenHeaderSize = kMagicSize + record_size<OwenHeader>();
-static_assert(record_size<OwenEntry>() == 20 && record_size<OwenDevice>() == 16 &&
-              record_size<OwenMaster>() == 20 && kOwenHeaderSize == 28);
-
-Result<OwenHeader> open_owen(Bytes image) {
-    const auto there = static_cast<std::int64_t>(image.size());
-    const auto known = std::min<std::ptrdiff_t>(kMagicSize, std::ssize(image));
-    if (!std::equal(image.begin(), image.begin() + known, kOwenMagic)) return fail(Code::malformed, "magic");
-    if (image.size() < kMagicSize + 2) return fail(Code::too_short, there, std::int64_t{kOwenHeaderSize});
-    OwenHeader header;
-    Take{image.data() + kMagicSize}(header.version);
-    if (header.version > kOwenVersion)
-        return fail(Code::unsupported, "version", header.version, kOwenVersion);
-    if (header.version == 0) return fail(Code::malformed, "version");
-    if (image.size() < kOwenHeaderSize) return fail(Code::too_short, there, std::int64_t{kOwenHeaderSize});
-    Take take(image.data() + kMagicSize);
-    code(take, header);
-    if (image.size() < header.length) return fail(Code::too_short, there, header.length);
-    if (image.size() > header.length) return fail(Code::too_long, there, header.length);
-    if (image_checksum(image) != header.checksum) return fail(Code::bad_checksum);
-    const std::size_t length = kOwenHeaderSize + header.masters * record_size<OwenMaster>() +
-                               header.devices * record_size<OwenDevice>() +
-                               header.entries * record_size<OwenEntry>();
-    if (header.header_size != kOwenHeaderSize || length != image.size())
-        return fail(Code::malformed, "header");
-    return header;
-}
-
-bool runs_through(std::size_t first, std::size_t count, std::size_t& next) {
-    const bool fits = first == next;
-    next += count;
-    return fits;
-}
-
-Result<void> check_owen(const OwenTable& table) {
-    std::size_t device = 0;
-    for (std::size_t i = 0; i < table.masters.size(); ++i) {
-        const auto& m = table.masters[i];
-        if (m.framing > 1 || m.parity > 2 || !runs_through(m.first_device, m.device_count, device))
-            return fail(Code::malformed, "line", static_cast<std::int64_t>(i));
-    }
-    if (device != table.devices.size()) return fail(Code::malformed, "line");
-    std::size_t entry = 0;
-    for (std::size_t i = 0; i < table.devices.size(); ++i) {
-        const auto& d = table.devices[i];
-        if (!runs_through(d.first_entry, d.entry_count, entry) || d.status > table.places ||
-            d.poll_enable > table.places)
-            return fail(Code::malformed, "device", static_cast<std::int64_t>(i));
-    }
-    if (entry != table.entries.size()) return fail(Code::malformed, "device");
-    for (std::size_t i = 0; i < table.entries.size(); ++i) {
-        const auto& e = table.entries[i];
-        const bool places = e.data >= 1 &&
-                            e.data + std::size_t{e.quantity} <= table.places + std::size_t{1} &&
-                            std::max({e.read_trigger, e.write_trigger, e.status}) <= table.places;
-        if (!places || e.quantity < 1 || (e.type_and_bit & 15) > OwenEntry::kDoubleWord)
-            return fail(Code::malformed, "entry", static_cast<std::int64_t>(i));
-    }
-    return {};
-}
-
 template <class Record>
 void put_all(Image& image, std::vector<Record> records) {
     Put put(image);
     for (auto& record : records) code(put, record);
 }
 
-template <class Record>
-const std::uint8_t* take_all(const std::uint8_t* from, std::size_t count, std::vector<Record>& records) {
-    Take take(from);
-    records.resize(count);
-    for (auto& record : records) code(take, record);
-    return from + count * record_size<Record>();
-}
-
 }  // namespace
-
-DataType OwenEntry::type() const {
-    const auto kind = static_cast<std::uint8_t>(type_and_bit & 15);
-    return std::ranges::find(kKinds, kind, &std::pair<DataType, std::uint8_t>::second)->first;
-}
 
 OwenBuilt build_owen(const model::Project& project, const plan::Plan& plan) {
     return OwenBuilder(project, plan).build();
@@ -396,13 +281,12 @@ Image write_owen(const OwenTable& table) {
 }
 
 Result<OwenTable> read_owen(Bytes image) {
-    TAKT_TRY(const OwenHeader header, open_owen(image));
+    TAKT_TRY(const OwenView view, OwenView::open(image));
+    const OwenHeader& header = view.header();
     OwenTable table{.version = header.version, .places = header.places};
-    const auto* next = image.data() + kOwenHeaderSize;
-    next = take_all(next, header.masters, table.masters);
-    next = take_all(next, header.devices, table.devices);
-    take_all(next, header.entries, table.entries);
-    TAKT_CHECK(check_owen(table));
+    for (std::size_t i = 0; i < header.masters; ++i) table.masters.push_back(view.master(i));
+    for (std::size_t i = 0; i < header.devices; ++i) table.devices.push_back(view.device(i));
+    for (std::size_t i = 0; i < header.entries; ++i) table.entries.push_back(view.entry(i));
     return table;
 }
 

@@ -76,9 +76,10 @@ ExitCode run_restored(const Texts& texts, table::Restored restored, const RunOpt
 
 // The table of a controller has no port.
 ExitCode run_owen_table(const Texts& texts, const RunOptions& options, Bytes image) {
-    const auto opened = table::read_owen(image);
-    if (!opened) {
-        print_status("takt: " + report::table_error_text(texts, options.table, opened.error()));
+    const auto opened = table::OwenView::open(image);
+    const auto made = opened ? table::restored(*opened) : std::unexpected(opened.error());
+    if (!made) {
+        print_status("takt: " + report::table_error_text(texts, options.table, made.error()));
         return ExitCode::usage;
     }
     if (options.target.empty()) {
@@ -86,7 +87,7 @@ ExitCode run_owen_table(const Texts& texts, const RunOptions& options, Bytes ima
         print_status("    " + texts("app.table.no_port.advice", {{"file", options.table}}) + '\n');
         return ExitCode::usage;
     }
-    return run_restored(texts, table::restored(*opened), options);
+    return run_restored(texts, *made, options);
 }
 
 // The poller runs the plan that is in the table, so that nothing can differ from the project's own run; the

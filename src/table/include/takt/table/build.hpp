@@ -27,7 +27,4 @@ struct BuildOptions {
 [[nodiscard]] Result<Image> build(const model::Project& project, const plan::Plan& plan,
                                   const BuildOptions& options);
 
-/// Writes the length and the checksum into the header of an image; shared by both formats.
-void seal(Image& image);
-
 }  // namespace takt::table

@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <type_traits>
 
 #include "takt/base/engine.hpp"
@@ -23,6 +24,10 @@ private:
 /// The checksum of an image: that of all its bytes, those of the checksum itself taken as 0.
 /// image.size() >= kChecksumOffset + 4
 std::uint32_t image_checksum(Bytes image);
+
+/// Writes the length and the checksum into the header of an image; shared by both formats.
+/// image.size() >= kChecksumOffset + 4
+void seal(std::span<std::uint8_t> image);
 
 /// A number of an image as an unsigned integer of its size.
 template <class T>

@@ -12,59 +12,9 @@
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/table/build.hpp"
-#include "takt/table/format.hpp"
+#include "takt/table/owen_view.hpp"
 
 namespace takt::table {
-
-/// A place in the controller's value buffer: one value each, numbered from 1; first the locals of the project
-/// in its order, then the variables of each device in the order in which they are read, then those that are
-/// only written. 0: none.
-using Place = std::uint16_t;
-
-struct OwenEntry {
-    static constexpr std::uint8_t kPolled = 0x01;
-    static constexpr std::uint8_t kWrittenOnChange = 0x04;
-    static constexpr std::uint8_t kBit = 0, kWord = 1, kDoubleWord = 2;
-    static constexpr std::uint32_t kPeriodOfDevice = 0xFFFF'FFFF;
-
-    std::uint8_t type_and_bit = 0;  ///< type in the low nibble, bit number in the high one
-    std::uint8_t read = 0, write = 0;
-    std::uint8_t flags = 0;
-    std::uint16_t quantity = 0;  ///< variables
-    std::uint16_t start = 0;     ///< register of the first one
-    Place data = 0;              ///< of the first one; the others follow
-    Place read_trigger = 0, write_trigger = 0, status = 0;
-    std::uint32_t period_ms = kPeriodOfDevice;
-
-    /// bool, int16 or int32: an entry distinguishes neither signs nor floats. Of an entry of read_owen().
-    [[nodiscard]] DataType type() const;
-
-    friend bool operator==(const OwenEntry&, const OwenEntry&) = default;
-};
-
-struct OwenDevice {
-    std::uint8_t unit = 1;
-    std::uint8_t orders = 0;  ///< 0x01 high byte first, 0x02 high register first
-    std::uint16_t period_ms = 0;
-    std::uint16_t timeout_ms = 0;
-    std::uint16_t attempts = 0;
-    Place status = 0, poll_enable = 0;
-    std::uint16_t first_entry = 0, entry_count = 0;
-
-    friend bool operator==(const OwenDevice&, const OwenDevice&) = default;
-};
-
-/// One line.
-struct OwenMaster {
-    std::uint8_t framing = 0;  ///< 0 RTU, 1 ASCII
-    std::uint8_t parity = 0;   ///< 0 none, 1 even, 2 odd
-    std::uint8_t data_bits = 8, stop_bits = 1;
-    std::uint32_t baud = 0;
-    std::uint32_t request_gap_us = 0, frame_gap_us = 0;
-    std::uint16_t first_device = 0, device_count = 0;
-
-    friend bool operator==(const OwenMaster&, const OwenMaster&) = default;
-};
 
 struct OwenTable {
     std::uint16_t version = kOwenVersion;
@@ -87,7 +37,7 @@ struct OwenBuilt {
 
 [[nodiscard]] Image write_owen(const OwenTable& table);
 
-/// @returns what View::open() returns
+/// @returns what OwenView::open() returns
 [[nodiscard]] Result<OwenTable> read_owen(Bytes image);
 
 /// The codes of OwenBuilt::findings.

@@ -3,7 +3,7 @@
 
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
-#include "takt/table/owen.hpp"
+#include "takt/table/owen_view.hpp"
 #include "takt/table/view.hpp"
 
 namespace takt::table {
@@ -22,10 +22,10 @@ struct Restored {
     plan::Plan plan;
 };
 
-/// The requests of a table of owen-kc1 and what they are about. Lines have no port. Lines, devices, locals
-/// and values are named by kind and number: `value3` is at place 3. A word is an int16, a double word an
-/// int32, because the table does not distinguish signs and floats. Locals that only the program used are
-/// bools. Entries with functions that no controller has are left out.
-[[nodiscard]] Restored restored(const OwenTable& table);
+/// The requests of a table of owen-kc1 and what they are about (expand()). Lines have no port. Lines,
+/// devices, locals and values are named by kind and number: `value3` is at place 3. Locals that only the
+/// program used are bools.
+/// @returns what expand() and View::open() return
+[[nodiscard]] Result<Restored> restored(const OwenView& table);
 
 }  // namespace takt::table
