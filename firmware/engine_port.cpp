@@ -11,8 +11,10 @@ constexpr Duration kLongestSleep = std::chrono::minutes(10);
 }  // namespace
 
 bool EnginePort::start(const wire::CharacterFormat& format) {
-    if (!board::open(format, *this)) return false;
-    clock_ = board::clock();
+    if (!board::open(format, *this, port_)) return false;
+    if (!open_) clock_ = board::clock();
+    open_ = true;
+    taken_ = received_.load();
     engine_.on_link(now(), true);
     timer_passed_ = true;
     return true;
@@ -34,7 +36,7 @@ bool EnginePort::work() {
     if (!sending_) send_next();
     const Instant next = std::min(engine_.next_wakeup(), now() + kLongestSleep);
     const auto left = std::chrono::ceil<std::chrono::microseconds>(next - now_).count();
-    board::start_timer(left > 0 ? static_cast<std::uint32_t>(left) : 1);
+    board::start_timer(left > 0 ? static_cast<std::uint32_t>(left) : 1, port_);
     return true;
 }
 
@@ -59,8 +61,8 @@ void EnginePort::send_next() {
     out_.assign(bytes);
     sent_ = 0;
     sending_ = true;
-    board::drive_line(true);
-    board::send(out_[0]);
+    board::drive_line(true, port_);
+    board::send(out_[0], port_);
 }
 
 void EnginePort::on_character(std::uint8_t character, bool /*damaged*/) {
@@ -72,8 +74,8 @@ void EnginePort::on_character(std::uint8_t character, bool /*damaged*/) {
 
 void EnginePort::on_sent() {
     if (!sending_) return;
-    if (++sent_ < out_.size()) return board::send(out_[sent_]);
-    board::drive_line(false);
+    if (++sent_ < out_.size()) return board::send(out_[sent_], port_);
+    board::drive_line(false, port_);
     sending_ = false;
     sent_all_ = true;
 }

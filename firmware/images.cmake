@@ -26,7 +26,8 @@ set(table_sources answers bytes choice executor owen_expand owen_view rules view
 list(TRANSFORM table_sources PREPEND ${CMAKE_SOURCE_DIR}/src/table/)
 list(TRANSFORM table_sources APPEND .cpp)
 file(GLOB bus_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/bus/*.cpp)
-add_library(takt_master STATIC EXCLUDE_FROM_ALL ${bus_sources} ${table_sources} engine_port.cpp)
+add_library(takt_master STATIC EXCLUDE_FROM_ALL ${bus_sources} ${table_sources} engine_port.cpp
+  table_store.cpp)
 target_include_directories(takt_master PUBLIC ${CMAKE_SOURCE_DIR}/src/bus/include
   ${CMAKE_SOURCE_DIR}/src/table/include)
 target_link_libraries(takt_master PUBLIC takt_slave)
@@ -92,11 +93,22 @@ if(mps2 IN_LIST boards)
   takt_tcp_image(mps2 test_tcp 4s 1s)  # the tests wait for both
 endif()
 
+# takt_controller_image(NAME SILENCE): the silence that ends a frame of the slave in microseconds
+function(takt_controller_image name silence)
+  takt_image(mps2_${name} mps2 images/controller.cpp)
+  target_link_libraries(mps2_${name} PRIVATE takt_master)
+  target_compile_definitions(mps2_${name} PRIVATE TAKT_SILENCE=${silence})
+endfunction()
+if(mps2 IN_LIST boards)
+  takt_controller_image(controller 0)
+  takt_controller_image(test_controller 100000)  # the host delivers characters late
+endif()
+
 # Images of the tests
 if(TAKT_CPU STREQUAL "cortex-m0")
   takt_image(microbit_test_resets microbit images/resets.cpp)
   takt_image(microbit_test_silences microbit images/silences.cpp)
 else()
-  takt_image(mps2_master mps2 images/table_master.cpp)
-  target_link_libraries(mps2_master PRIVATE takt_master)
+  takt_image(mps2_test_master mps2 images/table_master.cpp)
+  target_link_libraries(mps2_test_master PRIVATE takt_master)
 endif()

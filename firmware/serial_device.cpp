@@ -56,17 +56,18 @@ SerialDevice::SerialDevice(const SerialDeviceConfig& config, serve::Server& serv
       format_(config.format),
       framing_(config.framing),
       strict_(config.strict),
+      port_(config.port),
       longest_gap_(longest_gap(config)),
       end_gap_(end_gap(config)) {
     TAKT_ASSERT(config.framing != wire::Framing::tcp && config.format.baud >= kLeastBaud);
 }
 
 bool SerialDevice::start() {
-    if (!board::open(format_, *this)) return false;
+    if (!board::open(format_, *this, port_)) return false;
     if (ascii())
         state_ = State::idle;
     else
-        board::start_timer(end_gap_);
+        board::start_timer(end_gap_, port_);
     return true;
 }
 
@@ -76,7 +77,7 @@ void SerialDevice::on_character(std::uint8_t character, bool damaged) {
     switch (state_) {
         case State::complete:
         case State::sending: return;
-        case State::waiting: board::start_timer(end_gap_); return;
+        case State::waiting: board::start_timer(end_gap_, port_); return;
         case State::idle:
         case State::receiving:
         case State::dropping: break;
@@ -91,7 +92,7 @@ void SerialDevice::receive_rtu(std::uint8_t character, bool damaged) {
     const std::uint32_t now = board::clock();
     const std::uint32_t gap = now - last_;
     last_ = now;
-    board::start_timer(end_gap_);
+    board::start_timer(end_gap_, port_);
     if (state_ == State::idle)
         begin();
     else if (gap > longest_gap_)
@@ -106,16 +107,16 @@ void SerialDevice::receive_ascii(std::uint8_t character, bool damaged) {
         if (state_ != State::idle) end_broken(State::idle);
         begin();
         if (damaged) drop();
-        board::start_timer(end_gap_);
+        board::start_timer(end_gap_, port_);
         return;
     }
     if (state_ == State::idle) return;  // between frames everything is ignored
-    board::start_timer(end_gap_);
+    board::start_timer(end_gap_, port_);
     if (damaged) drop();
     if (character == '\r' && !ending_) {
         ending_ = true;
     } else if (ending_ && character == '\n') {
-        board::stop_timer();
+        board::stop_timer(port_);
         if (half_) drop();
         if (state_ == State::receiving)
             state_ = State::complete;
@@ -173,14 +174,14 @@ void SerialDevice::on_timer() {
 
 void SerialDevice::on_sent() {
     if (state_ != State::sending) return;
-    if (++sent_ < characters()) return board::send(character_to_send(sent_));
-    board::drive_line(false);
+    if (++sent_ < characters()) return board::send(character_to_send(sent_), port_);
+    board::drive_line(false, port_);
     if (ascii() || !strict_) {
         state_ = State::idle;
         return;
     }
     state_ = State::waiting;
-    board::start_timer(end_gap_);
+    board::start_timer(end_gap_, port_);
 }
 
 // ---- main loop
@@ -198,8 +199,8 @@ bool SerialDevice::work() {
     }
     sent_ = 0;
     state_ = State::sending;
-    board::drive_line(true);
-    board::send(character_to_send(0));
+    board::drive_line(true, port_);
+    board::send(character_to_send(0), port_);
     return true;
 }
 

@@ -1,4 +1,4 @@
-// For tests on `mps2`: the master of the request table at kTable, where the emulator has loaded it. Notes
+// For tests on `mps2`: the master of the request table in the flash, where the emulator has loaded it. Notes
 // each call of the executor with its time and bytes, so that the executor of the desktop can repeat it
 // (tests/firmware/table_replay.cpp); shows the buffer at the end.
 //
@@ -12,6 +12,8 @@
 #include "takt/firmware/semihosting.hpp"
 #include "takt/firmware/stack.hpp"
 #include "takt/firmware/table_master.hpp"
+#include "takt/firmware/table_store.hpp"
+#include "takt/table/owen_view.hpp"
 
 namespace {
 
@@ -20,10 +22,6 @@ namespace semihosting = takt::firmware::semihosting;
 namespace table = takt::table;
 using takt::Bytes;
 using takt::Instant;
-
-constexpr std::uintptr_t kTable = 0x00200000;
-constexpr std::size_t kLengthField = 12;  // of the image, 32 bits (docs/formats/request-table.md)
-constexpr std::size_t kLongestTable = 0x00100000;
 
 struct Command {
     std::uint32_t at;  // milliseconds
@@ -134,10 +132,11 @@ int main() {
     static Master master;
     g_master = &master;
     semihosting::read_file("script", 6, {reinterpret_cast<std::uint8_t*>(&g_script), sizeof g_script});
-    std::uint32_t length = 0;
-    __builtin_memcpy(&length, reinterpret_cast<const void*>(kTable + kLengthField), sizeof length);
-    const Bytes image(reinterpret_cast<const std::uint8_t*>(kTable),
-                      std::min<std::size_t>(length, kLongestTable));
+    static std::array<std::uint8_t, 8192> expanded;
+    Bytes image = firmware::TableStore::stored()[0];
+    if (table::is_owen(image))
+        if (const auto view = table::OwenView::open(image))
+            image = table::expand(*view, expanded).value_or(Bytes{});
     if (const auto started = master.start(image); !started) {
         Text().add("refused").add(static_cast<std::uint64_t>(started.error().code));
         semihosting::exit();

@@ -32,7 +32,7 @@ std::uint32_t clock() {
     return board.now;
 }
 
-bool open(const wire::CharacterFormat& format, BoardEvents& events) {
+bool open(const wire::CharacterFormat& format, BoardEvents& events, unsigned) {
     if (format.stop_bits != 1) return false;
     board.events = &events;
     board.character_time =
@@ -40,21 +40,21 @@ bool open(const wire::CharacterFormat& format, BoardEvents& events) {
     return true;
 }
 
-void send(std::uint8_t character) {
+void send(std::uint8_t character, unsigned) {
     board.sent.push_back(character);
     board.log += 's';
     board.sent_at = board.now + board.character_time;
 }
 
-void start_timer(std::uint32_t microseconds) {
+void start_timer(std::uint32_t microseconds, unsigned) {
     board.timer_at = board.now + microseconds;
 }
 
-void stop_timer() {
+void stop_timer(unsigned) {
     board.timer_at.reset();
 }
 
-void drive_line(bool on) {
+void drive_line(bool on, unsigned) {
     board.log += on ? '+' : '-';
 }
 

@@ -25,8 +25,10 @@ struct Board {
     std::optional<std::uint32_t> sent_at;  // the character on the line ends
     std::string log;                       // '+' driver on, '-' off, 's' sent: in their order
     std::vector<std::uint8_t> sent;
-    std::array<std::vector<std::uint32_t>, 2> flash{std::vector<std::uint32_t>(kPageWords, ~0U),
-                                                    std::vector<std::uint32_t>(kPageWords, ~0U)};
+    std::array<std::vector<std::uint32_t>, 4> flash = [] {
+        const std::vector<std::uint32_t> erased(kPageWords, ~0U);
+        return std::array{erased, erased, erased, erased};
+    }();
     /// Words and erasures until the power fails in one of them; nothing: never.
     std::optional<std::size_t> fails_after;
     std::uint32_t torn = 0;  ///< the bits of that word that stay as they were

@@ -37,7 +37,7 @@ void seal(std::span<std::uint8_t> image) {
         for (std::size_t i = 0; i < sizeof number; ++i)
             image[offset + i] = static_cast<std::uint8_t>(number >> (8 * i));
     };
-    write(kChecksumOffset - 4, static_cast<std::uint32_t>(image.size()));
+    write(kLengthOffset, static_cast<std::uint32_t>(image.size()));
     write(kChecksumOffset, image_checksum(image));
 }
 

@@ -260,13 +260,13 @@ void Executor::on_tick(Instant t) {
 }
 
 Bytes Executor::transmit(Instant t) {
-    if (engine_.can_submit()) choose(t);
+    if (!stopped_ && engine_.can_submit()) choose(t);
     return engine_.transmit(t);
 }
 
 Instant Executor::next_wakeup() const {
     const Instant wakeup = engine_.next_wakeup();
-    return engine_.can_submit() ? std::min(wakeup, arbiter_.wakeup()) : wakeup;
+    return !stopped_ && engine_.can_submit() ? std::min(wakeup, arbiter_.wakeup()) : wakeup;
 }
 
 void Executor::take_outcomes() {

@@ -40,6 +40,16 @@ Duration period_of(const OwenDevice& device, const OwenEntry& entry) {
                                                                                    : entry.period_ms);
 }
 
+// One bit for each order, the same in a device and in an item.
+std::uint8_t orders_of(const OwenDevice& device) {
+    constexpr std::uint8_t kBoth = OwenDevice::kHighByteFirst | OwenDevice::kHighRegisterFirst;
+    static_assert(DeviceRecord::kHighByteFirst == OwenDevice::kHighByteFirst &&
+                  DeviceRecord::kHighRegisterFirst == OwenDevice::kHighRegisterFirst &&
+                  ItemRecord::kHighByteFirst == OwenDevice::kHighByteFirst &&
+                  ItemRecord::kHighRegisterFirst == OwenDevice::kHighRegisterFirst);
+    return device.orders & kBoth;
+}
+
 struct Counts {
     std::uint64_t entries = 0, members = 0;
     std::uint32_t locals = 0;
@@ -49,7 +59,7 @@ Counts count(const OwenView& table) {
     Counts counts{.locals = table.header().places};
     for (std::size_t i = 0; i < table.header().entries; ++i) {
         const auto entry = table.entry(i);
-        counts.locals = std::min(counts.locals, entry.data - 1U);
+        counts.locals = std::min(counts.locals, std::uint32_t{entry.data} - 1);
         if (!is_usable(entry)) continue;
         ++counts.entries;
         counts.members += entry.quantity;
@@ -89,8 +99,9 @@ public:
     }
 
     Result<void> write() {
-        for (std::uint32_t i = 0; i < header_.items.count; ++i) put(header_.items, i, ItemRecord{});
-        for (std::uint32_t i = 0; i < locals_; ++i) add_local(i);
+        ItemRecord local{.area = static_cast<std::uint8_t>(wire::Area::holding_register),
+                         .flags = ItemRecord::kUsed | ItemRecord::kHighByteFirst};
+        for (std::uint32_t i = 0; i < header_.items.count; ++i) put(header_.items, i, local);
         for (std::uint32_t i = 0; i < header_.lines.count; ++i) TAKT_CHECK(add_line(i));
         place_items();
         std::copy_n(kMagic, kMagicSize, into_.begin());
@@ -103,7 +114,7 @@ public:
 
 private:
     template <class Record>
-    void put(const Section& section, std::uint32_t index, Record record) {
+    void put(const Section& section, std::uint32_t index, Record& record) {
         End end{into_.data() + section.offset + index * record_size<Record>()};
         Put coder(end);
         code(coder, record);
@@ -117,13 +128,6 @@ private:
     /// The item of a local at that place.
     [[nodiscard]] std::uint32_t local(Place place) const {
         return place >= 1 && place <= locals_ ? place - 1U : kNone;
-    }
-
-    void add_local(std::uint32_t index) {
-        put(header_.items, index,
-            ItemRecord{.type = static_cast<std::uint8_t>(DataType::boolean),
-                       .area = static_cast<std::uint8_t>(wire::Area::holding_register),
-                       .flags = ItemRecord::kUsed | ItemRecord::kHighByteFirst});
     }
 
     std::uint32_t add_status(Place place) {
@@ -162,7 +166,9 @@ private:
         for (std::uint32_t i = 0; i < master.device_count; ++i)
             TAKT_CHECK(add_device(index, master.first_device + i));
         line.entry_count = line.request_count = entries_ - line.first_entry;
-        line.utilization = static_cast<double>(load_) / kWholeLoad;
+        // For the order it only matters whether the line is overloaded. A division would cost a controller 2
+        // KB.
+        line.utilization = load_ > kWholeLoad ? 2 : 0;
         put(header_.lines, index, line);
         return {};
     }
@@ -175,10 +181,7 @@ private:
         DeviceRecord device;
         device.line = line;
         device.unit = owen.unit;
-        device.flags = static_cast<std::uint8_t>(
-            ((owen.orders & OwenDevice::kHighByteFirst) != 0 ? DeviceRecord::kHighByteFirst : 0) |
-            ((owen.orders & OwenDevice::kHighRegisterFirst) != 0 ? DeviceRecord::kHighRegisterFirst : 0) |
-            DeviceRecord::kReadModifyWrite);
+        device.flags = static_cast<std::uint8_t>(orders_of(owen) | DeviceRecord::kReadModifyWrite);
         device.attempts = owen.attempts;
         device.period = nanoseconds(std::chrono::milliseconds(owen.period_ms));
         device.response_timeout = nanoseconds(timeout);
@@ -227,44 +230,43 @@ private:
         entry.first_member = members_;
         entry.member_count = from.quantity;
         for (std::uint32_t m = 0; m < from.quantity; ++m) {
-            put(header_.members, members_++, std::uint32_t{from.data + m - 1U});
-            if (!add_member(device, owen, from, entry, m)) return false;
+            std::uint32_t item = from.data + m - 1U;
+            put(header_.members, members_++, item);
+            if (!add_member(item, device, owen, from, entry, m)) return false;
         }
         put(header_.entries, entries_++, entry);
         if (entry.read != 0 && entry.period > 0) add_load(entry);
         return true;
     }
 
-    bool add_member(std::uint32_t device, const OwenDevice& owen, const OwenEntry& from,
+    bool add_member(std::uint32_t index, std::uint32_t device, const OwenDevice& owen, const OwenEntry& from,
                     const EntryRecord& entry, std::uint32_t member) {
-        const std::uint32_t index = from.data + member - 1U;
         const bool bit = from.kind() == OwenEntry::kBit;
-        const bool coils = wire::is_bit_area(area_of(from));
-        const std::uint16_t registers = from.kind() == OwenEntry::kDoubleWord ? 2 : 1;
-        ItemRecord own;
-        own.device = device;
-        own.type = static_cast<std::uint8_t>(bit              ? DataType::boolean
-                                             : registers == 2 ? DataType::int32
-                                                              : DataType::int16);
-        own.area = static_cast<std::uint8_t>(area_of(from));
-        if (bit) own.bit = static_cast<std::uint8_t>(from.bit() + member);
-        own.start = static_cast<std::uint16_t>(entry.start + (bit && !coils ? 0 : member * registers));
-        own.registers = registers;
+        const bool coil = wire::is_bit_area(area_of(from));
+        const bool two = from.kind() == OwenEntry::kDoubleWord;
+        const auto type = static_cast<std::uint8_t>(bit   ? DataType::boolean
+                                                    : two ? DataType::int32
+                                                          : DataType::int16);
+        const auto start =
+            static_cast<std::uint16_t>(entry.start + (bit && !coil ? 0 : member * (two ? 2 : 1)));
+        const std::int64_t period = nanoseconds(period_of(owen, from));
         auto record = item(index);
         if (record.device == kNone) {
-            record = own;
-            record.flags = static_cast<std::uint16_t>(
-                ItemRecord::kUsed |
-                ((owen.orders & OwenDevice::kHighByteFirst) != 0 ? ItemRecord::kHighByteFirst : 0) |
-                ((owen.orders & OwenDevice::kHighRegisterFirst) != 0 ? ItemRecord::kHighRegisterFirst : 0));
-            record.period = nanoseconds(period_of(owen, from));
+            record.device = device;
+            record.type = type;
+            record.area = static_cast<std::uint8_t>(area_of(from));
+            if (bit) record.bit = static_cast<std::uint8_t>(from.bit() + member);
+            record.flags = static_cast<std::uint16_t>(ItemRecord::kUsed | orders_of(owen));
+            record.start = start;
+            record.registers = two ? 2 : 1;
+            record.period = period;
             record.status = entry.status;
         }
-        if (record.device != own.device || record.type != own.type || record.start != own.start) return false;
+        if (record.device != device || record.type != type || record.start != start) return false;
         if (from.read != 0) {
             record.read = from.read;
             record.read_trigger = entry.read_trigger;
-            record.period = nanoseconds(period_of(owen, from));
+            record.period = period;
         }
         if (from.write != 0) {
             record.write = from.write;
@@ -291,10 +293,10 @@ private:
         std::uint32_t device = 0;
         for (std::uint32_t i = 0; i < header_.items.count; ++i) {
             auto record = item(i);
-            if (i >= locals_ && record.device == kNone)
-                record = ItemRecord{.device = device,
-                                    .type = static_cast<std::uint8_t>(DataType::int16),
-                                    .area = static_cast<std::uint8_t>(wire::Area::holding_register)};
+            if (i >= locals_ && record.device == kNone) {
+                record.device = device;
+                record.flags = 0;
+            }
             if (i >= locals_) device = record.device;
             record.place = header_.value_words;
             header_.value_words += words_of(record);

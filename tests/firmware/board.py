@@ -44,22 +44,26 @@ def run(board, name, folder, *options):
 
 
 class Board:
-    """A board whose UART is the pseudo-terminal `port`. With a folder it is stopped until resume(), and its
-    virtual time with it; it writes lines by semihosting."""
+    """A board whose UARTs are the pseudo-terminals `ports`; `port` is the first one. With a folder it is stopped
+    until resume(), and its virtual time with it; it writes lines by semihosting."""
 
-    def __init__(self, board, name, *options, folder=None):
+    def __init__(self, board, name, *options, folder=None, ports=1):
         if folder is not None:
             options = [*options, *SEMIHOSTING, "-S", "-qmp", "unix:qmp,server=on,wait=off"]
         self.folder = folder
         self.lines = []
         self.control = None
-        self.process = subprocess.Popen(command(board, name, "-serial", "pty", *options),
+        self.process = subprocess.Popen(command(board, name, *["-serial", "pty"] * ports, *options),
                                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                         stderr=subprocess.STDOUT, text=True, cwd=folder)
+        self.ports = [self._next_port() for _ in range(ports)]
+        self.port = self.ports[0]
+
+    def _next_port(self):
         line = self.process.stdout.readline()
         found = re.search(r"/dev/pts/\d+", line)
         assert found, f"qemu-system-arm: {line}"
-        self.port = found.group()
+        return found.group()
 
     def _order(self, name):
         if self.control is None:

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "takt/table/executor.hpp"
+#include "takt/table/owen_view.hpp"
 #include "takt/table/view.hpp"
 
 namespace {
@@ -65,7 +66,14 @@ int main(int argc, char** argv) {
     if (argc != 2) return 2;
     std::ifstream file(argv[1], std::ios::binary);
     const std::vector<char> text{std::istreambuf_iterator<char>(file), {}};
-    const std::vector<std::uint8_t> image(text.begin(), text.end());
+    std::vector<std::uint8_t> image(text.begin(), text.end());
+    if (table::is_owen(image)) {
+        const auto owen = table::OwenView::open(image);
+        if (!owen) return 1;
+        std::vector<std::uint8_t> expanded(table::expanded_size(*owen));
+        if (!table::expand(*owen, expanded)) return 1;
+        image = expanded;
+    }
     const auto view = table::View::open(image);
     if (!view) return 1;
     Buffers buffers(*view);

@@ -14,12 +14,14 @@ constexpr std::uint32_t kPort = 0x50000000;     // GPIO
 
 constexpr unsigned kUartInterrupt = 2;
 constexpr unsigned kOneShotInterrupt = 8;
+constexpr unsigned kTimer2Interrupt = 10;
 constexpr std::uint32_t kTransmitPin = 24;
 constexpr std::uint32_t kReceivePin = 25;
 constexpr std::uint32_t kDriverPin = 3;  // P0.03, pin 0 of the edge connector
 
 constexpr std::uint32_t kPageWords = 256;
 constexpr std::uint32_t kPages = 0x3F800;  // the last two
+constexpr unsigned kPageCount = 2;
 
 BoardEvents* g_events;
 bool g_lost;  // a character was lost or damaged before the next one
@@ -38,13 +40,13 @@ std::uint32_t clock() {
     return reg(kClock + 0x540);
 }
 
-bool open(const wire::CharacterFormat& format, BoardEvents& events) {
+bool open(const wire::CharacterFormat& format, BoardEvents& events, unsigned port) {
     constexpr std::uint32_t kLeastBaud = 1200;
     constexpr std::uint32_t kMostBaud = 921'600;
     const bool possible = format.data_bits == 8 && format.stop_bits == 1 &&
                           format.parity != wire::Parity::odd && format.baud >= kLeastBaud &&
                           format.baud <= kMostBaud;
-    if (!possible) return false;
+    if (port != 0 || !possible) return false;
     g_events = &events;
     configure_timer(kClock);
     reg(kClock) = 1;
@@ -68,11 +70,11 @@ bool open(const wire::CharacterFormat& format, BoardEvents& events) {
     return true;
 }
 
-void send(std::uint8_t character) {
+void send(std::uint8_t character, unsigned) {
     reg(kUart + 0x51C) = character;
 }
 
-void start_timer(std::uint32_t microseconds) {
+void start_timer(std::uint32_t microseconds, unsigned) {
     reg(kOneShot + 0x004) = 1;  // stop
     reg(kOneShot + 0x00C) = 1;  // clear
     reg(kOneShot + 0x140) = 0;  // an event that was not handled yet
@@ -80,16 +82,17 @@ void start_timer(std::uint32_t microseconds) {
     reg(kOneShot + 0x000) = 1;
 }
 
-void stop_timer() {
+void stop_timer(unsigned) {
     reg(kOneShot + 0x004) = 1;
     reg(kOneShot + 0x140) = 0;
 }
 
-void drive_line(bool on) {
+void drive_line(bool on, unsigned) {
     reg(kPort + (on ? 0x508 : 0x50C)) = 1U << kDriverPin;
 }
 
 std::span<const std::uint32_t> flash_page(unsigned page) {
+    if (page >= kPageCount) return {};
     const std::uintptr_t address = kPages + page * kPageWords * sizeof(std::uint32_t);
     return {reinterpret_cast<const std::uint32_t*>(address), kPageWords};
 }
@@ -148,43 +151,14 @@ void one_shot_interrupt() {
     board::g_events->on_timer();
 }
 
-void stop();
 /// TIMER2, free for the image.
 [[gnu::weak]] void timer2_interrupt() {
     stop();
 }
 
-[[gnu::section(".board_vectors"), gnu::used]] void (*const board_vectors[32])() = {stop,
-                                                                                   stop,
-                                                                                   uart_interrupt,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   one_shot_interrupt,
-                                                                                   stop,
-                                                                                   timer2_interrupt,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop,
-                                                                                   stop};
+[[gnu::section(".board_vectors"), gnu::used]] constinit const auto board_vectors =
+    board_vectors_of<32>({{board::kUartInterrupt, uart_interrupt},
+                          {board::kOneShotInterrupt, one_shot_interrupt},
+                          {board::kTimer2Interrupt, timer2_interrupt}});
 
 }  // extern "C"

@@ -33,6 +33,7 @@ constexpr unsigned kFirstSector = 10;
 constexpr std::uint32_t kFirstPage = 0x080C0000;
 constexpr std::uint32_t kSectorBytes = 0x20000;
 constexpr std::size_t kPageWords = 1024;  // of the sector; its rest stays erased
+constexpr unsigned kPageCount = 2;
 
 BoardEvents* g_events;
 
@@ -67,14 +68,14 @@ std::uint32_t clock() {
     return reg(kClock + 0x24);
 }
 
-bool open(const wire::CharacterFormat& format, BoardEvents& events) {
+bool open(const wire::CharacterFormat& format, BoardEvents& events, unsigned port) {
     constexpr std::uint32_t kLeastDivider = 16;
-    if (format.data_bits != 8 || kHertz / format.baud < kLeastDivider) return false;
+    if (port != 0 || format.data_bits != 8 || kHertz / format.baud < kLeastDivider) return false;
     g_events = &events;
     reg(kResets + 0x30) = reg(kResets + 0x30) | 1U;                   // GPIOA
     reg(kResets + 0x40) = reg(kResets + 0x40) | 1U << 0U | 1U << 3U;  // TIM2, TIM5
     reg(kResets + 0x44) = reg(kResets + 0x44) | 1U << 4U;             // USART1
-    configure_timer(kClock);
+    if ((reg(kClock) & 1U) == 0) configure_timer(kClock);
     reg(kClock) = 1;
     configure_timer(kOneShot);
     reg(kOneShot + 0x0C) = 1;  // interrupt at the end of the period
@@ -92,32 +93,33 @@ bool open(const wire::CharacterFormat& format, BoardEvents& events) {
     return true;
 }
 
-void send(std::uint8_t character) {
+void send(std::uint8_t character, unsigned) {
     reg(kUart + 0x04) = character;
     reg(kUart) = ~(1U << 6U);  // TC: write 0 to clear
     reg(kUart + 0x0C) = reg(kUart + 0x0C) | kCompleteInterrupt;
 }
 
-void start_timer(std::uint32_t microseconds) {
+void start_timer(std::uint32_t microseconds, unsigned port) {
     constexpr std::uint32_t kOnce = 1U << 3U;
     constexpr std::uint32_t kByOverflow = 1U << 2U;  // the update event of EGR sets no flag
-    stop_timer();
+    stop_timer(port);
     reg(kOneShot + 0x2C) = microseconds;
     reg(kOneShot) = kByOverflow | kOnce;
     reg(kOneShot + 0x14) = 1;  // the counter begins at 0
     reg(kOneShot) = kByOverflow | kOnce | 1;
 }
 
-void stop_timer() {
+void stop_timer(unsigned) {
     reg(kOneShot) = 0;
     reg(kOneShot + 0x10) = 0;
 }
 
-void drive_line(bool on) {
+void drive_line(bool on, unsigned) {
     reg(kPort + 0x18) = on ? 1U << kDriverPin : 1U << (kDriverPin + 16U);
 }
 
 std::span<const std::uint32_t> flash_page(unsigned page) {
+    if (page >= kPageCount) return {};
     return {reinterpret_cast<const std::uint32_t*>(static_cast<std::uintptr_t>(address_of(page, 0))),
             kPageWords};
 }
@@ -164,25 +166,7 @@ void one_shot_interrupt() {
     board::g_events->on_timer();
 }
 
-void stop();
-
-[[gnu::section(".board_vectors"), gnu::used]] void (*const board_vectors[82])() = {
-    stop, stop,           stop,
-    stop, stop,           stop,
-    stop, stop,           stop,
-    stop, stop,           stop,
-    stop, stop,           stop,
-    stop, stop,           stop,
-    stop, stop,           stop,
-    stop, stop,           stop,
-    stop, stop,           stop,
-    stop, stop,           stop,
-    stop, stop,           stop,
-    stop, stop,           stop,
-    stop, uart_interrupt, stop,
-    stop, stop,           stop,
-    stop, stop,           stop,
-    stop, stop,           stop,
-    stop, stop,           one_shot_interrupt};
+[[gnu::section(".board_vectors"), gnu::used]] constinit const auto board_vectors = board_vectors_of<82>(
+    {{board::kUartInterrupt, uart_interrupt}, {board::kOneShotInterrupt, one_shot_interrupt}});
 
 }  // extern "C"

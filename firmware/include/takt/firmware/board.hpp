@@ -25,29 +25,30 @@ protected:
 };
 
 /// Six parts: clock, UART, timer, driver enable, flash and sleep. No function blocks, except those of the
-/// flash.
+/// flash. Each serial port has its own UART, timer and driver. Port 0 is there on every board.
 namespace board {
 
 /// A free-running clock in microseconds; it wraps around at 2^32. Ticks must not be counted: interrupts can
 /// be late.
 [[nodiscard]] std::uint32_t clock();
 
-/// Opens the UART, and enables the interrupts. Called once.
+/// Opens the UART of a port, and enables the interrupts. May be called again with another format, while no
+/// character is sent; the clock goes on.
 /// @param events  outlives the program
-/// @returns false: the UART has no such format, and nothing was opened
-[[nodiscard]] bool open(const wire::CharacterFormat& format, BoardEvents& events);
+/// @returns false: there is no such port, or its UART has no such format; nothing was changed
+[[nodiscard]] bool open(const wire::CharacterFormat& format, BoardEvents& events, unsigned port = 0);
 /// Sends a character; on_sent() follows. Not before on_sent() of the last one.
-void send(std::uint8_t character);
+void send(std::uint8_t character, unsigned port = 0);
 
 /// Calls on_timer() once, `microseconds` after the call, at most 10 us late; replaces the time before.
-void start_timer(std::uint32_t microseconds);
-void stop_timer();
+void start_timer(std::uint32_t microseconds, unsigned port = 0);
+void stop_timer(unsigned port = 0);
 
 /// RS-485: switches the driver of the line on or off. A board without such a driver does nothing.
-void drive_line(bool on);
+void drive_line(bool on, unsigned port = 0);
 
-/// Two pages of flash for retained registers, erased to ones. Other boards than those with flash: both empty.
-/// The spans are read in place.
+/// Pages of flash, erased to ones: 0 and 1 for retained registers, 2 and 3 for request tables. Two that
+/// belong together have one size. Those that a board does not have are empty. The spans are read in place.
 [[nodiscard]] std::span<const std::uint32_t> flash_page(unsigned page);
 /// All words become 0xFFFFFFFF. Interrupts may be late by the time that it takes.
 void erase_page(unsigned page);

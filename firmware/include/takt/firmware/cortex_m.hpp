@@ -1,7 +1,13 @@
 // Interrupts and registers of a Cortex-M.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <initializer_list>
+
+/// Stops the device where a debugger can see it (startup.cpp).
+extern "C" [[noreturn]] void stop();
 
 namespace takt::firmware {
 
@@ -17,6 +23,21 @@ inline void wait_for_interrupt() {
 /// Enables the interrupt of that number in the NVIC (ARMv6-M and ARMv7-M).
 inline void enable_interrupt(unsigned number) {
     reg(0xE000E100U + 4 * (number / 32)) = 1U << (number % 32);
+}
+
+/// The function of an interrupt, by its number in the NVIC.
+struct InterruptHandler {
+    unsigned interrupt;
+    void (*function)();
+};
+
+/// The interrupts of a board's peripherals, for the section .board_vectors. Those without a function stop it.
+template <std::size_t Count>
+constexpr std::array<void (*)(), Count> board_vectors_of(std::initializer_list<InterruptHandler> handlers) {
+    std::array<void (*)(), Count> vectors{};
+    vectors.fill(stop);
+    for (const InterruptHandler& handler : handlers) vectors[handler.interrupt] = handler.function;
+    return vectors;
 }
 
 /// Masks interrupts while it lives. WFI ends with an interrupt that is masked, which is handled afterwards:

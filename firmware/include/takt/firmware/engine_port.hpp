@@ -24,10 +24,13 @@ public:
     static constexpr std::size_t kMostWaiting = 256;
 
     /// @param engine  outlives it
-    explicit EnginePort(Engine& engine) : engine_(engine) {}
+    /// @param port    of the board
+    explicit EnginePort(Engine& engine, unsigned port = 0) : engine_(engine), port_(port) {}
 
-    /// Opens the line. @returns false: the board has no such format
+    /// Opens the line. May be called again while nothing is sent, with another format, and with a new engine
+    /// in the place of the first one. @returns false: the board has no such format; the line is as before
     [[nodiscard]] bool start(const wire::CharacterFormat& format);
+    [[nodiscard]] bool sending() const { return sending_; }
 
     /// Calls the engine. To be called until it returns false; then the main loop sleeps if has_work() is
     /// still false with interrupts masked.
@@ -49,6 +52,7 @@ private:
     void send_next();
 
     Engine& engine_;
+    unsigned port_;
     Instant now_;
     Instant called_;           // the last time that the engine was given
     std::uint32_t clock_ = 0;  // of the board at now_
@@ -60,6 +64,7 @@ private:
     std::atomic<bool> timer_passed_ = false;
     std::atomic<bool> sent_all_ = false;
     std::atomic<bool> sending_ = false;
+    bool open_ = false;
     std::size_t sent_ = 0;
     wire::FrameBytes out_;
 };

@@ -7,13 +7,13 @@
 namespace takt::firmware {
 
 /// Works and sleeps in between. Never returns.
-/// @tparam Device  SerialDevice, TcpDevice or EnginePort
-template <class Device>
-[[noreturn]] void run(Device& device) {
+/// @tparam Devices  SerialDevice, TcpDevice, EnginePort, or the like
+template <class... Devices>
+[[noreturn]] void run(Devices&... devices) {
     for (;;) {
-        while (device.work()) {}
+        while ((devices.work() | ...)) {}
         const InterruptLock lock;
-        if (!device.has_work()) board::sleep();
+        if (!(devices.has_work() || ...)) board::sleep();
     }
 }
 

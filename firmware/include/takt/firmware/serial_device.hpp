@@ -22,6 +22,7 @@ struct SerialDeviceConfig {
     /// RTU: the silence that ends a frame, in microseconds; longer where characters are delivered late. 0, or
     /// less than t3.5: t3.5.
     std::uint32_t frame_silence = 0;
+    std::uint8_t port = 0;  ///< of the board
 };
 
 /// Receives by interrupts, answers in the main loop and sends by interrupts (MODBUS over Serial Line V1.02,
@@ -78,6 +79,7 @@ private:
     const wire::CharacterFormat format_;
     const wire::Framing framing_;
     const bool strict_;
+    const std::uint8_t port_;
     const std::uint32_t longest_gap_;  // us from the end of a character to that of the next one in its frame
     const std::uint32_t end_gap_;      // us: no character ended for so long: the frame has ended
     std::atomic<State> state_ = State::waiting;

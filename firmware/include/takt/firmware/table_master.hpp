@@ -18,22 +18,27 @@ template <std::size_t Entries, std::size_t Devices, std::size_t Items, std::size
           std::size_t WriteWords>
 class TableMaster {
 public:
-    /// Checks the image and makes the executor of its first line.
-    /// @param image  outlives the master; it is read in place
     /// @returns the errors of table::View::open() and table::Executor::can_run(); too_short (needed, there)
     ///          if the buffers are too small
+    [[nodiscard]] Result<void> can_run(Bytes image) {
+        TAKT_TRY(const table::View view, table::View::open(image));
+        return table::Executor::can_run(view, kLine, memory(), workspace());
+    }
+
+    /// Makes the executor of the first line of the image. May be called again, with another image: all values
+    /// begin anew.
+    /// @param image  outlives the master; it is read in place
+    /// @returns what can_run() returns; then the image before goes on
     [[nodiscard]] Result<void> start(Bytes image) {
-        TAKT_TRY(view_, table::View::open(image));
-        const table::Memory memory{.values = values_, .read = read_, .wanted = wanted_, .items = items_};
-        const table::Workspace workspace{.entries = entries_, .devices = devices_};
-        if (const auto able = table::Executor::can_run(*view_, kLine, memory, workspace); !able)
-            return std::unexpected(able.error());
-        table::initialise(*view_, memory);
-        executor_.emplace(*view_, kLine, memory, workspace);
+        TAKT_CHECK(can_run(image));
+        view_ = *table::View::open(image);
+        table::initialise(*view_, memory());
+        executor_.emplace(*view_, kLine, memory(), workspace());
         return {};
     }
 
-    /// @pre start() has succeeded
+    [[nodiscard]] bool started() const { return executor_.has_value(); }
+    /// @pre started()
     [[nodiscard]] table::Executor& executor() { return *executor_; }
     [[nodiscard]] const table::View& view() const { return *view_; }
     [[nodiscard]] std::span<std::uint16_t> values() { return values_; }
@@ -50,6 +55,11 @@ public:
 
 private:
     static constexpr std::uint32_t kLine = 0;
+
+    [[nodiscard]] table::Memory memory() {
+        return {.values = values_, .read = read_, .wanted = wanted_, .items = items_};
+    }
+    [[nodiscard]] table::Workspace workspace() { return {.entries = entries_, .devices = devices_}; }
 
     std::optional<table::View> view_;
     std::optional<table::Executor> executor_;

@@ -133,6 +133,11 @@ public:
     /// evaluates triggers and enables. Call it on the executor of every line.
     void on_local(Instant t, std::uint32_t item, bool before, bool after);
 
+    /// No request is chosen any more; the transaction in flight ends. Then it is idle.
+    void stop() { stopped_ = true; }
+    /// No transaction is in flight.
+    [[nodiscard]] bool idle() const { return engine_.idle(); }
+
     [[nodiscard]] bool answering(std::uint32_t device) const { return devices_[device].health.answering(); }
     [[nodiscard]] const bus::LineCounters& counters() const { return engine_.counters(); }
 
@@ -229,6 +234,7 @@ private:
     Instant epoch_;  // origin of the release grid: the first link
     bool up_ = false;
     bool was_up_ = false;
+    bool stopped_ = false;
 };
 
 }  // namespace takt::table

@@ -240,7 +240,8 @@ constexpr std::size_t record_size() {
 
 inline constexpr std::size_t kMagicSize = 8;
 inline constexpr std::size_t kHeaderSize = kMagicSize + record_size<Header>();
-/// The offset of the checksum in the image, in both formats.
+/// The offsets of the length and of the checksum in the image, in both formats.
+inline constexpr std::size_t kLengthOffset = kMagicSize + 4;
 inline constexpr std::size_t kChecksumOffset = kMagicSize + 8;
 
 }  // namespace takt::table
