@@ -1,9 +1,11 @@
 """Boards of qemu-system-arm with the images of build/firmware (tools/firmware)."""
+import os
 import pathlib
 import re
 import socket
 import struct
 import subprocess
+import tty
 
 FOLDER = pathlib.Path(__file__).resolve().parent
 ROOT = FOLDER.parent.parent
@@ -58,6 +60,13 @@ class Board:
                                         stderr=subprocess.STDOUT, text=True, cwd=folder)
         self.ports = [self._next_port() for _ in range(ports)]
         self.port = self.ports[0]
+        self._held = []
+
+    def hold_ports(self):
+        """For many short connections: QEMU looks only once a second whether somebody has opened a port."""
+        self._held = [os.open(port, os.O_RDWR | os.O_NOCTTY) for port in self.ports]
+        for port in self._held:
+            tty.setraw(port)
 
     def _next_port(self):
         line = self.process.stdout.readline()
@@ -101,6 +110,8 @@ class Board:
         self.process.kill()
         self.process.wait()
         self.process.stdout.close()
+        for port in self._held:
+            os.close(port)
         if self.control is not None:
             self.control.close()
 

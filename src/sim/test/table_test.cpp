@@ -100,6 +100,7 @@ public:
     }
 
     Engine& engine() override { return *executor_; }
+    [[nodiscard]] table::Executor& executor() { return *executor_; }
 
     void set(Instant t, const Set& set) override {
         const auto index =
@@ -350,6 +351,28 @@ TEST(Table, ADeadDeviceAndOneThatComesBack) {
                         {30s, Link{false}},
                         {31s, Link{true}}};
     EXPECT_GT(compare(project(devices), script, 60s), 1000U);
+}
+
+// At any moment: the transaction in flight ends, and nothing follows.
+TEST(Table, StopsAfterTheTransactionInFlight) {
+    auto node = device("D", 1);
+    node.variables = {variable("A", DataType::int16, 0, 0ms)};
+    const auto described = project({node});
+    for (Duration stop = 100ms; stop < 120ms; stop += 100us) {
+        const auto side = table_side(described, plan::make_plan(described));
+        Record record;
+        SimulatedLine line(described.lines[0], side->engine());
+        line.set_observer(&record);
+        line.start(Instant{});
+        line.advance(at(stop));
+        const bool in_flight = !side->executor().idle();
+        const std::size_t before = record.entries.size();
+        side->executor().stop();
+        line.advance(at(stop + 1s));
+        EXPECT_TRUE(side->executor().idle());
+        EXPECT_LE(record.entries.size(), before + (in_flight ? 2 : 0));
+        EXPECT_EQ(side->executor().next_wakeup(), kNever);
+    }
 }
 
 TEST(Table, StatusesOfTheExecutor) {
