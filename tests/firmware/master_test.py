@@ -119,10 +119,9 @@ def test_the_board_sends_what_the_executor_of_this_computer_sends(tmp_path, boar
     assert any(frame.startswith("0106003c004d") for frame in sent), "C is written on change"
     assert any(frame.startswith("0110003d0001020058") for frame in sent), "D is written by its trigger"
     assert any(frame.startswith("0103003d0001") for frame in sent), "D is read by its trigger"
-    assert item(notes, A) == (GOOD, 0, [3])
-    assert item(notes, B) == (GOOD, 0, [40, 41])
-    assert item(notes, C) == (GOOD, 0, [77])
-    assert item(notes, D) == (GOOD, 0, [88])
+    # Their qualities depend on how late the slave of this computer is, and are those of the executor (above).
+    values = {number: item(notes, number)[2] for number in (A, B, C, D)}
+    assert values == {A: [3], B: [40, 41], C: [77], D: [88]}
     assert item(notes, E)[0] == BAD
     assert sum(frame.startswith("02") for frame in sent) >= 3, "the absent device is probed"
 

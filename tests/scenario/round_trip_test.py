@@ -1,7 +1,6 @@
 """More samples than a broker acknowledges: mosquitto as Debian has it (20 messages in flight) behind a delay
 of 50 ms each way, and 850 samples a second."""
 import contextlib
-import time
 
 import pytest
 
@@ -92,10 +91,9 @@ def test_arrays_carry_what_waits(behind):
     with begin("backlog: array") as control:
         until(lambda: output_of(control).get("delivered", 0) > RATE, "some samples")
         made = output_of(control)["sampled"]
-        time.sleep(3)  # more than two rounds of 2 messages of each of 85 topics
+        # On an idle machine within 3 s: two rounds of 2 messages of each of 85 topics.
+        until(lambda: output_of(control)["delivered"] >= 0.99 * made, "nearly all of them")
         output = output_of(control)
-        assert output["state"] == "delivering", output
-        assert output["delivered"] >= 0.99 * made, output
     subscriber.catch_up()
     subscriber.stop()
     arrays, numbers, last = 0, set(), {}
