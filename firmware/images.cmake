@@ -22,7 +22,8 @@ list(FILTER slave_sources EXCLUDE REGEX /words.cpp$)  # for programs with text
 add_library(takt_slave STATIC ${slave_sources} retained_registers.cpp serial_device.cpp slave_frame.cpp)
 target_include_directories(takt_slave PUBLIC ${slave_includes} include)
 
-set(table_sources answers bytes choice executor owen_expand owen_view rules view words)  # without the part that makes tables
+# without the part that makes tables
+set(table_sources answers bytes choice executor owen_expand owen_view rules view words)
 list(TRANSFORM table_sources PREPEND ${CMAKE_SOURCE_DIR}/src/table/)
 list(TRANSFORM table_sources APPEND .cpp)
 file(GLOB bus_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/bus/*.cpp)

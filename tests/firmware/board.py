@@ -46,8 +46,8 @@ def run(board, name, folder, *options):
 
 
 class Board:
-    """A board whose UARTs are the pseudo-terminals `ports`; `port` is the first one. With a folder it is stopped
-    until resume(), and its virtual time with it; it writes lines by semihosting."""
+    """A board whose UARTs are the pseudo-terminals `ports`; `port` is the first one. With a folder it is
+    stopped until resume(), and its virtual time with it; it writes lines by semihosting."""
 
     def __init__(self, board, name, *options, folder=None, ports=1):
         if folder is not None:

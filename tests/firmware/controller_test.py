@@ -1,5 +1,5 @@
-"""A controller on an emulated board: its master polls a real slave, its second UART shows the buffer and takes new
-tables."""
+"""A controller on an emulated board: its master polls a real slave, its second UART shows the buffer and
+takes new tables."""
 import contextlib
 import struct
 
