@@ -1,5 +1,6 @@
 """The TCP slave on emulated boards, with masters that are not ours and with takt, through QEMU's network."""
 import json
+import random
 import re
 import socket
 import struct
@@ -8,8 +9,9 @@ import threading
 
 import pytest
 
+import endpoints
 from ethernet import adu, free_port, running
-from program import DEADLINE, takt, until
+from program import DEADLINE, start, takt, until
 
 CONNECTIONS = 4
 
@@ -124,6 +126,42 @@ lines:
     lines = takt("run", tmp_path / "plant.yaml", "--for", "2s", "--json").lines
     device = json.loads(lines[-1])["lines"][0]["devices"][0]
     assert device["counters"]["sent"] == device["counters"]["answered"] > 5, device
+
+
+def requests(seed, count):
+    """PDUs of every function with banks, half of them at an edge or damaged."""
+    chance = random.Random(seed)
+    for _ in range(count):
+        function = chance.choice([1, 2, 3, 5, 6, 15, 16, 22, 23, 0, 9, 99, 128, 255])
+        start, count = chance.choice([0, 7, 20, 120, 127, 128, 65535]), chance.choice([0, 1, 2, 9, 125, 2001])
+        data = bytes(chance.randrange(256) for _ in range(2 * min(count, 20)))
+        head = struct.pack(">BHH", function, start, count)
+        if function in (5, 22):
+            head = struct.pack(">BHH", function, start, chance.choice([0, 0xFF00, 1])) + data[:2] * (function == 22)
+        elif function in (15, 16):
+            head += bytes([len(data)]) + data
+        elif function == 23:
+            head += struct.pack(">HHB", start, len(data) // 2, len(data)) + data
+        if chance.random() < 0.2:
+            head = head[:chance.randrange(1, len(head) + 1)]
+        yield head
+
+
+def test_its_bytes_are_those_of_the_desktop(tmp_path):
+    banks = [word for area in ("coils:0..63", "discrete:0..63", "holding:0..127") for word in ("--range", area)]
+    desktop = endpoints.free_port()
+    with on_network("an386", tmp_path) as (port, _), \
+         start("serve", "--listen", f"127.0.0.1:{desktop}", "--unit", 1, "--fill", "zero", *banks) as server:
+        endpoints.wait_listening(desktop, server)
+        with connection(port) as board, connection(desktop) as computer:
+            for i, pdu in enumerate(requests(7, 400)):
+                answers = []
+                for peer in (board, computer):
+                    peer.sendall(adu(pdu, i))
+                    head = take(peer, 6)
+                    answers.append(head + take(peer, head[5]))
+                assert answers[0] == answers[1], pdu.hex()
+        server.interrupt()
 
 
 def test_four_connections_at_once_and_no_fifth(port):
