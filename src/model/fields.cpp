@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "firmware_fields.hpp"
 #include "output_fields.hpp"
 #include "project_fields.hpp"
 #include "server_fields.hpp"
@@ -60,13 +61,14 @@ constexpr ObjectFields kObjectFields[] = {
     {Object::measurement, "instruments[].exchanges[].answer.fields[]", kMeasurement},
     {Object::output, "outputs[]", kOutput},
     {Object::output_selection, "outputs[].select[]", kOutputSelection},
+    {Object::firmware, "", kFirmware},
 };
 
 constexpr const ObjectFields& of(Object object) {
     return kObjectFields[static_cast<std::size_t>(object)];
 }
 
-static_assert(std::size(kObjectFields) == kObjects.size());
+static_assert(std::size(kObjectFields) == kObjects.size() + 1);
 static_assert(std::ranges::all_of(kObjects, [](Object object) { return of(object).object == object; }));
 
 std::string bound_text(const Field& field, std::int64_t bound) {

@@ -147,7 +147,7 @@ void Reader::check_key(const Node& key) {
     if (is_cell(key)) findings_.remember_column(key.location, typo ? guess : std::string_view());
     // `timeout` may mean this object's `response_timeout`, even if another object has the key `timeout`.
     const bool part = guess.find(key.text) != std::string_view::npos;
-    if (!typo && !part)
+    if (!typo && !part && object_ != Object::firmware)
         for (const auto object : kObjects)
             if (find_field(object, key.text) != nullptr) {
                 const auto where =

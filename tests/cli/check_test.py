@@ -7,6 +7,7 @@ import tempfile
 
 import pytest
 
+import program
 from program import takt
 
 # Each line that ends in a number has that mistake; the rest is right.
@@ -321,3 +322,31 @@ def test_a_file_of_an_output_that_is_a_fifo_is_a_finding_without_chmod(project, 
     limit = 65536 if key in ("password_file", "key_file") else 4194304
     assert (found["code"], found["allowed"]) == ("output.file_too_long", f"0..{limit}")
     assert f"{limit} bytes" in found["advice"]
+
+
+EFM32ZG = program.ROOT / "examples" / "firmware" / "efm32zg.yaml"
+
+
+@pytest.mark.parametrize("language", ["en", "ru", "uk"])
+def test_firmware_of_the_example(language):
+    checked = takt("--lang", language, "check", "--firmware", EFM32ZG)
+    assert "9620.0" in checked.out and "670" in checked.out and "{" not in checked.out
+    figures = takt("check", "--firmware", EFM32ZG, "--json").json["firmware"]
+    assert figures["holds"] and figures["t3_5"]["ticks"] == 154
+    assert figures["current_ua"]["total"] == pytest.approx(
+        sum(value for name, value in figures["current_ua"].items() if name != "total"))
+
+
+def test_firmware_that_does_not_hold_the_line(project):
+    good = EFM32ZG.read_text(encoding="utf-8")
+    path = project(good.replace("uart_clock_ppm: 100", "uart_clock_ppm: 10000"))
+    assert "DOES NOT HOLD" in takt("check", "--firmware", path, code=1).out
+    figures = takt("check", "--firmware", path, "--json", code=1).json["firmware"]
+    assert not figures["holds"] and not figures["bit_rate"]["holds"] and figures["t3_5"]["holds"]
+
+
+def test_firmware_with_a_mistake(project):
+    path = project(EFM32ZG.read_text(encoding="utf-8").replace("timer_bits: 24", "timer_bits: 7"))
+    (finding, ) = findings(path, "--firmware")
+    assert (finding["path"], finding["value"], finding["allowed"]) == ("timer_bits", "7", "8..64")
+    assert takt("check", "--firmware", path.parent / "none.yaml", code=2).err

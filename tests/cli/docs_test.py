@@ -245,7 +245,7 @@ def transcripts(page):
 
 
 REPEATABLE = re.compile(
-    r"takt (--help|(plan|check) examples/\S+|convert examples/\S+ --unit 16 --target \S+)$")
+    r"takt (--help|(plan|check|check --firmware) examples/\S+|convert examples/\S+ --unit 16 --target \S+)$")
 
 
 @pytest.mark.parametrize("page, command, output",

@@ -12,7 +12,8 @@ struct CheckOptions {
     std::string file;
     bool json = false;
     bool no_notes = false;
-    bool prove = false;  ///< late values are errors, also where a turnaround is not known
+    bool firmware = false;  ///< the file describes a microcontroller
+    bool prove = false;     ///< late values are errors, also where a turnaround is not known
 };
 
 ExitCode check(const CommonOptions& common, const CheckOptions& options);

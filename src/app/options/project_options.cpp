@@ -17,7 +17,8 @@ void add_check(CommandLine& line, const CommonOptions& common) {
     check.value("FILE", options.file, "help.project").required();
     check.flag("--json", options.json, "help.json");
     check.flag("--no-notes", options.no_notes, "help.no_notes");
-    check.flag("--prove", options.prove, "help.prove");
+    auto prove = check.flag("--prove", options.prove, "help.prove");
+    check.flag("--firmware", options.firmware, "help.check.firmware").excludes(prove);
 }
 
 void add_plan(CommandLine& line, const CommonOptions& common) {

@@ -289,7 +289,8 @@ TEST(Options, OfARun) {
 
 TEST(Options, OfAProjectAndATable) {
     const auto check = options_of<CheckOptions>("check p.yaml --prove --no-notes");
-    EXPECT_TRUE(check.file == "p.yaml" && check.prove && check.no_notes && !check.json);
+    EXPECT_TRUE(check.file == "p.yaml" && check.prove && check.no_notes && !check.json && !check.firmware);
+    EXPECT_TRUE(options_of<CheckOptions>("check b.yaml --firmware").firmware);
     const auto plan = options_of<PlanOptions>("plan p.yaml --compare --svg - --fix");
     EXPECT_TRUE(plan.compare && plan.fix && plan.svg == "-" && !plan.prove);
     const auto build = options_of<TableBuildOptions>("table build p.yaml -o p.takt --profile owen-kc1");

@@ -5,6 +5,7 @@
 #include "findings_text.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/findings.hpp"
+#include "takt/model/firmware.hpp"
 
 namespace takt::model::test {
 namespace interpret_test {
@@ -404,6 +405,39 @@ TEST(Interpret, RequestsThatOnlyWriteAreCutSooner) {
                        "write_on_change: true}"),
               "");
     EXPECT_EQ(findings("registers_per_request: 62", written), "device.registers_cut 62 [2..125]");
+}
+
+std::string firmware_findings(const Node& root) {
+    return findings_text({.findings = interpret_firmware({{"board.yaml"}, root}).findings});
+}
+
+TEST(Interpret, Firmware) {
+    const Node base = flow(
+        "{core_clock: 14000000, wakeup_time: 2us, uart_clock_ppm: 100, request_period: 1s,"
+        " active_ua_per_mhz: 114, sleep_na: 900}");
+    const auto checked = interpret_firmware({{"board.yaml"}, base});
+    EXPECT_EQ(firmware_findings(base), "");
+    EXPECT_EQ(checked.firmware.uart_clock, 14'000'000U) << "that of the core";
+    EXPECT_EQ(checked.firmware.timer_clock_ppm, 100U) << "that of the UART";
+    EXPECT_EQ(checked.firmware.format, (wire::CharacterFormat{19200, 8, wire::Parity::even, 1}));
+    EXPECT_EQ(checked.firmware.wakeup_time, 2us);
+    EXPECT_FALSE(checked.firmware.battery_mah);
+    const Case cases[] = {
+        {"{sleep_na: ~}", "field.missing sleep_na= [0..100000000]"},
+        {"{core_clock: 999}", "field.out_of_range core_clock=999 [1000..1000000000]"},
+        {"{core_clock: 14MHz}", "integer.malformed core_clock=14MHz [1000..1000000000]"},
+        {"{wakeup_time: 2}", "duration.no_unit wakeup_time=2 [0ms..10ms]"},
+        {"{parity: maybe}", "field.unlike_word parity=maybe [none, even, odd]"},
+        {"{registers: 126}", "field.out_of_range registers=126 [1..125]"},
+        {"{stop_bits: 2, parity: none, battery_mah: 1}", ""},
+    };
+    for (const auto& [keys, expected] : cases)
+        EXPECT_EQ(firmware_findings(changed(base, flow(keys))), expected) << keys;
+    EXPECT_EQ(firmware_findings(changed(base, flow("{timer_bit: 24}"))).substr(0, 20),
+              "key.unknown timer_bi");
+    EXPECT_EQ(firmware_findings(changed(base, flow("{framing: rtu}"))).substr(0, 10), "key.unlike")
+        << "a key of projects does not belong elsewhere in the file";
+    EXPECT_EQ(firmware_findings(flow("[1]")), "field.not_a_mapping =");
 }
 
 }  // namespace interpret_test

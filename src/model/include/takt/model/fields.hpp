@@ -99,8 +99,10 @@ enum class Object : std::uint8_t {
     answer,
     measurement,
     output,
-    output_selection,  // the last
+    output_selection,  // the last of a project
+    firmware,          // a file of its own (firmware.hpp)
 };
+/// Those of a project.
 inline constexpr auto kObjects = [] {
     std::array<Object, static_cast<std::size_t>(Object::output_selection) + 1> all{};
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Object>(i);
