@@ -55,6 +55,13 @@ function(takt_slave_image board name framing baud strict)
     TAKT_SILENCE=${silence})
 endfunction()
 
+# takt_instrument_image(NAME SILENCE CONVERSION MOST_AGE) on microbit; microseconds
+function(takt_instrument_image name silence conversion most_age)
+  takt_image(microbit_${name} microbit images/instrument.cpp)
+  target_compile_definitions(microbit_${name} PRIVATE TAKT_SILENCE=${silence}
+    TAKT_CONVERSION=${conversion} TAKT_MOST_AGE=${most_age})
+endfunction()
+
 # takt_tcp_image(BOARD NAME IDLE KEEP_ALIVE): times as literals of std::chrono
 function(takt_tcp_image board name idle keep_alive)
   takt_image(${board}_${name} ${board} images/tcp_slave.cpp boards/${board}/ethernet.cpp tcp_device.cpp)
@@ -103,6 +110,11 @@ endfunction()
 if(mps2 IN_LIST boards)
   takt_controller_image(controller 0)
   takt_controller_image(test_controller 100000)  # the host delivers characters late
+endif()
+
+if(TAKT_CPU STREQUAL "cortex-m0")
+  takt_instrument_image(instrument 0 20000 5000000)
+  takt_instrument_image(test_instrument 100000 400000 1000000)
 endif()
 
 # Images of the tests

@@ -34,6 +34,22 @@ def command(board, name, *options):
             *options]
 
 
+def plugin(folder, *options):
+    """@returns the options of QEMU that load trace.c, which writes the file "trace" in the folder"""
+    library = pathlib.Path(folder) / "trace.so"
+    source = FOLDER / "trace.c"
+    subprocess.run(["clang-19", "-shared", "-fPIC", "-Wall", "-Werror", source, "-o", library], check=True)
+    return ["-plugin", ",".join([str(library), *options])]
+
+
+def addresses(board, name, *symbols):
+    """@returns the addresses of functions of an image"""
+    _, path = image(board, name)
+    listed = subprocess.run(["arm-none-eabi-nm", path], capture_output=True, text=True, check=True).stdout
+    found = dict(reversed(line.split()[::2]) for line in listed.splitlines() if len(line.split()) == 3)
+    return {symbol: int(found[symbol], 16) & ~1 for symbol in symbols}
+
+
 def run(board, name, folder, *options):
     """Runs an image that ends by itself. @returns its output by semihosting, and that of its UART"""
     machine = command(board, name, "-serial", "file:uart", *SEMIHOSTING, *EXACT, *options)

@@ -1,9 +1,7 @@
 """The silences of RTU and the pauses of ASCII at exact times, on a Cortex-M0 in virtual time."""
-import subprocess
-
 import pytest
 
-from board import FOLDER, run, script
+from board import plugin, run, script
 from frames import crc16
 
 BITS = 10
@@ -101,12 +99,9 @@ UART_SENDS, DRIVER_ON, DRIVER_OFF = "4000251c", "50000508", "5000050c"
 @pytest.mark.parametrize("framing", [rtu, ascii_frame])
 def test_the_driver_is_on_from_the_first_to_the_last_character(tmp_path, framing):
     """The stores to the registers in their order, seen by a plugin of QEMU."""
-    plugin = tmp_path / "stores.so"
-    source = FOLDER / "peripheral_stores.c"
-    subprocess.run(["clang-19", "-shared", "-fPIC", "-Wall", "-Werror", source, "-o", plugin], check=True)
     frames = [(framing(read(i)), 0) for i in range(3)]
-    _, sent = played(tmp_path, Line(9600), True, frames, framing, ["-plugin", str(plugin)])
-    stores = (tmp_path / "stores").read_text().split()
+    _, sent = played(tmp_path, Line(9600), True, frames, framing, plugin(tmp_path, "stores=on"))
+    stores = (tmp_path / "trace").read_text().split()
     # The very first one sets the pin of the UART high.
     first = stores.index(DRIVER_ON, stores.index(DRIVER_ON) + 1)
     seen = [store for store in stores[first:] if store in (UART_SENDS, DRIVER_ON, DRIVER_OFF)]

@@ -137,7 +137,8 @@ def requests(seed, count):
         data = bytes(chance.randrange(256) for _ in range(2 * min(count, 20)))
         head = struct.pack(">BHH", function, start, count)
         if function in (5, 22):
-            head = struct.pack(">BHH", function, start, chance.choice([0, 0xFF00, 1])) + data[:2] * (function == 22)
+            head = struct.pack(">BHH", function, start, chance.choice([0, 0xFF00, 1]))
+            head += data[:2] * (function == 22)
         elif function in (15, 16):
             head += bytes([len(data)]) + data
         elif function == 23:
@@ -148,7 +149,8 @@ def requests(seed, count):
 
 
 def test_its_bytes_are_those_of_the_desktop(tmp_path):
-    banks = [word for area in ("coils:0..63", "discrete:0..63", "holding:0..127") for word in ("--range", area)]
+    areas = ("coils:0..63", "discrete:0..63", "holding:0..127")
+    banks = [word for area in areas for word in ("--range", area)]
     desktop = endpoints.free_port()
     with on_network("an386", tmp_path) as (port, _), \
          start("serve", "--listen", f"127.0.0.1:{desktop}", "--unit", 1, "--fill", "zero", *banks) as server:
