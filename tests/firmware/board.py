@@ -50,11 +50,11 @@ def addresses(board, name, *symbols):
     return {symbol: int(found[symbol], 16) & ~1 for symbol in symbols}
 
 
-def run(board, name, folder, *options):
+def run(board, name, folder, *options, patience=PATIENCE):
     """Runs an image that ends by itself. @returns its output by semihosting, and that of its UART"""
     machine = command(board, name, "-serial", "file:uart", *SEMIHOSTING, *EXACT, *options)
     done = subprocess.run(machine, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                          timeout=PATIENCE, check=False)
+                          timeout=patience, check=False)
     assert done.returncode == 0, done.stderr
     lines = re.findall(r"^(\w+) (\d+)$", done.stdout + done.stderr, re.MULTILINE)
     numbers = {name: int(value) for name, value in lines}
