@@ -4,6 +4,10 @@
 // Its sensor is TIMER2 of `microbit`: after the time of a conversion it delivers the clock in milliseconds,
 // so that nothing has to be connected. Afterwards the timer waits until the value is too old: an age computed
 // from the clock would look fresh again after each turn of the clock.
+#include <array>
+#include <cstdint>
+#include <optional>
+
 #include "takt/firmware/cortex_m.hpp"
 #include "takt/firmware/main_loop.hpp"
 #include "takt/firmware/serial_device.hpp"

@@ -1,5 +1,8 @@
 #include "takt/model/firmware.hpp"
 
+#include <string_view>
+#include <utility>
+
 #include "reader.hpp"
 
 namespace takt::model {

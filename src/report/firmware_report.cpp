@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
+#include <utility>
+
 #include "takt/report/text_table.hpp"
 
 namespace takt::report {

@@ -2,6 +2,7 @@
 #include "commands/check_command.hpp"
 
 #include <optional>
+#include <utility>
 
 #include "output.hpp"
 #include "progress.hpp"
