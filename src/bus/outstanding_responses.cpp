@@ -183,6 +183,7 @@ Lateness OutstandingResponses::settle(UnitId unit, const AnswerShape& shape,
         if (!found || precedes(entry, *found)) found = &entry;
     }
     if (!found) return Lateness::none;
+    late_by_ = std::max(end - found->expired_at, Duration::zero());
     const bool out_of_order = found->phase == Phase::passed || found->overtaken;
     const Lateness lateness = out_of_order ? Lateness::out_of_order : Lateness::in_order;
     // It may answer any of them: none may be taken for settled.

@@ -200,25 +200,32 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
         return;
     }
     const bool late = settle_late(t, frame.unit, frame_shape(frame.pdu), frame.transaction) != Lateness::none;
-    if (!late && !numbered()) {
-        note_other_unit(frame);
+    if (!late) {
+        note_foreign(frame);
         note_surplus(t, frame.unit, frame.pdu);
     }
     pass_over(late);
 }
 
 void TransactionCore::note_surplus(Instant t, UnitId unit, Bytes pdu) {
-    if (numbered()) return;
     notify(t, unit, wire::Incident::surplus_response);
+    if (numbered()) return;
     if (surplus_.size() == kMostSurplus) surplus_.drop_front(1);
     surplus_.push_back({unit, frame_shape(pdu), frame_hash(pdu), t});
 }
 
-void TransactionCore::note_other_unit(const wire::Frame& frame) {
+void TransactionCore::note_foreign(const wire::Frame& frame) {
+    const auto has_its_id = [&](const Slot& slot) {
+        return numbered() && slot.awaits_response() && slot.wire_id == frame.transaction;
+    };
+    const bool known_id = std::ranges::any_of(slots_, has_its_id);
+    const auto answers = [&](const Slot& slot) {
+        return slot.awaits_response() && answers_function(frame, slot.request) &&
+               (numbered() || slot.unit != frame.unit);
+    };
     for (auto& slot : slots_)
-        if (slot.state == State::sent && !slot.broadcast && slot.unit != frame.unit &&
-            answers_function(frame, slot.request))
-            slot.other_unit = frame.unit;
+        if (known_id ? has_its_id(slot) : answers(slot))
+            slot.foreign = {frame.unit, frame.transaction, wire::requested_function(frame.pdu[0])};
 }
 
 // A frame that answers no request in flight, or one that another followed.
@@ -240,7 +247,7 @@ void TransactionCore::settle_stray(Slot& slot) {
 
 // The unit may have worked on the earlier request until now.
 void TransactionCore::note_late(Instant t, UnitId unit, Lateness lateness) {
-    notify(t, unit, wire::Incident::late_response);
+    notify(t, unit, wire::Incident::late_response, outstanding_.late_by());
     for (auto& slot : slots_) {
         if (!slot.in_flight() || slot.unit != unit) continue;
         if (slot.state == State::sent) slot.unit_busy_until = t;

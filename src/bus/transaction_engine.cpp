@@ -136,7 +136,7 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
     slot.broadcast = broadcast;
     slot.garbled = slot.unordered = false;
     slot.noise = 0;
-    slot.other_unit.reset();
+    slot.foreign.reset();
     slot.stray.reset();
     slot.submitted_at = t;
     slot.unit_busy_until = Instant::min();
@@ -333,7 +333,7 @@ Outcome TransactionCore::outcome_of(const Slot& slot) {
             .sent = slot.sent_once,
             .out_of_step = slot.out_of_step,
             .wire_id = slot.wire_id,
-            .other_unit = slot.other_unit,
+            .foreign = slot.foreign,
             .noise = slot.noise,
             .request = slot.request,
             .wait = slot.wait,

@@ -31,6 +31,7 @@ void FailureLog::on_failed(Instant t, std::size_t line, const poll::FailedExchan
     if (!log_.enabled()) return;
     Kind kind{line, failed, {}};
     kind.exchange->took = {};
+    if (kind.exchange->foreign) kind.exchange->foreign->wire_id = 0;  // it differs each time
     if (filter_.admit(t, kind)) write(kind, failed.took, 0);
 }
 
@@ -97,9 +98,15 @@ void FailureLog::write(const Kind& kind, Duration time, std::uint64_t repeated) 
                          failed.request.decoded);
     if (failed.status == bus::Status::exception)
         append_exception_words(words, failed.exception, "why");
-    else if (failed.other_unit) {
-        words.push_back({.name = "other", .text = number(failed.other_unit->value)});
-        words.push_back({.name = "why", .text = "log.why.other_unit", .is_code = true});
+    else if (failed.foreign) {
+        const bool other_unit = failed.foreign->unit != failed.unit;
+        const bool other_function = failed.foreign->function != failed.request.function;
+        words.push_back({.name = "other", .text = number(failed.foreign->unit.value)});
+        words.push_back({.name = "why",
+                         .text = other_unit       ? "log.why.other_unit"
+                                 : other_function ? "log.why.other_function"
+                                                  : "log.why.other_transaction",
+                         .is_code = true});
     } else
         words.push_back(
             {.name = "why", .text = "log.why." + std::string(bus::name(failed.status)), .is_code = true});

@@ -66,6 +66,7 @@ DeviceVerdict DeviceHealth::ended(Instant sent_at, Instant t, const OutcomeClass
     const bool early = std::exchange(probes_early_, false);
     if (!enabled_ || outcome_class.reason == Reason::link_lost) return DeviceVerdict::ignored;
     condition_.failure = outcome_class.answered ? Reason::ok : outcome_class.reason;
+    condition_.share.ended(t, outcome_class.answered);
     if (outcome_class.answered) return health_.answered() ? DeviceVerdict::returned : DeviceVerdict::answered;
     if (health_.failures() == 0) failing_since_ = sent_at;
     if (early || (!answering() && others_in_flight)) return DeviceVerdict::failed;

@@ -7,10 +7,15 @@ namespace takt::poll {
 using value::CommandResult;
 using value::Reason;
 
+// On a serial line the response may be that to the request of another master.
+bool misdirected(const bus::Outcome& outcome) {
+    return outcome.status == bus::Status::timeout && outcome.foreign && outcome.wire_id != 0;
+}
+
 OutcomeClass classify(const bus::Outcome& outcome) {
     const auto [status, answered, busy] = bus::status_of(outcome);
-    const bool closed = outcome.status == bus::Status::closed;
-    return {closed ? value::Reason::closed : value::Reason{number(status)}, answered, busy};
+    if (outcome.status == bus::Status::closed) return {Reason::closed, answered, busy};
+    return {misdirected(outcome) ? Reason::unexpected_reply : Reason{number(status)}, answered, busy};
 }
 
 // Exception 6 (busy) means that the write did not execute, 5 (acknowledge) that it will. A write that was not

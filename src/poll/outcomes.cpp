@@ -77,6 +77,10 @@ void LinePoller::Run::count_outcome(std::size_t index, const bus::Outcome& outco
     const Duration time = outcome.ended_at - outcome.sent_at;
     if (answered)
         statistics.recent_time += timed == 0 ? time : (time - statistics.recent_time) / kRecentResponses;
+    if (misdirected(outcome)) {
+        ++statistics.foreign;
+        statistics.last_foreign = {*outcome.foreign, outcome.wire_id, outcome.request.function};
+    }
     measure_delay(index, outcome, answered);
 }
 

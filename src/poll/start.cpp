@@ -166,7 +166,7 @@ void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
                           .request = outcome.request,
                           .status = outcome.status,
                           .exception = outcome.exception,
-                          .other_unit = outcome.status == Status::timeout ? outcome.other_unit : std::nullopt,
+                          .foreign = outcome.status == Status::timeout ? outcome.foreign : std::nullopt,
                           .took = outcome.ended_at - outcome.sent_at};
     if (failed.device) {
         const auto& device = devices_[*failed.device];

@@ -93,7 +93,9 @@ private:
     void find_device() {
         name_values_of_links();
         find_refused();
-        if (device().state == DeviceState::not_answering) {
+        if (fails_often(device())) {
+            found_.push_back(failing_often());
+        } else if (device().state == DeviceState::not_answering) {
             found_.push_back(answers_late() ? too_late() : unanswering());
             name_values([](Reason) { return true; });
         } else {
@@ -183,23 +185,55 @@ private:
     struct Failures {
         Problem::Kind kind;
         std::uint64_t count;
-        std::string_view text;
-        Code code;  ///< of the advice
+        std::string text;
+        std::string advice;
     };
     [[nodiscard]] Failures failures_of(Reason reason) const {
         const auto& counters = device().counters;
+        const auto of_kind = [&](Problem::Kind kind, std::uint64_t count, std::string_view text) {
+            return Failures{kind, count, texts_(text, {{"device", settings().name}}),
+                            advice_on(code_of(reason))};
+        };
         switch (reason) {
-            case Reason::bad_checksum:
-                return {damaged, counters.checksums, "problem.damaged", Code::bad_checksum};
+            case Reason::bad_checksum: return of_kind(damaged, counters.checksums, "problem.damaged");
             case Reason::unexpected_reply:
             case Reason::ambiguous:
-                return {unfitting, counters.unexpected + counters.ambiguous, "problem.unfitting",
-                        Code::unexpected_reply};
+                if (device().last_foreign) return misdirected();
+                return of_kind(unfitting, counters.unexpected + counters.ambiguous, "problem.unfitting");
             case Reason::link_lost:
-            case Reason::closed:
-                return {unanswered, counters.link_lost, "problem.closed", Code::closed_by_peer};
-            default: return {unanswered, counters.timeouts, "problem.unanswered", Code::timed_out};
+            case Reason::closed: return of_kind(unanswered, counters.link_lost, "problem.closed");
+            default: return of_kind(unanswered, counters.timeouts - device().foreign, "problem.unanswered");
         }
+    }
+
+    [[nodiscard]] static Code code_of(Reason reason) {
+        switch (reason) {
+            case Reason::bad_checksum: return Code::bad_checksum;
+            case Reason::unexpected_reply:
+            case Reason::ambiguous: return Code::unexpected_reply;
+            case Reason::link_lost:
+            case Reason::closed: return Code::closed_by_peer;
+            default: return Code::timed_out;
+        }
+    }
+
+    /// Responses came that do not belong to the requests: what the last one has instead.
+    [[nodiscard]] Failures misdirected() const {
+        const auto& counters = device().counters;
+        const auto& [response, wire_id, function] = *device().last_foreign;
+        const auto unit = settings().address.value;
+        const auto [part, other, asked] =
+            response.unit.value != unit ? std::tuple("unit", unsigned{response.unit.value}, unsigned{unit})
+            : response.function != function
+                ? std::tuple("function", unsigned{response.function}, unsigned{function})
+                : std::tuple("transaction", unsigned{response.wire_id}, unsigned{wire_id});
+        const Texts::Arguments arguments{
+            {"device", settings().name}, {"other", std::to_string(other)}, {"asked", std::to_string(asked)}};
+        const bool is_unit = response.unit.value != unit;
+        return {unfitting, counters.unexpected + counters.ambiguous + device().foreign,
+                texts_(std::string("problem.misdirected.") + part, arguments),
+                texts_(is_unit ? "problem.advice.misdirected.unit" : "problem.advice.misdirected.other",
+                       arguments)};
     }
 
     [[nodiscard]] std::string advice_on(Code code) const {
@@ -214,8 +248,19 @@ private:
         Problem problem = of_device(note, failures.kind);
         problem.count = failures.count;
         problem.of = device().counters.sent;
-        problem.text = texts_(failures.text, {{"device", settings().name}});
-        problem.advice = advice_on(failures.code);
+        problem.text = failures.text;
+        problem.advice = failures.advice;
+        return problem;
+    }
+
+    [[nodiscard]] Problem failing_often() {
+        Failures most = failures_of(Reason::timeout);
+        for (const auto reason : {Reason::bad_checksum, Reason::unexpected_reply, Reason::closed})
+            if (auto failures = failures_of(reason); failures.count > most.count) most = std::move(failures);
+        Problem problem = counted(most);
+        problem.severity = warning;
+        problem.since = before_snapshot(device().share.since());
+        problem.variables = name_values([](Reason reason) { return !value::is_exception(reason); });
         return problem;
     }
 
@@ -252,7 +297,7 @@ private:
         Problem problem = counted(failures);
         if (failures.kind == unanswered) {
             problem.kind = silent;
-            const auto failure = failure_of(reason, failures.code);
+            const auto failure = failure_of(reason, code_of(reason));
             if (failure.code == Code::modbus_exception) problem.count = device().counters.exceptions;
             problem.text = text::what(texts_.language(), failure);
             problem.advice = text::advice(texts_.language(), failure);
@@ -271,7 +316,7 @@ private:
     /// Most of the responses that were missed came after the time-out.
     [[nodiscard]] bool answers_late() const {
         const auto& late = device().delays;
-        const bool timed_out = failures_of(device().failure).code == Code::timed_out;
+        const bool timed_out = code_of(device().failure) == Code::timed_out;
         return timed_out && late && late->setting != poll::DelayFinding::Setting::turnaround &&
                2 * late->count >= device().counters.timeouts;
     }
@@ -296,7 +341,7 @@ private:
 
     /// Failures that left no value bad.
     void find_failures() {
-        if (device().state == DeviceState::not_answering) return;
+        if (device().state == DeviceState::not_answering && !fails_often(device())) return;
         const auto& sent = device().counters.sent;
         for (const auto reason : {Reason::bad_checksum, Reason::unexpected_reply, Reason::timeout}) {
             const auto failures = failures_of(reason);
@@ -317,7 +362,8 @@ private:
     }
 
     void find_measured() {
-        const bool listed = device().state == DeviceState::not_answering && answers_late();
+        const bool listed =
+            device().state == DeviceState::not_answering && !fails_often(device()) && answers_late();
         if (device().delays && !listed) found_.push_back(slower(note));
         if (const auto& finding = device().noise) {
             Problem problem = of_device(note, noise);
@@ -417,10 +463,12 @@ std::string_view health_word(const host::Snapshot& snapshot, const std::vector<P
     std::size_t silent_devices = 0;
     for (const auto& line : snapshot.lines)
         for (const auto& device : line.devices) {
-            answering += device.state == DeviceState::answering ? 1U : 0U;
-            silent_devices +=
-                device.state == DeviceState::not_answering || device.state == DeviceState::link_down ? 1U
-                                                                                                     : 0U;
+            const bool often = fails_often(device);
+            answering += often || device.state == DeviceState::answering ? 1U : 0U;
+            silent_devices += !often && (device.state == DeviceState::not_answering ||
+                                         device.state == DeviceState::link_down)
+                                  ? 1U
+                                  : 0U;
         }
     if (silent_devices > 0 && answering == 0) return "failed";
     const bool trouble =

@@ -186,6 +186,7 @@ file::Json device_state_json(const Texts& texts, const host::Snapshot& snapshot,
     object.set("address", settings.address.value);
     object.set("state", poll::name(device.state));
     if (device.failure != value::Reason::ok) object.set("cause", reason_word(device.failure));
+    if (fails_often(device)) object.set("fails_often", true);
     object.set("back_off", back_off_json(device, snapshot.t));
     object.set("values", count_values(snapshot, line, index).json());
     object.set("response_ms", device.counters.time.count() > 0 ? file::Json(milliseconds(device.recent_time))
@@ -288,7 +289,8 @@ std::string line_state_text(const Texts& texts, const file::Json& line, std::siz
                texts("app.sent"), texts("app.failed"), texts("app.outages"), texts("app.available")});
     for (const auto& device : array_member(line, "devices"))
         table.add({string_member(device, "name"),
-                   device_state_text(texts, string_member(device, "state"), string_member(device, "cause")),
+                   device_state_text(texts, string_member(device, "state"), string_member(device, "cause"),
+                                     device.find("fails_often") != nullptr),
                    values_counted(texts, member(device, "values")),
                    milliseconds_or_dash(device, "response_ms"), count_member(device, "sent"),
                    count_member(device, "failed"), count_member(device, "outages"),
@@ -350,7 +352,9 @@ std::string_view link_word(const host::Snapshot::Line& line) {
     return line.was_up ? "lost" : "never_connected";
 }
 
-std::string device_state_text(const Texts& texts, std::string_view state, std::string_view cause) {
+std::string device_state_text(const Texts& texts, std::string_view state, std::string_view cause,
+                              bool fails_often) {
+    if (fails_often) return texts("app.state.troubled");
     if (state == poll::name(poll::DeviceState::not_answering)) {
         if (cause == reason_word(value::Reason::bad_checksum)) return texts("app.state.damaged");
         if (cause == reason_word(value::Reason::unexpected_reply)) return texts("app.state.unfitting");
@@ -358,10 +362,16 @@ std::string device_state_text(const Texts& texts, std::string_view state, std::s
     return word_text(texts, "app.state.", std::string(state)) + cause_text(texts, cause);
 }
 
+bool fails_often(const poll::DeviceCondition& condition) {
+    using enum poll::DeviceState;
+    return condition.share.state() == poll::FailureShare::State::failing &&
+           (condition.state == answering || condition.state == not_answering);
+}
+
 std::string device_state_text(const Texts& texts, const poll::DeviceCondition& condition) {
     const auto failed = condition.failure != value::Reason::ok;
     return device_state_text(texts, poll::name(condition.state),
-                             failed ? reason_word(condition.failure) : std::string());
+                             failed ? reason_word(condition.failure) : std::string(), fails_often(condition));
 }
 
 std::string age_text(Duration age) {

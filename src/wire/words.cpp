@@ -268,7 +268,8 @@ std::string describe_incident(Incident incident, Duration after) {
     switch (incident) {
         case Incident::no_response:
             return fmt::format("no response within {} ms", after / std::chrono::milliseconds(1));
-        case Incident::late_response: return "late response";
+        case Incident::late_response:
+            return fmt::format("late response: late by {} ms", after / std::chrono::milliseconds(1));
         case Incident::surplus_response: return "surplus response";
         case Incident::connected: return "connected";
         case Incident::disconnected: return "disconnected";

@@ -7,11 +7,17 @@ namespace takt::bus {
 namespace incidents_test {
 
 using test::at;
+using test::frame;
+using test::mbap;
 using test::Rig;
 using test::rtu;
 using test::transaction;
 using namespace std::chrono_literals;
 using wire::Incident;
+
+std::uint16_t wire_id_of(const std::vector<std::uint8_t>& frame) {
+    return static_cast<std::uint16_t>(frame[0] << 8U | frame[1]);
+}
 
 class Log final : public wire::TrafficObserver {
 public:
@@ -35,6 +41,7 @@ TEST(Incidents, ATimeoutALateAndASurplusResponseAreTold) {
     Rig rig(test::kLine, &log);
     rig.submit(at(0ms), transaction(1, 1, "03 00 6B 00 02", 100ms));
     rig.run_until(at(130ms));
+    const Duration ended = rig.last().ended_at - at(0ms);
     rig.receive(at(200ms), rtu(1, "03 04 11 11 22 22"));
     rig.receive(at(300ms), rtu(1, "03 04 11 11 22 22"));
     ASSERT_EQ(log.seen.size(), 4U);
@@ -42,8 +49,30 @@ TEST(Incidents, ATimeoutALateAndASurplusResponseAreTold) {
     EXPECT_EQ(log.seen[1].incident, Incident::no_response);
     EXPECT_EQ(log.seen[1].unit, UnitId{1});
     EXPECT_EQ(log.seen[1].after, 100ms);
-    EXPECT_EQ(log.seen[2], (Log::Seen{at(200ms), UnitId{1}, Incident::late_response, {}}));
+    EXPECT_EQ(log.seen[2], (Log::Seen{at(200ms), UnitId{1}, Incident::late_response, 200ms - ended}));
     EXPECT_EQ(log.seen[3], (Log::Seen{at(300ms), UnitId{1}, Incident::surplus_response, {}}));
+}
+
+// Of each request the outcome has the response that came instead.
+TEST(Incidents, OverTcpResponsesOfOthersAreSurplus) {
+    const LineConfig tcp{.framing = wire::Framing::tcp, .margin = 2ms};
+    const auto answered = [&](std::vector<std::uint8_t> response) {
+        Log log;
+        Rig rig(tcp, &log);
+        rig.submit(at(0ms), transaction(1, 5, "03 00 6B 00 01"));
+        rig.run_until(at(20ms));
+        rig.receive(at(30ms), response);
+        rig.run_until(at(200ms));
+        EXPECT_EQ(rig.last().status, Status::timeout);
+        EXPECT_EQ(log.seen[1].incident, Incident::surplus_response);
+        EXPECT_EQ(log.seen[1].t, at(30ms));
+        return rig.last().foreign;
+    };
+    const std::uint16_t id = wire_id_of(mbap(1, ""));
+    EXPECT_EQ(answered(mbap(1, "00 05 01 03 02 00 07")), (ForeignResponse{UnitId{1}, id, 3})) << "unit";
+    EXPECT_EQ(answered(mbap(1, "00 05 05 04 02 00 07")), (ForeignResponse{UnitId{5}, id, 4})) << "function";
+    EXPECT_EQ(answered(frame(0, "00 05 05 03 02 00 07")), (ForeignResponse{UnitId{5}, 0, 3})) << "id";
+    EXPECT_EQ(answered(frame(0, "00 05 05 04 02 00 07")), std::nullopt);
 }
 
 TEST(Incidents, ALinkThatIsLostIsNoTimeout) {

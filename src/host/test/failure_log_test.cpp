@@ -92,9 +92,13 @@ TEST(FailureLog, RepeatedFailuresAreSummarised) {
     EXPECT_EQ(lines.with("where=log.unit attempt=log.attempt.relayed"), 1U) << "another message";
     EXPECT_EQ(lines.with("exception=exception.2"), 2U);
     failed.status = bus::Status::timeout;
-    failed.other_unit = UnitId{5};
+    failed.foreign = {UnitId{5}, 0, failed.request.function};
     log.on_failed(now, 0, failed);
     EXPECT_EQ(lines.with("other=5 why=log.why.other_unit"), 1U);
+    failed.foreign->unit = failed.unit;
+    for (failed.foreign->wire_id = 1; failed.foreign->wire_id < 9; ++failed.foreign->wire_id)
+        log.on_failed(now, 0, failed);
+    EXPECT_EQ(lines.with("why=log.why.other_transaction"), 1U);
 }
 
 TEST(FailureLog, LinksToo) {

@@ -267,6 +267,31 @@ TEST(ClosingPeer, AReadWithAWrongHeaderCostsOnlyItself) {
     }
 }
 
+// Over TCP a response belongs to its request by unit, function and transaction id.
+TEST(MisdirectedResponse, IsNoSilence) {
+    const std::pair<const char*, std::function<void(Frame&)>> kSpoils[] = {
+        {"unit", [](Frame& frame) { frame[6] = 9; }},
+        {"transaction id", [](Frame& frame) { frame[0] = frame[1] = 0; }},
+    };
+    for (const auto& [kind, spoils] : kSpoils) {
+        SCOPED_TRACE(kind);
+        auto project = described(1, 2, 1s, 1);
+        project.lines[0].devices[0].variables.erase(project.lines[0].devices[0].variables.begin());
+        World world(project, {.spoils = spoils});
+        world.run(kRun);
+        const auto device = world.line().device(0);
+        EXPECT_EQ(device.state, DeviceState::not_answering);
+        EXPECT_EQ(device.failure, value::Reason::unexpected_reply);
+        EXPECT_GT(device.foreign, 3U);
+        EXPECT_EQ(device.foreign, device.counters.timeouts);
+        ASSERT_TRUE(device.last_foreign);
+        EXPECT_EQ(device.last_foreign->response.unit.value, std::string_view(kind) == "unit" ? 9 : 1);
+        EXPECT_EQ(device.last_foreign->response.wire_id == device.last_foreign->wire_id,
+                  std::string_view(kind) == "unit");
+        EXPECT_EQ(device.share.state(), FailureShare::State::steady) << "it never answers";
+    }
+}
+
 TEST(ClosingPeer, TheWayOfConnectingIsKept) {
     using model::ConnectionUse;
     for (const auto& [use, most] : {std::pair{ConnectionUse::keep, 1u},

@@ -104,6 +104,56 @@ TEST(Problems, ADeviceThatAnswersTooLateIsNotSilent) {
     EXPECT_EQ(found[0].kind, Kind::silent);
 }
 
+// All its responses have another unit, transaction id or function: it is no dead device.
+TEST(Problems, ADeviceThatAnswersForAnotherOneIsNotSilent) {
+    auto snapshot = healthy();
+    auto& device = snapshot.lines[0].devices[0];
+    device.state = poll::DeviceState::not_answering;
+    device.failure = Reason::unexpected_reply;
+    device.counters.sent = device.counters.timeouts = device.foreign = 24;
+    const auto asked = plant()->project().lines[0].devices[0].address;
+    device.last_foreign = {{UnitId{99}, 7, 3}, 7, 3};
+    const auto text = [&] {
+        const auto found = problems(snapshot);
+        EXPECT_EQ(found.size(), 1U);
+        EXPECT_EQ(found[0].kind, Kind::unfitting);
+        EXPECT_EQ(found[0].severity, Severity::error);
+        EXPECT_EQ(found[0].count, 24U);
+        return found[0].text + ". " + found[0].advice;
+    };
+    expect_contains(text(), "a response of unit 99 came, unit " + std::to_string(asked.value) + " was asked");
+    expect_contains(text(), "Set `address: 99`");
+    device.last_foreign->response.unit = asked;
+    device.last_foreign->response.function = 4;
+    expect_contains(text(), "a response to function 4 came, function 3 was asked");
+    device.last_foreign->response.function = 3;
+    device.last_foreign->response.wire_id = 0;
+    expect_contains(text(), "a response with transaction id 0 came, 7 was asked");
+    EXPECT_EQ(device_state_text(english(), device), "answers do not fit");
+}
+
+// While it stops and begins to answer again, there is one problem, and its time is that of the first
+// failures.
+TEST(Problems, ADeviceThatFailsOftenIsOneProblem) {
+    auto snapshot = healthy();
+    auto& device = snapshot.lines[0].devices[0];
+    device.counters.timeouts = 700;
+    for (int i = 0; i < 20; ++i) device.share.ended(snapshot.t - 60s, i % 2 == 0);
+    for (const auto state : {poll::DeviceState::answering, poll::DeviceState::not_answering}) {
+        device.state = state;
+        device.failure = state == poll::DeviceState::answering ? Reason::ok : Reason::timeout;
+        fail(snapshot, "Level", Reason::not_answering);
+        const auto found = problems(snapshot);
+        ASSERT_EQ(found.size(), 1U);
+        EXPECT_EQ(found[0].kind, Kind::unanswered);
+        EXPECT_EQ(found[0].severity, Severity::warning);
+        EXPECT_EQ(found[0].since, 60s);
+        EXPECT_EQ(found[0].variables, std::vector<std::string>{"Level"});
+        EXPECT_EQ(device_state_text(english(), device), "answering, with findings");
+        EXPECT_EQ(health_word(snapshot, found), "degraded");
+    }
+}
+
 // A gateway refuses each request to the device.
 TEST(Problems, AnExceptionOfAllRequestsIsOneProblem) {
     auto snapshot = healthy();

@@ -117,7 +117,7 @@ TEST(Words, IncidentsHaveNamesAndWords) {
     using namespace std::chrono_literals;
     EXPECT_EQ(name(Incident::no_response), "no_response");
     EXPECT_EQ(describe_incident(Incident::no_response, 500ms), "no response within 500 ms");
-    EXPECT_EQ(describe_incident(Incident::late_response, {}), "late response");
+    EXPECT_EQ(describe_incident(Incident::late_response, 230ms), "late response: late by 230 ms");
     EXPECT_EQ(describe_incident(Incident::surplus_response, {}), "surplus response");
     EXPECT_EQ(describe_incident(Incident::connected, {}), "connected");
     EXPECT_EQ(describe_incident(Incident::disconnected, {}), "disconnected");

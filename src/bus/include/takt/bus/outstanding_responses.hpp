@@ -168,6 +168,8 @@ public:
     /// @returns whether it is a late response: the oldest one that it may be. take_late() then gives it
     Lateness settle(UnitId unit, const AnswerShape& shape, std::optional<std::uint16_t> wire_id,
                     Instant begin, Instant end);
+    /// Of the last late response that settle() recognised: since its transaction had ended.
+    [[nodiscard]] Duration late_by() const { return late_by_; }
 
     /// `unit` answered the last request. Responses to earlier requests have passed, except those that look
     /// like a response of `shape`.
@@ -221,6 +223,7 @@ private:
     ResponseMemory* on_demand_;
     std::size_t size_ = 0;
     Instant all_wait_until_ = Instant::min();
+    Duration late_by_{};
 };
 
 }  // namespace takt::bus

@@ -97,6 +97,14 @@ enum class Status : std::uint8_t {
 };
 std::string_view name(Status status);
 
+/// A response that does not belong to the request it was received after.
+struct ForeignResponse {
+    UnitId unit;
+    std::uint16_t wire_id = 0;  ///< Framing::tcp: its transaction id; else 0
+    std::uint8_t function = 0;  ///< of its request
+    friend bool operator==(const ForeignResponse&, const ForeignResponse&) = default;
+};
+
 /// How a transaction ended. Every accepted transaction has exactly one.
 struct Outcome {
     TransactionId id = 0;
@@ -107,8 +115,9 @@ struct Outcome {
     /// Framing::tcp: the connection ends with it: it is not known where the next response begins.
     bool out_of_step = false;
     std::uint16_t wire_id = 0;  ///< Framing::tcp: its transaction id on the wire, if it was sent; else 0
-    /// Serial line: a response of this unit to a request of this function was received instead.
-    std::optional<UnitId> other_unit;
+    /// Was received instead. Serial line: of another unit, to a request of this function. Framing::tcp: with
+    /// this transaction id, or to a request of this function.
+    std::optional<ForeignResponse> foreign;
     /// Bytes of noise that were received between the request and its response.
     std::uint32_t noise = 0;
     wire::RequestShape request;

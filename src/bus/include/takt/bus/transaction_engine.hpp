@@ -44,10 +44,10 @@ class TransactionSlot {
         Instant end;
     };
     std::optional<StrayFrame> stray;
-    bool unordered = false;            // State::confirming: the last frame need not be the response
-    std::uint32_t noise = 0;           // bytes of noise before the response
-    std::optional<UnitId> other_unit;  // whose frame was received meanwhile
-    std::uint16_t wire_id = 0;         // transaction id of the MBAP header
+    bool unordered = false;                  // State::confirming: the last frame need not be the response
+    std::uint32_t noise = 0;                 // bytes of noise before the response
+    std::optional<ForeignResponse> foreign;  // that was received meanwhile
+    std::uint16_t wire_id = 0;               // transaction id of the MBAP header
     std::uint16_t pdu_size = 0;
     std::uint8_t* pdu = nullptr;  // the bytes of the request; once it has ended, of the response
     TransactionId id = 0;
@@ -249,7 +249,7 @@ private:
     [[nodiscard]] Instant confirmation_end(Instant t, const Slot& slot) const;
     void note_surplus(Instant t, UnitId unit, Bytes pdu);
     void conclude(Instant t, Slot& slot);
-    void note_other_unit(const wire::Frame& frame);
+    void note_foreign(const wire::Frame& frame);
     Lateness settle_late(Instant end, UnitId unit, const AnswerShape& shape, std::uint16_t wire_id);
     void settle_stray(Slot& slot);
     void note_late(Instant t, UnitId unit, Lateness lateness);

@@ -13,6 +13,7 @@
 #include "takt/bus/transaction.hpp"
 #include "takt/poll/availability.hpp"
 #include "takt/poll/delay_finding.hpp"
+#include "takt/poll/failure_share.hpp"
 #include "takt/poll/gap_event.hpp"
 #include "takt/poll/noise_finding.hpp"
 #include "takt/value/command.hpp"
@@ -81,6 +82,7 @@ struct DeviceCondition {
     /// and ends with the next answer. Before the link could be opened for the first time it is down too.
     AvailabilityMeter availability;
     value::Reason failure = value::Reason::ok;  ///< of its last transaction; ok: it was answered
+    FailureShare share;                         ///< whether it fails often, though it answers
 };
 
 /// What was counted and measured of the transactions with a device.
@@ -90,6 +92,14 @@ struct DeviceTraffic {
     std::uint64_t surplus =
         0;                 ///< serial line: responses that no request had asked for, repetitions included
     bool shifted = false;  ///< one of them was no repetition: others may have answered earlier requests
+    /// Framing::tcp: a response came that does not belong to the request, and none that does.
+    struct Misdirected {
+        bus::ForeignResponse response;
+        std::uint16_t wire_id = 0;  ///< of the request
+        std::uint8_t function = 0;  ///< of the request
+    };
+    std::uint64_t foreign = 0;  ///< of the time-outs of `counters`
+    std::optional<Misdirected> last_foreign;
     std::uint64_t verified = 0;  ///< writes that were read back as written
     std::uint64_t differed = 0;  ///< and those that were not
     Duration recent_time{};      ///< mean of about the last eight times of `counters`
@@ -162,8 +172,8 @@ struct FailedExchange {
     wire::RequestShape request;
     bus::Status status = bus::Status::timeout;
     std::uint8_t exception = 0;
-    std::optional<UnitId> other_unit;  ///< without a response: that of another unit was received instead
-    Duration took{};                   ///< from the start of the request
+    std::optional<bus::ForeignResponse> foreign;  ///< without a response: was received instead
+    Duration took{};                              ///< from the start of the request
     std::uint16_t attempt = 1;   ///< failures of the device in a row, this one included; at most `attempts`
     std::uint16_t attempts = 1;  ///< after so many the device counts as not answering
     friend bool operator==(const FailedExchange&, const FailedExchange&) = default;

@@ -59,7 +59,10 @@ namespace takt::report {
 /// @param state  poll::name()
 /// @param cause  reason_word() of its last failure; empty: none
 [[nodiscard]] std::string device_state_text(const Texts& texts, std::string_view state,
-                                            std::string_view cause);
+                                            std::string_view cause, bool fails_often);
+
+/// poll::FailureShare::State::failing, and its link is up.
+[[nodiscard]] bool fails_often(const poll::DeviceCondition& condition);
 
 [[nodiscard]] std::string device_state_text(const Texts& texts, const poll::DeviceCondition& condition);
 

@@ -39,7 +39,7 @@ public:
 
     /// Masters only.
     /// @param unit   of a response; 0: of the line
-    /// @param after  no_response: the wait of the request; else zero
+    /// @param after  no_response: the wait of the request; late_response: how late it is; else zero
     virtual void on_incident(Instant /*t*/, UnitId /*unit*/, Incident /*incident*/, Duration /*after*/) {}
 
     /// The calls that follow are about the connection with that peer, "192.0.2.7:50100". The connections of a
