@@ -147,8 +147,9 @@ bool report_tls(Reader& reader);
 /// A host, and no port or a number meant as `tcp_port`: a network, without `transport`.
 bool names_host(const Reader& reader);
 
-/// Reports a host that contains a port, or is neither a name nor an address.
-void check_host(Reader& reader, std::string_view key, std::string_view host);
+/// Reports a host that contains a port, or is neither a name nor an address; `*` is one to listen on.
+/// Returns whether it is one.
+bool check_host(Reader& reader, std::string_view key, std::string_view host);
 
 /// Reports the missing `key` that a transport needs. Returns whether it is missing.
 bool report_missing_port(Reader& reader, std::string_view key, std::string_view transport);

@@ -60,4 +60,10 @@ std::string_view nearest(std::string_view text, std::span<const std::string_view
     return best;
 }
 
+bool is_unlike(std::string_view text, std::string_view guess) {
+    const bool part =
+        guess.find(text) != std::string_view::npos || text.find(guess) != std::string_view::npos;
+    return !part && typing_distance(text, guess) > std::max(text.size(), guess.size());
+}
+
 }  // namespace takt::model

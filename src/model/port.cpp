@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <system_error>
+#include <utility>
 
 #include "interpretation.hpp"
 #include "takt/base/ascii.hpp"
@@ -31,9 +32,15 @@ bool is_alien(char c) {
     return !letter && !is_digit(c) && kOthers.find(c) == std::string_view::npos;
 }
 
+/// It is a server.
+bool listens(const Reader& reader) {
+    return find_field(reader.object(), "listen") != nullptr;
+}
+
 /// `port: 502`, meant as `tcp_port`.
 void report_port_number(Reader& reader, std::string_view port) {
-    reader.report(Rule::line_port_number, "port", {}, {{"port", std::string(port)}});
+    reader.report(Rule::line_port_number, "port", {},
+                  {{"port", std::string(port)}, {"key", listens(reader) ? "listen" : "host"}});
 }
 
 }  // namespace
@@ -48,8 +55,9 @@ bool report_tls(Reader& reader) {
 
 bool report_missing_port(Reader& reader, std::string_view key, std::string_view transport) {
     if (reader.node().find(key) != nullptr || reader.misspelt(key)) return false;
-    reader.report(Rule::line_port_missing, key, {},
-                  {{"key", std::string(key)}, {"transport", std::string(transport)}});
+    Arguments arguments{{"key", std::string(key)}, {"transport", std::string(transport)}};
+    if (listens(reader)) arguments.emplace_back("variant", "listen");
+    reader.report(Rule::line_port_missing, key, {}, std::move(arguments));
     return true;
 }
 
@@ -58,22 +66,27 @@ bool names_host(const Reader& reader) {
     return (reader.given("host") || reader.misspelt("host")) && (port == nullptr || all_digits(port->text));
 }
 
-void check_host(Reader& reader, std::string_view key, std::string_view host) {
+bool check_host(Reader& reader, std::string_view key, std::string_view host) {
     const auto is_of = [](std::string_view text, std::string_view characters) {
         return !text.empty() && text.find_first_not_of(characters) == std::string_view::npos;
     };
     const auto colon = host.find(':');
     const bool one_colon =
         colon != std::string_view::npos && host.find(':', colon + 1) == std::string_view::npos;
+    if (key == "listen" && host == "*") return true;
     if (one_colon && is_of(host.substr(colon + 1), "0123456789")) {
-        reader.report(
-            Rule::host_with_port, key, {},
-            {{"host", std::string(host.substr(0, colon))}, {"port", std::string(host.substr(colon + 1))}});
+        reader.report(Rule::host_with_port, key, {},
+                      {{"key", std::string(key)},
+                       {"host", std::string(host.substr(0, colon))},
+                       {"port", std::string(host.substr(colon + 1))}});
     } else if (is_of(host, "0123456789.") && !is_ipv4(host)) {
         reader.report(Rule::host_no_address, key);
     } else if (std::ranges::any_of(host, is_alien)) {
         reader.report(Rule::host_malformed, key);
+    } else {
+        return true;
     }
+    return false;
 }
 
 void register_port(Interpretation& state, Reader& reader, const std::string& port) {

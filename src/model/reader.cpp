@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -47,11 +48,21 @@ std::string condition(const Field& field, std::size_t word, Context context) {
     return field.fits(word, context) ? "profile: " + std::string(name(Profile::owen_kc1)) : transport;
 }
 
-/// More than half of it would have to be typed anew.
-bool is_unlike(std::string_view text, std::string_view guess) {
-    const bool part =
-        guess.find(text) != std::string_view::npos || text.find(guess) != std::string_view::npos;
-    return !part && typing_distance(text, guess) > std::max(text.size(), guess.size());
+/// The object that has this key: one that encloses `object`, the innermost first, or else the first other
+/// one; the project at last.
+std::optional<Object> owner_of(std::string_view key, Object object) {
+    std::optional<Object> owner;
+    std::size_t best = 0;
+    for (const auto candidate : kObjects) {
+        if (find_field(candidate, key) == nullptr) continue;
+        const auto where = location(candidate);
+        const bool encloses = !where.empty() && location(object).starts_with(std::string(where) + '.');
+        const std::size_t rank = encloses ? where.size() + 1 : where.empty() ? 0 : 1;
+        if (owner && rank <= best) continue;
+        owner = candidate;
+        best = rank;
+    }
+    return owner;
 }
 
 /// `-0,1` as `-0.1`; empty for anything but a number with a decimal comma.
@@ -148,14 +159,13 @@ void Reader::check_key(const Node& key) {
     // `timeout` may mean this object's `response_timeout`, even if another object has the key `timeout`.
     const bool part = guess.find(key.text) != std::string_view::npos;
     if (!typo && !part && object_ != Object::firmware)
-        for (const auto object : kObjects)
-            if (find_field(object, key.text) != nullptr) {
-                const auto where =
-                    std::string(location(object)) + (object == Object::project ? "" : ".") + key.text;
-                findings_.add(Rule::key_elsewhere, key.location, path_of(key.text), key.text, std::move(list),
-                              {{"location", where}});
-                return;
-            }
+        if (const auto owner = owner_of(key.text, object_)) {
+            const auto where =
+                std::string(location(*owner)) + (*owner == Object::project ? "" : ".") + key.text;
+            findings_.add(Rule::key_elsewhere, key.location, path_of(key.text), key.text, std::move(list),
+                          {{"location", where}});
+            return;
+        }
     if (!typo && is_unlike(key.text, guess)) {
         findings_.add(Rule::key_unlike, key.location, path_of(key.text), key.text, std::move(list));
         return;

@@ -72,6 +72,7 @@ public:
     }
 
     [[nodiscard]] const Node& node() const { return node_; }
+    [[nodiscard]] Object object() const { return object_; }
     [[nodiscard]] std::string path_of(std::string_view key) const;
 
     /// Reports at the value of a key, or at the object if the key is absent.

@@ -49,7 +49,7 @@ void read_server_port(Interpretation& state, Reader& reader, Server& server) {
     report_missing_port(reader, key, name(server.transport));
     if (!network)
         register_port(state, reader, server.port);
-    else if (!server.port.empty())
+    else if (!server.port.empty() && check_host(reader, key, server.port))
         note_listener(state, reader, server);
 }
 

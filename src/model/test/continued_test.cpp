@@ -19,7 +19,7 @@ const std::string kScale =
     "answer: {until: \";\", pattern: \"{weight}\"}}]}";
 
 std::string server(const std::string& keys = "", const std::string& bindings = "") {
-    return "{name: S, listen: '::', relay: [{line: bus, units: [7]}]" + keys +
+    return "{name: S, listen: ::, relay: [{line: bus, units: [7]}]" + keys +
            ", units: [{address: 1, banks: [{area: holding_register, items: [0..9]}], variables: "
            "[{name: A, type: int16, area: holding_register, register: 0, source: {variable: Level}}" +
            bindings + "]}]}";
@@ -49,7 +49,7 @@ TEST(Continued, AServerIsTheSameWhereverItIsWritten) {
         kBus;
     const auto now =
         project({.lines = other_line,
-                 .servers = "{name: T, listen: '::', tcp_port: 503, units: [{address: 1, banks: []}]},\n\n " +
+                 .servers = "{name: T, listen: ::, tcp_port: 503, units: [{address: 1, banks: []}]},\n\n " +
                             server()});
     EXPECT_EQ(continued_servers(before, now), (Continued{std::nullopt, 0}));
     EXPECT_EQ(continued_gateways(before, now), (Continued{std::nullopt, 0}));

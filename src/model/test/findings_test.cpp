@@ -96,6 +96,11 @@ TEST(Findings, NameTheNearest) {
         {{.project = "{linse: []}"}, "lines"},
         {{.project = "{host: {jiter: 1ms}}"}, "jitter"},
         {{.project = "{backoff: {limits: 1s}}"}, "limit"},
+        {{.project = "{servers: [{name: S, host: 0.0.0.0, units: [{address: 1, banks: []}]}]}"}, "listen"},
+        {{.project =
+              "{servers: [{name: S, listen: *, units: [{address: 1, banks: [{area: coil, start: 1}]}]}]}"},
+         "items"},
+        {{.line = "{connect: plc}"}, "host"},
         {{.device = "{strategy: optimal, readable: {coils: [1]}}"}, "coil"},
         {{.device = "{strategy: optimal, write_single: onyl}"}, "only"},
     };
@@ -109,6 +114,8 @@ TEST(Findings, NameTheNearest) {
     const auto elsewhere = interpret(document({.device = "{baud: 9600}"}));
     EXPECT_EQ(elsewhere.findings.at(0).code, "key.elsewhere");
     EXPECT_EQ(argument(elsewhere.findings[0], "location"), "lines[].baud");
+    const auto host = interpret(document({.device = "{host: plc}"}));
+    EXPECT_EQ(argument(host.findings.at(0), "location"), "lines[].host") << "that of the line of the device";
 }
 
 TEST(Findings, PointToWhatWasThereFirst) {

@@ -20,7 +20,7 @@ constexpr std::string_view kLine =
     "{name: A, address: 1, variables: ["
     "{name: Speed, type: int16, register: 5, read: 3, write: 0x10, scale: 0.1, enumeration: ~}, "
     "{name: Written, type: int16, register: 6, read: none, write: 6}]}]}], "
-    "servers: [{name: S, listen: '*', units: [{address: 1, ";
+    "servers: [{name: S, listen: *, units: [{address: 1, ";
 
 Checked with_unit(std::string_view unit) {
     auto text = std::string(kLine) + std::string(unit) + "}]}]}";

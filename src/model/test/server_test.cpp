@@ -29,7 +29,7 @@ std::string findings_text(const std::string& servers) {
 
 /// A server with one unit that has these keys beside two banks.
 std::string unit(const std::string& keys) {
-    return "{name: S, listen: '::', units: [{address: 1, banks: [{area: holding_register, items: [0..9, "
+    return "{name: S, listen: ::, units: [{address: 1, banks: [{area: holding_register, items: [0..9, "
            "20..29]}, "
            "{area: coil, items: [0..99]}]" +
            (keys.empty() ? "" : ", " + keys) + "}]}";
@@ -124,10 +124,9 @@ TEST(Servers, OnASerialLine) {
 }
 
 TEST(Servers, TlsIsOneFinding) {
-    EXPECT_EQ(
-        findings_text("{name: S, transport: tls, listen: '*', tcp_port: 802, units: [{address: 1, banks: "
-                      "[{area: coil, items: [0..9]}]}]}"),
-        "line.tls transport=tls [serial, tcp]");
+    EXPECT_EQ(findings_text("{name: S, transport: tls, listen: *, tcp_port: 802, units: [{address: 1, banks: "
+                            "[{area: coil, items: [0..9]}]}]}"),
+              "line.tls transport=tls [serial, tcp]");
 }
 
 TEST(Servers, RetainAllOfABank) {
@@ -245,6 +244,8 @@ TEST(Servers, MistakesAreReported) {
     const Row rows[] = {
         {unit(""), ""},
         {"{name: S, units: [{address: 1, banks: []}]}", "line.port_missing listen="},
+        {"{name: S, listen: 127.0.0.1:15031, units: [{address: 1, banks: []}]}",
+         "host.with_port listen=127.0.0.1:15031"},
         {"{name: S, listen: x, units: []}", "field.empty units="},
         {"{name: S, listen: x, baud: 9600, units: [{address: 256, banks: []}]}",
          "?field.without_effect baud=9600; field.out_of_range address=256 [0..255]"},
