@@ -10,9 +10,6 @@
 namespace takt::console {
 namespace {
 
-constexpr std::string_view kControlUsage =
-    "status, list, values [PATTERN], get NAME, set NAME VALUE, write NAME VALUE, quit";
-
 std::unexpected<Error> wrong_syntax(std::string_view part, std::string_view right) {
     return fail(Code::syntax, value::beside_allowed(part, right));
 }
@@ -58,7 +55,8 @@ Result<ControlCommand> parse_control(std::string_view line) {
     std::string_view rest = line;
     TAKT_TRY(const std::string word, take_control_word(rest));
     const auto* known = std::ranges::find(kVerbs, word, &KnownVerb::word);
-    if (known == kVerbs.end()) return wrong_syntax(word, kControlUsage);
+    if (word.empty()) return wrong_syntax(line, kControlUsage);
+    if (known == kVerbs.end()) return fail(Code::not_found, word);
     ControlCommand command{known->verb, {}, {}};
     if (known->words != Words::none) {
         TAKT_TRY(command.name, take_control_word(rest));

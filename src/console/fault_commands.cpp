@@ -54,13 +54,17 @@ public:
           now_(std::move(now)),
           quit_(std::move(quit)) {}
 
-    Result<void> execute(const std::string& line, const Reply& reply) const {
+    Result<void> execute(const std::string& line, const Reply& reply, const Texts& texts) const {
         std::string_view rest = line;
         const auto command = take_fault_word(rest);
         if (command == "fault") return fault(line, rest, reply);
         if (!devices_->empty() && (command == "set" || command == "get"))
             return value(command == "set", line, reply);
-        if (command != "quit" || !rest.empty()) return wrong(line);
+        if (command == "quit" && !rest.empty()) return wrong(line);
+        if (command != "quit") {
+            reply(unknown_command(texts, command, usage()));
+            return {};
+        }
         reply(quit_answer());
         quit_();
         return {};
@@ -68,8 +72,10 @@ public:
 
 private:
     [[nodiscard]] Result<void> wrong(const std::string& line) const {
-        return fail(Code::syntax,
-                    value::beside_allowed(line, devices_->empty() ? kFaultUsageWithoutNames : kFaultUsage));
+        return fail(Code::syntax, value::beside_allowed(line, usage()));
+    }
+    [[nodiscard]] std::string_view usage() const {
+        return devices_->empty() ? kFaultUsageWithoutNames : kFaultUsage;
     }
 
     Result<void> fault(const std::string& line, std::string_view rest, const Reply& reply) const {
@@ -147,7 +153,9 @@ private:
 Execute fault_commands(std::shared_ptr<sim::AnswerFaults> faults, std::shared_ptr<ServedDevices> devices,
                        std::function<Instant()> now, std::function<void()> quit) {
     return [commands = FaultCommands(std::move(faults), std::move(devices), std::move(now), std::move(quit))](
-               const std::string& line, const Reply& reply) { return commands.execute(line, reply); };
+               const std::string& line, const Reply& reply, const Texts& texts) {
+        return commands.execute(line, reply, texts);
+    };
 }
 
 }  // namespace takt::console

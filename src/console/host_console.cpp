@@ -12,7 +12,9 @@ constexpr Duration kRefreshEvery = std::chrono::milliseconds(200);
 constexpr Duration kLossesEvery = std::chrono::minutes(1);
 
 Execute executed_by(SessionCommands& commands) {
-    return [&commands](const std::string& line, const Reply& reply) { return commands.execute(line, reply); };
+    return [&commands](const std::string& line, const Reply& reply, const Texts& texts) {
+        return commands.execute(line, reply, texts);
+    };
 }
 
 /// Whose device the event is; nothing: it concerns none, or several.
@@ -96,14 +98,14 @@ bool HostConsole::is_shown(const host::Event& event) {
 Result<void> HostConsole::begin_commands() {
     auto& loop = environment_.loop;
     const auto quit = [&loop] { loop.stop(); };
-    commands_.emplace(*session_, texts_, quit);
+    commands_.emplace(*session_, quit);
     commands_->set_outputs(environment_.outputs);
     if (options_.commands)
         input_.emplace(loop, *options_.commands, executed_by(*commands_), texts_,
                        [this](const Answer& answer) { view_->on_answer(line::now(), answer); });
     if (options_.control_path.empty()) return {};
     TAKT_TRY(control_session_, environment_.open_session({.events = false}));
-    control_commands_.emplace(*control_session_, texts_, quit);
+    control_commands_.emplace(*control_session_, quit);
     control_commands_->set_outputs(environment_.outputs);
     control_readable_.emplace(loop, control_session_->descriptor(), [this] { read_control_session(); });
     read_control_session();

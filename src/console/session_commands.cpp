@@ -1,8 +1,10 @@
 #include "takt/console/session_commands.hpp"
 
 #include <utility>
+#include <vector>
 
 #include "takt/console/clock_text.hpp"
+#include "takt/model/nearest.hpp"
 #include "takt/report/command_report.hpp"
 #include "takt/report/outputs_report.hpp"
 #include "takt/report/state_report.hpp"
@@ -49,14 +51,22 @@ Answer refused(const Texts& texts, const host::Configuration& configuration, con
                const Error& error) {
     const auto verb = verb_word(command.verb);
     const bool of_service = command.name == "system" || model::resembles_service_name(command.name);
-    if (error.code != Code::not_found || !of_service)
-        return {report::error_line(texts, error), report::error_json(texts, error, verb, command.name)};
+    const auto answer = [&](std::string_view text) {
+        return error_answer(texts, error, text, verb, command.name);
+    };
+    if (error.code != Code::not_found) return answer(texts.describe(error));
+    if (!of_service) {
+        std::vector<std::string_view> names;
+        for (std::uint32_t id = 0; id < configuration.slots().size(); ++id)
+            names.push_back(configuration.info({id}).name);
+        const auto nearest = model::nearest(command.name, names);
+        if (nearest.empty() || model::is_unlike(command.name, nearest)) return answer(texts.describe(error));
+        return answer(
+            texts("console.name_unknown", {{"name", command.name}, {"nearest", std::string(nearest)}}));
+    }
     const auto hint = model::ServiceNames(configuration.project()).hint(command.name);
-    const auto text = texts("console.service_unknown",
-                            {{"name", command.name}, {"nearest", hint.nearest}, {"allowed", hint.allowed}});
-    auto object = report::error_json(texts, error, verb, command.name);
-    object.set("text", text);
-    return {report::error_line(name(error.code), text), object};
+    return answer(texts("console.service_unknown",
+                        {{"name", command.name}, {"nearest", hint.nearest}, {"allowed", hint.allowed}}));
 }
 
 Result<host::Command> host_command(const host::Configuration& configuration, const ControlCommand& command) {
@@ -71,35 +81,39 @@ Result<host::Command> host_command(const host::Configuration& configuration, con
 
 }  // namespace
 
-SessionCommands::SessionCommands(host::Session& session, const Texts& texts, std::function<void()> quit,
-                                 TakeSnapshot snapshot)
-    : session_(session), texts_(texts), quit_(std::move(quit)), snapshot_(std::move(snapshot)) {
+SessionCommands::SessionCommands(host::Session& session, std::function<void()> quit, TakeSnapshot snapshot)
+    : session_(session), quit_(std::move(quit)), snapshot_(std::move(snapshot)) {
     if (!snapshot_) snapshot_ = [this](const host::SnapshotParts& parts) { return session_.snapshot(parts); };
 }
 
 // A line of JSON in both forms: the answer to a command is one line.
-Result<Answer> SessionCommands::state(const ControlCommand& command) const {
+Result<Answer> SessionCommands::state(const ControlCommand& command, const Texts& texts) const {
     const bool all = command.verb != ControlCommand::Verb::list;
     TAKT_TRY(const auto now, snapshot_({.values = all, .statistics = all}));
     const auto time = iso_time(now.t);
-    auto json = command.verb == ControlCommand::Verb::status ? report::status_json(texts_, now, time)
+    auto json = command.verb == ControlCommand::Verb::status ? report::status_json(texts, now, time)
                 : all                                        ? report::values_json(now, time, command.name)
                                                              : report::list_json(*now.configuration);
     if (command.verb == ControlCommand::Verb::status && outputs_)
-        report::add_outputs(texts_, json, outputs_(), wall_ns(now.t));
+        report::add_outputs(texts, json, outputs_(), wall_ns(now.t));
     auto line = json.dump() + '\n';
     return Answer{.line = std::move(line), .json = std::move(json)};
 }
 
-Result<void> SessionCommands::execute(const std::string& line, const Reply& reply) {
-    TAKT_TRY(const auto command, parse_control(line));
+Result<void> SessionCommands::execute(const std::string& line, const Reply& reply, const Texts& texts) {
+    const auto parsed = parse_control(line);
+    if (!parsed && parsed.error().code == Code::not_found) {
+        reply(unknown_command(texts, parsed.error().subject.view(), kControlUsage));
+        return {};
+    }
+    TAKT_TRY(const auto command, parsed);
     if (command.verb == ControlCommand::Verb::quit) {
         reply(quit_answer());
         quit_();
         return {};
     }
     if (asks_for_state(command.verb)) {
-        TAKT_TRY(const auto answer, state(command));
+        TAKT_TRY(const auto answer, state(command, texts));
         reply(answer);
         return {};
     }
@@ -109,10 +123,10 @@ Result<void> SessionCommands::execute(const std::string& line, const Reply& repl
     const auto submitted =
         given ? session_.submit(*given) : Result<host::CommandId>(std::unexpected(given.error()));
     if (!submitted) {
-        reply(refused(texts_, *configuration, command, submitted.error()));
+        reply(refused(texts, *configuration, command, submitted.error()));
         return {};
     }
-    waiting_.emplace(last_tag_, Waiting{reply, configuration});
+    waiting_.emplace(last_tag_, Waiting{reply, configuration, texts});
     return {};
 }
 
@@ -121,9 +135,10 @@ void SessionCommands::take_outcomes() {
         const auto waiting = waiting_.extract(outcome->tag);
         if (waiting.empty()) continue;
         const auto& configuration = *waiting.mapped().configuration;
+        const auto& texts = waiting.mapped().texts;
         const bool got = outcome->kind == host::Command::Kind::get && !outcome->error;
-        waiting.mapped().reply({report::outcome_line(texts_, configuration, *outcome),
-                                report::outcome_json(texts_, configuration, *outcome),
+        waiting.mapped().reply({report::outcome_line(texts, configuration, *outcome),
+                                report::outcome_json(texts, configuration, *outcome),
                                 got ? report::get_json(configuration, *outcome) : file::Json()});
     }
 }

@@ -192,8 +192,10 @@ ExitCode ctl(const CommonOptions& common, const CtlOptions& options) {
         return ExitCode::usage;
     }
     const auto fd = connect_to(options.path);
-    const auto answer = fd ? ask(*fd, options.path, needs_json(options) ? "--json " + command : command)
-                           : Result<std::optional<std::string>>(std::unexpected(fd.error()));
+    const std::string asked = "--lang " + std::string(text::tag(common.language)) +
+                              (needs_json(options) ? " --json " : " ") + command;
+    const auto answer =
+        fd ? ask(*fd, options.path, asked) : Result<std::optional<std::string>>(std::unexpected(fd.error()));
     if (fd) ::close(*fd);
     if (!answer) return ended_by(texts, answer.error());
     if (!*answer) {

@@ -25,7 +25,7 @@ namespace command_reader_test {
 using namespace test;
 
 /// Answers each line with itself; "bad" is no command.
-Result<void> echo(const std::string& line, const Reply& reply) {
+Result<void> echo(const std::string& line, const Reply& reply, const Texts&) {
     if (line == "bad") return fail(Code::syntax, line);
     reply({"ok " + line + "\n", file::Json::object()});
     return {};
@@ -46,7 +46,7 @@ TEST(CommandReader, AnswersEveryCommandAndIgnoresEmptyLines) {
 TEST(CommandReader, AnswersWithJsonIfAskedTo) {
     Answers answers;
     CommandReader reader(
-        [](const std::string& line, const Reply& reply) -> Result<void> {
+        [](const std::string& line, const Reply& reply, const Texts&) -> Result<void> {
             if (line == "bad") return fail(Code::syntax, line);
             reply({"ok " + line + "\n", "as an event", line == "get x" ? "as data" : file::Json()});
             return {};
@@ -59,6 +59,24 @@ TEST(CommandReader, AnswersWithJsonIfAskedTo) {
     EXPECT_EQ(answers.lines[2], "ok --jsonx\n");
     EXPECT_EQ(answers.lines[3], "ok --json\n");
     EXPECT_TRUE(answers.lines[4].starts_with(R"({"event":"error","code":"syntax")")) << answers.lines[4];
+}
+
+TEST(CommandReader, AnswersInTheLanguageThatIsAskedFor) {
+    Answers answers;
+    CommandReader reader(
+        [](const std::string& line, const Reply& reply, const Texts& texts) -> Result<void> {
+            if (line == "bad") return fail(Code::not_found, line);
+            reply({"ok " + line + ' ' + texts("app.state.answering") + '\n', file::Json::object()});
+            return {};
+        },
+        english());
+    reader.feed("--lang ru one\n--lang uk bad\n--lang ru --json two\n--lang xx two\ntwo\n", answers.reply());
+    ASSERT_EQ(answers.lines.size(), 5U);
+    EXPECT_EQ(answers.lines[0], "ok one отвечает\n");
+    EXPECT_EQ(answers.lines[1], "error not_found bad: не знайдено\n");
+    EXPECT_EQ(answers.lines[2], "{}\n");
+    EXPECT_EQ(answers.lines[3], "ok two answering\n");
+    EXPECT_EQ(answers.lines[4], "ok two answering\n");
 }
 
 TEST(CommandReader, AnswersALineThatIsTooLongOnce) {
@@ -160,7 +178,7 @@ TEST_F(ControlServerTest, AClientThatHangsUpFreesItsSlotBeforeItsCommandsEnd) {
             SCOPED_TRACE(testing::Message() << half_closes_first << ' ' << commands);
             std::vector<Reply> waiting;
             const auto server =
-                listen([&waiting](const std::string& line, const Reply& reply) -> Result<void> {
+                listen([&waiting](const std::string& line, const Reply& reply, const Texts&) -> Result<void> {
                     if (line == "wait")
                         waiting.push_back(reply);
                     else
@@ -200,7 +218,7 @@ TEST_F(ControlServerTest, ReplacesTheClientThatIsIdleForTheLongestTime) {
 
 TEST_F(ControlServerTest, RefusesAClientWhileAllOthersWaitForAnswers) {
     std::vector<Reply> waiting;
-    const auto server = listen([&](const std::string&, const Reply& reply) {
+    const auto server = listen([&](const std::string&, const Reply& reply, const Texts&) {
         waiting.push_back(reply);
         return Result<void>();
     });
@@ -217,7 +235,7 @@ TEST_F(ControlServerTest, RefusesAClientWhileAllOthersWaitForAnswers) {
 
 TEST_F(ControlServerTest, AnswersAHalfClosedClientAndThenClosesIt) {
     std::vector<Reply> waiting;
-    const auto server = listen([&](const std::string&, const Reply& reply) {
+    const auto server = listen([&](const std::string&, const Reply& reply, const Texts&) {
         waiting.push_back(reply);
         return Result<void>();
     });
@@ -235,8 +253,8 @@ TEST_F(ControlServerTest, AnswersAHalfClosedClientAndThenClosesIt) {
 
 TEST_F(ControlServerTest, AClientThatAsksWithoutPauseTakesABoundedShare) {
     std::vector<Reply> waiting;
-    const auto server = listen([&](const std::string& line, const Reply& reply) {
-        if (line != "get x") return echo(line, reply);
+    const auto server = listen([&](const std::string& line, const Reply& reply, const Texts& texts) {
+        if (line != "get x") return echo(line, reply, texts);
         waiting.push_back(reply);
         return Result<void>();
     });
@@ -260,7 +278,7 @@ TEST_F(ControlServerTest, AClientThatAsksWithoutPauseTakesABoundedShare) {
 
 TEST_F(ControlServerTest, AClientThatReadsNothingIsCutOffAtOnce) {
     const std::string much(32 << 10, 'x');
-    const auto server = listen([&](const std::string&, const Reply& reply) {
+    const auto server = listen([&](const std::string&, const Reply& reply, const Texts&) {
         reply({much + "\n", {}});
         return Result<void>();
     });
@@ -276,7 +294,7 @@ TEST_F(ControlServerTest, AClientThatReadsNothingIsCutOffAtOnce) {
 
 TEST_F(ControlServerTest, AnAnswerAfterTheClientIsGoneIsDropped) {
     Reply late;
-    const auto server = listen([&](const std::string&, const Reply& reply) {
+    const auto server = listen([&](const std::string&, const Reply& reply, const Texts&) {
         late = reply;
         return Result<void>();
     });
@@ -321,10 +339,10 @@ TEST(FaultCommands, SwitchFaultsAndListThoseInForce) {
     const auto execute = fault_commands(
         faults, std::make_shared<ServedDevices>(), [] { return Instant{1s}; }, [&] { quit = true; });
     Answers answers;
-    EXPECT_TRUE(execute("fault add silence", answers.reply()));
-    EXPECT_TRUE(execute("fault add exception=4:10%", answers.reply()));
-    EXPECT_TRUE(execute("fault list", answers.reply()));
-    EXPECT_TRUE(execute("fault clear", answers.reply()));
+    EXPECT_TRUE(execute("fault add silence", answers.reply(), english()));
+    EXPECT_TRUE(execute("fault add exception=4:10%", answers.reply(), english()));
+    EXPECT_TRUE(execute("fault list", answers.reply(), english()));
+    EXPECT_TRUE(execute("fault clear", answers.reply(), english()));
     ASSERT_EQ(answers.lines.size(), 4U);
     EXPECT_EQ(answers.lines[0], "ok silence\n");
     EXPECT_EQ(answers.lines[1], answers.lines[2]);
@@ -332,13 +350,13 @@ TEST(FaultCommands, SwitchFaultsAndListThoseInForce) {
     EXPECT_EQ(answers.lines[3], "ok\n");
     for (const auto* const line :
          {"fault", "fault add", "fault add nonsense", "fault list all", "quit now"}) {
-        const auto done = execute(line, answers.reply());
+        const auto done = execute(line, answers.reply(), english());
         ASSERT_FALSE(done) << line;
         EXPECT_EQ(done.error().code, Code::syntax) << line;
     }
     EXPECT_EQ(answers.lines.size(), 4U);
     EXPECT_FALSE(quit);
-    EXPECT_TRUE(execute("quit", answers.reply()));
+    EXPECT_TRUE(execute("quit", answers.reply(), english()));
     EXPECT_TRUE(quit);
 }
 

@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "support.hpp"
 #include "takt/console/fault_commands.hpp"
 #include "takt/sim/devices.hpp"
 
@@ -12,6 +13,7 @@ namespace takt::console {
 namespace served_devices_test {
 
 using namespace std::chrono_literals;
+using test::english;
 using wire::Area;
 
 model::Variable variable(std::string name, DataType type, Area area, std::uint16_t start) {
@@ -56,7 +58,7 @@ protected:
 
     std::string ask(const std::string& command) {
         std::string answer;
-        const auto done = execute_(command, [&](const Answer& given) { answer = given.line; });
+        const auto done = execute_(command, [&](const Answer& given) { answer = given.line; }, english());
         return done ? answer
                     : std::string(name(done.error().code)) + ' ' + std::string(done.error().subject.view());
     }
@@ -127,8 +129,13 @@ TEST(ServedDevices, WithoutDevicesTheCommandsHaveNoNames) {
     const auto faults = std::make_shared<sim::AnswerFaults>();
     const auto execute =
         fault_commands(faults, std::make_shared<ServedDevices>(), [] { return Instant{1s}; }, [] {});
-    for (const auto* const wrong : {"set a 1", "get a", "fault clear a"})
-        EXPECT_EQ(execute(wrong, [](const Answer&) {}).error().code, Code::syntax) << wrong;
+    EXPECT_EQ(execute("fault clear a", [](const Answer&) {}, english()).error().code, Code::syntax);
+    for (const auto* const wrong : {"set a 1", "get a"}) {
+        std::string answer;
+        EXPECT_TRUE(execute(wrong, [&](const Answer& given) { answer = given.line; }, english()));
+        EXPECT_NE(answer.find("allowed: fault add FAULT, fault clear, fault list, quit"), std::string::npos)
+            << answer;
+    }
 }
 
 }  // namespace served_devices_test

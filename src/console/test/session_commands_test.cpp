@@ -15,7 +15,7 @@ protected:
     SessionCommandsTest()
         : session(rig.open()),
           commands(
-              *session, english(), [this] { quit = true; },
+              *session, [this] { quit = true; },
               [this](const host::SnapshotParts& parts) {
                   return Result<host::Snapshot>(rig.snapshot(parts)->snapshot);
               }) {
@@ -25,7 +25,7 @@ protected:
     /// The answer to a line, after the host has had its time.
     std::string answer(const std::string& line) {
         Answers answers;
-        const auto done = commands.execute(line, answers.reply());
+        const auto done = commands.execute(line, answers.reply(), english());
         if (!done) return std::string(name(done.error().code));
         if (answers.lines.empty()) rig.run(300ms);
         commands.take_outcomes();
@@ -49,9 +49,16 @@ TEST_F(SessionCommandsTest, WritesAndReadsBack) {
 
 TEST_F(SessionCommandsTest, AnswersWhatIsNoVariableOrNoValue) {
     EXPECT_TRUE(answer("get Nothing").starts_with("error not_found "));
+    EXPECT_EQ(answer("get Levl"), "error not_found Levl: no such name, nearest: Level; `list` shows all\n");
+    EXPECT_EQ(answer("write levl 1"),
+              "error not_found levl: no such name, nearest: Level; `list` shows all\n");
+    EXPECT_EQ(
+        answer("statsu"),
+        "error syntax statsu: no such command, nearest: status; allowed: status, list, values [PATTERN], "
+        "get NAME, set NAME VALUE, write NAME VALUE, quit\n");
     EXPECT_TRUE(answer("write Level many").starts_with("error "));
     EXPECT_TRUE(answer("write Level 70000").starts_with("error "));
-    EXPECT_EQ(answer("erase Level"), "syntax");
+    EXPECT_TRUE(answer("erase Level").starts_with("error syntax erase: no such command, allowed: status, "));
 }
 
 TEST_F(SessionCommandsTest, ServiceVariablesCanBeReadOnly) {
@@ -68,15 +75,16 @@ TEST_F(SessionCommandsTest, ServiceVariablesCanBeReadOnly) {
 TEST_F(SessionCommandsTest, AMistypedServiceVariableListsWhatExists) {
     EXPECT_NE(answer("get system").find("system.line.NAME.*"), std::string::npos);
     EXPECT_NE(answer("get sytem.uptime").find("nearest: system.uptime"), std::string::npos);
-    EXPECT_EQ(answer("get pump.speed"), "error not_found pump.speed: not found\n");
+    EXPECT_EQ(answer("get pump.speed"),
+              "error not_found pump.speed: no such name, nearest: Pump speed; `list` shows all\n");
 }
 
 TEST_F(SessionCommandsTest, GivesEachOutcomeToTheOneWhoAsked) {
     Answers first;
     Answers second;
-    ASSERT_TRUE(commands.execute("write Level 1", first.reply()));
-    ASSERT_TRUE(commands.execute("get go", second.reply()));
-    ASSERT_TRUE(commands.execute("get Level", first.reply()));
+    ASSERT_TRUE(commands.execute("write Level 1", first.reply(), english()));
+    ASSERT_TRUE(commands.execute("get go", second.reply(), english()));
+    ASSERT_TRUE(commands.execute("get Level", first.reply(), english()));
     EXPECT_TRUE(first.lines.empty());
     rig.run(500ms);
     commands.take_outcomes();
@@ -102,7 +110,7 @@ TEST_F(SessionCommandsTest, AnswersTheStateOfTheProject) {
 
 TEST_F(SessionCommandsTest, GetHasAnAnswerForPrograms) {
     file::Json data;
-    ASSERT_TRUE(commands.execute("get Level", [&](const Answer& given) { data = given.data; }));
+    ASSERT_TRUE(commands.execute("get Level", [&](const Answer& given) { data = given.data; }, english()));
     rig.run(300ms);
     commands.take_outcomes();
     EXPECT_EQ(*data.find("device"), file::Json("Boiler"));
@@ -114,10 +122,10 @@ TEST_F(SessionCommandsTest, GetHasAnAnswerForPrograms) {
 TEST(SessionCommands, FollowAnotherProject) {
     host::test::Rig rig(kPlant);
     const auto session = rig.open({.events = false});
-    SessionCommands commands(*session, english(), [] {});
+    SessionCommands commands(*session, [] {});
     rig.run(300ms);
     Answers before;
-    ASSERT_TRUE(commands.execute("get Level", before.reply()));
+    ASSERT_TRUE(commands.execute("get Level", before.reply(), english()));
     std::string other = kPlant;
     other.replace(other.find("Level"), 5, "Depth");
     rig.apply(other);
@@ -126,8 +134,8 @@ TEST(SessionCommands, FollowAnotherProject) {
     ASSERT_EQ(before.lines.size(), 1U);
     EXPECT_TRUE(before.lines[0].starts_with("ok Level ")) << before.lines[0];
     Answers after;
-    ASSERT_TRUE(commands.execute("get Level", after.reply()));
-    ASSERT_TRUE(commands.execute("get Depth", after.reply()));
+    ASSERT_TRUE(commands.execute("get Level", after.reply(), english()));
+    ASSERT_TRUE(commands.execute("get Depth", after.reply(), english()));
     rig.run(300ms);
     commands.take_outcomes();
     ASSERT_EQ(after.lines.size(), 2U);

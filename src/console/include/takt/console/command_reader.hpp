@@ -28,14 +28,20 @@ struct Answer {
 using Reply = std::function<void(const Answer&)>;
 
 /// Carries out one line of text.
+/// @param texts  those of the answer
 /// @returns the error of a line that is no command; then `reply` is not called
-using Execute = std::function<Result<void>(const std::string& line, const Reply& reply)>;
+using Execute = std::function<Result<void>(const std::string& line, const Reply& reply, const Texts& texts)>;
 
 [[nodiscard]] Answer error_answer(const Texts& texts, const Error& error);
+/// `text` says more than the error.
+[[nodiscard]] Answer error_answer(const Texts& texts, const Error& error, std::string_view text,
+                                  std::string_view command = {}, std::string_view name = {});
+/// @param usage  the commands, separated by ", "; each begins with its verb
+[[nodiscard]] Answer unknown_command(const Texts& texts, std::string_view word, std::string_view usage);
 [[nodiscard]] Answer quit_answer();
 
 /// Executes lines of text; empty lines are ignored. Errors are answered. The answer to a line that begins
-/// with `--json` is one line of JSON.
+/// with `--json` is one line of JSON. `--lang TAG` before it selects the language of the answer.
 class CommandReader {
 public:
     CommandReader(Execute execute, const Texts& texts) : execute_(std::move(execute)), texts_(texts) {}

@@ -23,7 +23,10 @@ struct ControlCommand {
     std::string value;
 };
 
-/// @returns syntax with the offending word as its subject
+inline constexpr std::string_view kControlUsage =
+    "status, list, values [PATTERN], get NAME, set NAME VALUE, write NAME VALUE, quit";
+
+/// @returns syntax with the line as its subject; not_found (word): no such command
 [[nodiscard]] Result<ControlCommand> parse_control(std::string_view line);
 
 /// Cuts a stream of bytes into lines of at most kMaxLine bytes; a longer one is reported once as too_long and

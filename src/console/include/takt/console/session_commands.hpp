@@ -22,14 +22,13 @@ public:
     /// @param session   outlives it
     /// @param quit      what `quit` does
     /// @param snapshot  empty: of the session
-    SessionCommands(host::Session& session, const Texts& texts, std::function<void()> quit,
-                    TakeSnapshot snapshot = {});
+    SessionCommands(host::Session& session, std::function<void()> quit, TakeSnapshot snapshot = {});
 
     /// The states of the project's outputs, for `status`. Empty: there are none.
     void set_outputs(OutputStates outputs) { outputs_ = std::move(outputs); }
 
     /// @returns the errors of parse_control()
-    [[nodiscard]] Result<void> execute(const std::string& line, const Reply& reply);
+    [[nodiscard]] Result<void> execute(const std::string& line, const Reply& reply, const Texts& texts);
 
     /// Answers the commands that have ended. Must be called when the session has something to read.
     void take_outcomes();
@@ -38,13 +37,13 @@ private:
     struct Waiting {
         Reply reply;
         host::ConfigurationPtr configuration;  // whose indices the outcome has
+        Texts texts;
     };
 
     /// The answer to a command that asks for the state of the project.
-    [[nodiscard]] Result<Answer> state(const ControlCommand& command) const;
+    [[nodiscard]] Result<Answer> state(const ControlCommand& command, const Texts& texts) const;
 
     host::Session& session_;
-    Texts texts_;
     std::function<void()> quit_;
     TakeSnapshot snapshot_;
     OutputStates outputs_;
