@@ -13,6 +13,7 @@
 #include "takt/report/problems.hpp"
 #include "takt/report/state_report.hpp"
 #include "takt/report/text_table.hpp"
+#include "takt/text/escape.hpp"
 
 namespace takt::report {
 namespace {
@@ -24,6 +25,7 @@ constexpr std::size_t kLeastLiveRows = 6;  // of a screen
 constexpr std::size_t kCursorRows = 1;     // of the screen: the cursor is below the display
 constexpr std::size_t kKeyRows = 1;        // the last line
 constexpr std::size_t kHeadingRows = 1;
+constexpr std::size_t kMostLiveProblems = 4;
 
 // ---- lines and devices
 
@@ -123,19 +125,28 @@ std::vector<std::string> header(const Texts& texts, const host::Snapshot& snapsh
     return lines;
 }
 
-/// The worst problems, the others counted.
+/// The worst problems, the others counted; below each what is tried and the next step, while they fit.
+/// @param most  lines
 std::vector<std::string> problem_lines(const Texts& texts, const host::Snapshot& snapshot,
-                                       std::size_t columns) {
+                                       std::size_t columns, std::size_t most) {
+    auto problems = find_problems(texts, snapshot);
+    std::erase_if(problems,
+                  [](const Problem& problem) { return problem.severity == Problem::Severity::note; });
+    const auto shown = std::min({problems.size(), most, kMostLiveProblems});
+    const auto more = shown < problems.size() ? std::size_t{1} : std::size_t{0};
+    std::size_t room = most - std::min(most, shown);
     std::vector<std::string> lines;
-    for (const auto& problem : find_problems(texts, snapshot))
-        if (problem.severity != Problem::Severity::note)
-            lines.push_back(fitted("  " + problem_line(texts, problem_json(problem)), columns));
-    constexpr std::size_t kMost = 4;
-    if (lines.size() > kMost) {
-        const auto left = lines.size() - (kMost - 1);
-        lines.resize(kMost - 1);
-        lines.push_back("  " + texts("problem.more", {{"count", std::to_string(left)}}));
+    for (std::size_t i = 0; i < shown - std::min(shown, more); ++i) {
+        lines.push_back(fitted("  " + problem_line(texts, problem_json(problems[i])), columns));
+        for (const auto* const text : {&problems[i].tried, &problems[i].advice})
+            if (!text->empty() && room > 0) {
+                lines.push_back(fitted("    " + text::escape_line(*text), columns));
+                --room;
+            }
     }
+    if (shown > 0 && more > 0)
+        lines.push_back("  " +
+                        texts("problem.more", {{"count", std::to_string(problems.size() - (shown - more))}}));
     return lines;
 }
 
@@ -208,8 +219,9 @@ std::vector<std::string> live_screen(const Texts& texts, const host::Snapshot& s
     using enum TextTable::Align;
     const std::size_t height = std::max(screen.rows, kLeastLiveRows) - kCursorRows - kKeyRows - kHeadingRows;
     auto lines = header(texts, snapshot, std::max<std::size_t>(height / 2, 1));
-    for (auto& problem : problem_lines(texts, snapshot, screen.columns - 1))
-        if (lines.size() < height / 2) lines.push_back(std::move(problem));
+    const auto most = height / 2 - std::min(height / 2, lines.size());
+    for (auto& problem : problem_lines(texts, snapshot, screen.columns - 1, most))
+        lines.push_back(std::move(problem));
     for (const auto& output : selection.outputs)
         if (lines.size() < height / 2) lines.push_back(fitted(output, screen.columns - 1));
     const auto values = selected_values(snapshot, selection);

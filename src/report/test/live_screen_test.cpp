@@ -111,6 +111,24 @@ TEST(LiveScreen, WhatIsNotGoodIsAtTheTopAndReadable) {
     expect_contains(lines[5], "never read");
 }
 
+TEST(LiveScreen, AProblemHasWhatIsTriedAndTheNextStep) {
+    auto snapshot = healthy();
+    auto& device = snapshot.lines[0].devices[0];
+    device.state = DeviceState::not_answering;
+    device.failure = Reason::timeout;
+    device.back_off = 8s;
+    LiveSelection selection;
+    const auto lines = live_screen(english(), snapshot, selection, {24, 80});
+    expect_contains(lines[2], "error: Котёл: no answer within");
+    expect_contains(lines[3], "    After 3 failed attempts the device is only probed");
+    expect_contains(lines[4], "    Check the unit address");
+    for (const auto& line : lines) EXPECT_LT(display_width(line), 80U) << line;
+    const auto small = live_screen(english(), snapshot, selection, {11, 80});
+    expect_contains(small[2], "error: Котёл: no answer within");
+    expect_contains(small[3], "After 3 failed attempts");
+    expect_contains(small[4], "variable");
+}
+
 TEST(LiveScreen, ARowForEachKindOfValue) {
     auto snapshot = healthy();
     snapshot.values[slot_of("Level").value] = {
