@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "commands/input_files.hpp"
+#include "options/option_error.hpp"
 #include "output.hpp"
 #include "takt/file/json.hpp"
 #include "takt/line/loop.hpp"
@@ -38,8 +39,7 @@ const model::Output* find_output(const Texts& texts, const model::Project& proje
         known += (known.empty() ? "" : ", ") + output.name;
     }
     print_error(known.empty() ? texts("app.replay.none")
-                              : texts("app.option.word",
-                                      {{"option", "--output"}, {"value", name}, {"allowed", known}}));
+                              : option_error_text(texts, word_error("--output", name, known)));
     return nullptr;
 }
 

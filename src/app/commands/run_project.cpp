@@ -18,6 +18,7 @@
 #include "commands/input_files.hpp"
 #include "commands/web_run.hpp"
 #include "log.hpp"
+#include "options/option_error.hpp"
 #include "output.hpp"
 #include "takt/console/capture_log.hpp"
 #include "takt/console/host_console.hpp"
@@ -245,7 +246,7 @@ bool is_device(const Texts& texts, const model::Project& project, const std::str
             if (device.name == name) return true;
             known += (known.empty() ? "" : ", ") + device.name;
         }
-    print_error(texts("app.option.word", {{"option", "--device"}, {"value", name}, {"allowed", known}}));
+    print_error(option_error_text(texts, word_error("--device", name, known)));
     return false;
 }
 

@@ -119,13 +119,12 @@ void put_into_words(CLI::Option& option, const Texts& texts) {
                                                  : in_words(texts, option.get_group()));
 }
 
-/// The option of `command` that is nearest to `text`.
-std::string nearest_option(const CLI::App& command, const std::string& text) {
+OptionError unknown_option_of(const CLI::App& command, const std::string& text) {
     std::vector<std::string> names;
     for (const auto* option : command.get_options())
         for (const auto& name : option->get_lnames()) names.push_back("--" + name);
     const std::vector<std::string_view> candidates(names.begin(), names.end());
-    return std::string(model::nearest(text, candidates));
+    return unknown_option(text, candidates);
 }
 
 /// Of arguments that no command takes: the first unknown option, or all of them.
@@ -137,8 +136,7 @@ OptionError extras_error(const CLI::App& app) {
         return extra.size() > 1 && extra[0] == '-' && !is_digit(extra[1]);
     });
     if (unknown == extras.end()) return {"app.option.extra", {{"value", CLI::detail::join(extras, " ")}}};
-    const auto name = unknown->substr(0, unknown->find('='));
-    return {"app.option.unknown", {{"value", name}, {"nearest", nearest_option(*command, name)}}};
+    return unknown_option_of(*command, unknown->substr(0, unknown->find('=')));
 }
 
 /// An option of `app` or of a chosen command below it that has more values than it takes; nullptr: none.
@@ -213,9 +211,7 @@ Option& Option::range(int least, int greatest) {
 Option& Option::one_of(std::vector<std::string> words) {
     option_->check([option = option_, words = std::move(words)](const std::string& text) -> std::string {
         if (std::ranges::find(words, text) != words.end()) return {};
-        reject(
-            {"app.option.word",
-             {{"option", option->get_name()}, {"value", text}, {"allowed", CLI::detail::join(words, ", ")}}});
+        reject(word_error(option->get_name(), text, CLI::detail::join(words, ", ")));
     });
     return *this;
 }

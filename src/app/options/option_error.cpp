@@ -1,7 +1,12 @@
 #include "options/option_error.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <vector>
+
+#include "takt/model/fields.hpp"
+#include "takt/model/nearest.hpp"
+#include "takt/model/synonyms.hpp"
 
 namespace takt::app {
 namespace {
@@ -58,6 +63,39 @@ OptionError option_error(std::string_view words) {
         return error;
     }
     return {"app.option.other", {{"words", std::string(words)}}};
+}
+
+OptionError word_error(std::string_view option, std::string_view value, std::string_view allowed) {
+    std::vector<std::string_view> words;
+    for (auto rest = allowed; !rest.empty();) {
+        const auto comma = std::min(rest.find(", "), rest.size());
+        words.push_back(rest.substr(0, comma));
+        rest.remove_prefix(std::min(comma + 2, rest.size()));
+    }
+    const auto key = option.substr(std::min(option.find_first_not_of('-'), option.size()));
+    auto nearest = model::value_synonym(key, words, value);
+    if (nearest.empty()) {
+        nearest = model::nearest(value, words);
+        if (model::is_unlike(value, nearest)) nearest = {};
+    }
+    const bool meant = !value.empty() && !nearest.empty();
+    OptionError error{
+        meant ? "app.option.word.nearest" : "app.option.word",
+        {{"option", std::string(option)}, {"value", std::string(value)}, {"allowed", std::string(allowed)}}};
+    if (meant) error.arguments.emplace_back("nearest", nearest);
+    return error;
+}
+
+OptionError unknown_option(const std::string& name, std::span<const std::string_view> options) {
+    const auto nearest = model::nearest(name, options);
+    if (!model::is_unlike(name, nearest))
+        return {"app.option.unknown", {{"value", name}, {"nearest", std::string(nearest)}}};
+    auto key = name.substr(std::min(name.find_first_not_of('-'), name.size()));
+    std::ranges::replace(key, '-', '_');
+    const bool known = std::ranges::any_of(
+        model::kObjects, [&](model::Object object) { return model::find_field(object, key) != nullptr; });
+    if (known) return {"app.option.unknown.key", {{"value", name}, {"key", key}}};
+    return {"app.option.unknown.unlike", {{"value", name}}};
 }
 
 OptionError target_error(std::string_view option, std::string_view url, const Error& why) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -22,6 +23,14 @@ struct OptionError {
 /// The error that CLI11 describes in English. Names and values are taken from its words.
 /// Words that are not known become "app.option.other".
 [[nodiscard]] OptionError option_error(std::string_view words);
+
+/// The value is none of the allowed words, which are separated by ", ". The nearest one is named if there is
+/// one.
+[[nodiscard]] OptionError word_error(std::string_view option, std::string_view value,
+                                     std::string_view allowed);
+
+/// A command has no such option. The nearest one is named, or the key of the project file.
+[[nodiscard]] OptionError unknown_option(const std::string& name, std::span<const std::string_view> options);
 
 /// The error of a URL that line::parse_target() or the parsers of module discover do not accept.
 /// @param option  the name of the option or argument

@@ -11,7 +11,7 @@
 namespace takt::app {
 
 void reject_word(const std::string& option, const std::string& value, const std::string& allowed) {
-    reject({"app.option.word", {{"option", option}, {"value", value}, {"allowed", allowed}}});
+    reject(word_error(option, value, allowed));
 }
 
 void check_target(const std::string& option, const std::string& url) {

@@ -418,12 +418,12 @@ TEST(Options, WhatIsRejectedAndWhy) {
         {"run p.yaml --table p.takt", "app.option.excludes", "FILE"},
         {"run p.yaml --port /dev/ttyS1", "app.option.requires", "--port"},
         {"scan", "app.option.required", "TARGET"},
-        {"probe tcp://h --area holding,", "app.option.word", "--area"},
+        {"probe tcp://h --area holding,", "app.option.word.nearest", "--area"},
         {"probe tcp://h --step 0", "app.option.range", "--step"},
         {"probe tcp://h --max-requests 1000001", "app.option.range", "--max-requests"},
         {"table build p.yaml", "app.option.required", "--output"},
         {"table build p.yaml -o t --profile generic", "app.option.word", "--profile"},
-        {"convert t.csv --encoding utf-16", "app.option.word", "--encoding"},
+        {"convert t.csv --encoding utf-16", "app.option.word.nearest", "--encoding"},
         {"convert t.csv --unit 256", "app.option.range", "--unit"},
         {"convert t.csv --separator space", "app.option.word", "--separator"},
         {"serve --range holding:9..5", "app.option.form.items", "--range"},
@@ -461,6 +461,27 @@ TEST(Options, ArgumentsThatNoCommandTakesAreNamed) {
     EXPECT_EQ(parse("run p.yaml --forr 3s").error, unknown("--forr", "--for"));
     EXPECT_EQ(parse("run p.yaml --forr=3s").error, unknown("--forr", "--for"));
     EXPECT_EQ(parse("table build p.yaml --outptu t -o t").error, unknown("--outptu", "--output"));
+    EXPECT_EQ(parse("plan p.yaml --strategy clasic").error,
+              (OptionError{"app.option.unknown.key", {{"value", "--strategy"}, {"key", "strategy"}}}));
+    EXPECT_EQ(parse("plan p.yaml --xyzzy").error,
+              (OptionError{"app.option.unknown.unlike", {{"value", "--xyzzy"}}}));
+}
+
+TEST(Options, TheNearestWordIsNamed) {
+    const auto nearest = [](const std::string& line) {
+        const auto error = parse(line).error;
+        if (!error || error->code != "app.option.word.nearest") return std::string();
+        return error->arguments.back().second;
+    };
+    EXPECT_EQ(nearest("read tcp://h holding 0 --type float32"), "float");
+    EXPECT_EQ(nearest("read tcp://h holding 0 --type u16"), "uint16");
+    EXPECT_EQ(nearest("write tcp://h holding 0 1 --type flaot"), "float");
+    EXPECT_EQ(nearest("read tcp://h registers 0"), "") << "no word is near";
+    EXPECT_EQ(nearest("read tcp://h holdng 0"), "holding");
+    EXPECT_EQ(nearest("read tcp://h coil 0"), "coils");
+    EXPECT_EQ(nearest("write tcp://h coli 0 1"), "coils");
+    EXPECT_EQ(nearest("read tcp://h 1 0"), "");
+    EXPECT_EQ(nearest("table build p.yaml -o t --profile owen"), "owen-kc1");
 }
 
 TEST(Options, AnOptionOfOneValueIsGivenOnce) {
