@@ -125,6 +125,12 @@ private:
                 .functions = has("read") && has("write")};
     }
 
+    // Without its address a device would get that of another table, or the next free one.
+    [[nodiscard]] bool is_device_address(const Column& column) const {
+        return column.kept && (column.key.text == "register" || column.key.text == kUnitAddressColumn) &&
+               lists_devices();
+    }
+
     // Returns nothing, after a report, if a cell of the row has no column. Of columns with equal names only
     // the first one counts.
     std::optional<Node> mapping(const Row& row) {
@@ -134,7 +140,12 @@ private:
         std::optional<Node::Entry> notes;
         for (std::size_t i = 0; i < row.cells.size(); ++i) {
             const auto& cell = row.cells[i];
-            if (cell.text.empty()) continue;
+            if (cell.text.empty()) {
+                if (i < columns_.size() && is_device_address(columns_[i]))
+                    reporter_.error("file.csv.no_address", source_.location(cell.offset),
+                                    {.value = columns_[i].heading});
+                continue;
+            }
             if (i >= columns_.size() || columns_[i].key.text.empty()) {
                 const auto* code =
                     i >= columns_.size() ? "file.csv.too_many_cells" : "file.csv.no_column_name";
@@ -253,8 +264,11 @@ private:
     // The cells under a misspelt heading are read under the likely name. Those under another unknown heading
     // become comments.
     void take_unknown(Column& column, const Cell& cell) {
-        if (!unknown_is_error_ && is_device_setting(read_heading(cell.text).key))
-            return reporter_.warning("file.csv.column_of_device", column.key.location, {.value = cell.text});
+        if (!unknown_is_error_ && is_device_setting(read_heading(cell.text).key)) {
+            if (!lists_devices())  // else the whole table is refused
+                reporter_.warning("file.csv.column_of_device", column.key.location, {.value = cell.text});
+            return;
+        }
         const auto likely = likely_heading(cell.text);
         const bool misspelt = likely.typing_mistake && is_column(likely.key, options_) && !has(likely.key);
         const auto* const code = unknown_is_error_ ? "file.csv.unknown_column"

@@ -178,6 +178,7 @@ private:
         constexpr std::string_view kCandidates = "\t;\x1f,";
         for (const char separator : kCandidates) {
             if (separator_ != 0 && separator != separator_ && separator != kNoSeparator) continue;
+            if (separator != kNoSeparator && !line_at(at).contains(separator)) continue;
             auto line = read_field(at, separator);
             if (line && !key_of(line->row.cells[0]).empty()) return line;
         }
@@ -219,14 +220,15 @@ private:
                (headings.filled > 2 || headings.name_and_type);
     }
 
-    // Whether another part begins in the middle of the rows of a table.
-    [[nodiscard]] bool part_begins(std::size_t at, char separator) const {
+    // Whether another part begins in the middle of the rows of a table. A window without the name of its
+    // device is told from rows by their cells.
+    [[nodiscard]] bool part_begins(std::size_t at, char separator, std::size_t columns) const {
         const auto line = line_at(at);
         const auto [tree, rest] = split_tree(line);
         if (tree && (rest.empty() || device_line(rest))) return true;
         if (device_line(line)) {
             const auto next = filled_from(behind_line(at));
-            return !line.contains(separator) && next < text_.size() && part_begins(next, separator);
+            return !line.contains(separator) && next < text_.size() && part_begins(next, separator, columns);
         }
         if (key_of({.offset = at, .text = std::string(line.substr(0, line.find_first_of(";\t:,")))}).empty())
             return false;
@@ -235,7 +237,9 @@ private:
         Divider here(source_, separator_, reporter_);
         here.at_ = at;
         const auto field = read_known_field(at);
-        return field && key_of(field->row.cells[0]) == "name" && here.take_window();
+        constexpr std::size_t kFieldCells = 2;
+        return field && (key_of(field->row.cells[0]) == "name" || columns > kFieldCells) &&
+               here.take_window();
     }
 
     // The lines that are drawn before a device of a tree: box drawing characters, U+2500 to U+257F.
@@ -390,7 +394,8 @@ private:
         Part table{.separator = separator, .names = *std::move(header), .begin = rows.offset()};
         Reporter unheard;
         RowReader body(source_, table.begin, separator, unheard);
-        while (body.offset() < text_.size() && !part_begins(body.offset(), separator)) body.next();
+        const auto columns = headings_at(at_).filled;
+        while (body.offset() < text_.size() && !part_begins(body.offset(), separator, columns)) body.next();
         table.end = at_ = body.offset();
         parts_.push_back(std::move(table));
         in_tree_ = false;

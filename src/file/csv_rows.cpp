@@ -7,9 +7,24 @@
 #include <utility>
 
 namespace takt::file {
+namespace {
+
+// Spreadsheets and web pages put spaces that do not break around a cell, and into an empty one.
+std::string_view without_hard_spaces(std::string_view text) {
+    constexpr std::string_view kHardSpace = "\u00A0";
+    while (text.starts_with(kHardSpace)) text.remove_prefix(kHardSpace.size());
+    while (text.ends_with(kHardSpace)) text.remove_suffix(kHardSpace.size());
+    return text;
+}
+
+}  // namespace
 
 bool Row::empty() const {
-    return std::ranges::all_of(cells, [](const Cell& cell) { return cell.text.empty(); });
+    // A line of separators is empty, whichever one the table has.
+    return std::ranges::all_of(cells, [](const Cell& cell) {
+        return cell.text.empty() ||
+               (!cell.quoted && cell.text.find_first_not_of(";,\t ") == std::string::npos);
+    });
 }
 
 RowReader::RowReader(const Source& source, std::size_t begin, char separator, Reporter& reporter)
@@ -56,7 +71,7 @@ Cell RowReader::cell(Row& row) {
     Cell cell{at_, {}, take('"')};
     if (cell.quoted) cell.text = quoted(row, cell.offset);
     const auto plain = text_.substr(at_, end_of_plain() - at_);
-    const auto trimmed = plain.substr(0, plain.find_last_not_of(blank_) + 1);
+    const auto trimmed = without_hard_spaces(plain.substr(0, plain.find_last_not_of(blank_) + 1));
     if (!cell.quoted) {
         cell.text = trimmed;
     } else if (!trimmed.empty()) {

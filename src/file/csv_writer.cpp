@@ -100,6 +100,10 @@ bool functions_give_area(const Node& row) {
 
 std::vector<std::string_view> columns_of(const std::vector<Node>& rows, const TableFormat& format) {
     const auto ide = ide_columns(format.kind);
+    const auto unknown_area = [](const Node& row) {
+        return has_value(row, "register") && !has_value(row, "area") && !has_value(row, "read") &&
+               !has_value(row, "write");
+    };
     const bool unaddressed = format.kind == TableKind::served || format.kind == TableKind::list;
     const auto used = [&](std::string_view key) {
         return std::ranges::any_of(rows, [&](const Node& row) { return has_value(row, key); });
@@ -110,6 +114,13 @@ std::vector<std::string_view> columns_of(const std::vector<Node>& rows, const Ta
     for (const auto key : kDeviceSettings)
         if (used(key)) columns.push_back(key);
     columns.insert(columns.end(), ide.begin(), ide.end());
+    // Below columns of both functions empty cells say that the variable has no traffic.
+    if (format.headings != Headings::ide && std::ranges::any_of(rows, unknown_area))
+        for (const std::string_view key : {"read", "write"})
+            if (!used(key)) {
+                std::erase(columns, key);
+                break;
+            }
     if (format.headings == Headings::ide && std::ranges::any_of(rows, is_double_word))
         columns.push_back(kRegistersColumn);
     // With use but without functions a list would be the table of a server.

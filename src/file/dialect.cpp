@@ -49,6 +49,10 @@ bool may_be_dashed(Kind kind) {
     }
 }
 
+bool is_numeric(Kind kind) {
+    return kind == Kind::integer || kind == Kind::duration || kind == Kind::number || kind == Kind::reference;
+}
+
 // Joins the lines of a cell: spreadsheets allow line breaks in a comment, a project file does not.
 std::string in_one_line(std::string_view text) {
     std::string line;
@@ -294,6 +298,7 @@ bool settle_cell(const Column& column, Node& cell, bool decimal_comma) {
     }
     if (field == nullptr) return true;
     if (may_be_dashed(field->kind) && field->key != "type" && means_nothing(cell.text)) return false;
+    if (is_numeric(field->kind)) replace_text(cell, ungrouped_word(cell.text));
     switch (field->kind) {
         case Kind::integer: replace_text(cell, address_word(cell.text, column.hexadecimal)); break;
         case Kind::duration: replace_text(cell, duration_word(cell.text, column.unit, decimal_comma)); break;

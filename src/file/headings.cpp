@@ -29,7 +29,7 @@ struct Entry {
 // clang-format off
 constexpr Entry kEntries[] = {
     {"name", "Variable name", "Имя переменной", "Ім'я змінної",
-     "Variable|Tag|Tag name|Parameter|Имя|Переменная|Название|Название переменной|Наименование|"
+     "Variable|Var|Tag|Tag name|Parameter|Имя|Переменная|Название|Название переменной|Наименование|"
      "Наименование переменной|Параметр|Ім'я|Змінна|Назва|Назва змінної|Найменування"},
     {"type", "Variable type", "Тип переменной", "Тип змінної", "Data type|Тип|Тип данных|Тип даних"},
     {"read", "Read function", "Функция чтения", "Функція читання",

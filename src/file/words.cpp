@@ -426,4 +426,26 @@ std::optional<std::string> number_word(std::string_view text) {
     return number;
 }
 
+std::optional<std::string> ungrouped_word(std::string_view text) {
+    constexpr std::array<std::string_view, 4> kBlanks{" ", "\u00A0", "\u202F", "\u2009"};
+    constexpr std::size_t kGroup = 3;
+    std::size_t at = text.starts_with('-') ? 1 : 0;
+    const auto digits_at = [&](std::size_t from) {
+        return std::min(text.find_first_not_of("0123456789", from), text.size()) -
+               std::min(from, text.size());
+    };
+    if (const auto first = digits_at(at); first == 0 || first > kGroup) return std::nullopt;
+    at += digits_at(at);
+    std::string word(text.substr(0, at));
+    for (;;) {
+        const auto* const blank = std::ranges::find_if(
+            kBlanks, [&](std::string_view its) { return text.substr(at).starts_with(its); });
+        if (blank == kBlanks.end() || digits_at(at + blank->size()) != kGroup) break;
+        word += text.substr(at + blank->size(), kGroup);
+        at += blank->size() + kGroup;
+    }
+    if (word.size() == at) return std::nullopt;
+    return word.append(text.substr(at));
+}
+
 }  // namespace takt::file

@@ -53,4 +53,7 @@ std::optional<std::string> duration_word(std::string_view text, std::string_view
 /// `1,5`: `1.5`.
 std::optional<std::string> number_word(std::string_view text);
 
+/// `1 000 ms`: `1000 ms`. The blanks between groups of three digits may be those that do not break.
+std::optional<std::string> ungrouped_word(std::string_view text);
+
 }  // namespace takt::file

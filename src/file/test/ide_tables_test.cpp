@@ -223,5 +223,99 @@ TEST(IdeTables, AreWrittenInTheSameWords) {
     EXPECT_EQ(written(kList, TableKind::list), as_typed(kList));
 }
 
+/// Its tables may have the settings of devices.
+Loaded plant_of(const std::vector<Titled>& tables) {
+    std::vector<std::pair<std::string, std::string>> texts;
+    std::vector<std::string> titles;
+    for (const auto& [title, table] : tables) {
+        texts.emplace_back(title + ".csv", table);
+        titles.push_back(title);
+    }
+    return project_of_tables(load_tables_text(texts, {.devices = true}), kAround, titles);
+}
+
+constexpr std::string_view kWindow =
+    "Имя;Устройство\nАдрес;16\nПериод опроса, мс;100\nТаймаут ответа, мс;100\nКол-во попыток;3\n"
+    "Протокол;Modbus RTU\n";
+constexpr std::string_view kShort = "Имя переменной;Тип переменной;Адрес регистра\nA;Целочисленное;5\n";
+
+TEST(IdeTables, AWindowAsVariablesIsOneError) {
+    const std::string project =
+        "takt: 1\nlines: [{name: L, port: p, devices: [{name: D, address: 1, variables: w.csv}]}]\n";
+    const auto loaded = load_text(
+        "p.yaml", project, [](const std::string&) -> Result<std::string> { return std::string(kWindow); });
+    ASSERT_EQ(loaded.findings.size(), 1U);
+    EXPECT_EQ(loaded.findings[0].code, "file.table_of_devices");
+}
+
+TEST(IdeTables, ADeviceWithAnEmptyAddressIsAnError) {
+    const auto of = [](std::string_view window) {
+        return errors_of(plant_of({{"window", window}, {"list", kShort}}));
+    };
+    EXPECT_EQ(of(kWindow), Findings{});
+    EXPECT_EQ(of("Имя;Устройство\nАдрес;\nПериод опроса, мс;100\n"), Findings{"file.csv.no_address Адрес"});
+    EXPECT_EQ(of("Имя;Адрес;Таймаут ответа, мс\nD;;100\n"), Findings{"file.csv.no_address Адрес"});
+    EXPECT_EQ(of("Имя;Таймаут ответа, мс\nD;100\n"), Findings{}) << "without a cell the next one is taken";
+}
+
+// They are settings of a device that the table does not belong to.
+TEST(IdeTables, AWindowBelowATableIsNoVariable) {
+    const auto of = [](const std::string& text) { return errors_of(plant_of({{"t", text}})); };
+    const std::string table(kShort);
+    EXPECT_EQ(of(table + std::string(kWindow)), Findings{"file.csv.several_tables Имя"});
+    EXPECT_EQ(of(table + "Адрес;16\nПериод опроса, мс;100\n"), Findings{"file.csv.several_tables Адрес"});
+    EXPECT_EQ(of(table + "\nТаймаут ответа, мс;100\nКол-во попыток;3\n"),
+              Findings{"file.csv.several_tables Таймаут ответа, мс"});
+    EXPECT_EQ(of(table + "Период;Целочисленное;6\nСтатус;Целочисленное;7\n"), Findings{}) << "variables";
+}
+
+TEST(IdeTables, LinesOfEmptyCellsAreSkipped) {
+    const auto devices = [](const std::string& text) {
+        const auto loaded = plant_of({{"t", text}});
+        EXPECT_EQ(errors_of(loaded), Findings{}) << text;
+        std::string names;
+        const auto checked = model::interpret(loaded.document);
+        for (const auto& device : checked.project.lines.at(0).devices) {
+            names += device.name + ':';
+            for (const auto& variable : device.variables) names += ' ' + variable.name;
+        }
+        return names;
+    };
+    for (const std::string empty :
+         {";;\n", ";\n", ",,\n", "\t\t\n", "\u00A0;\u00A0\n", "\"\";\n", " ; ; \n"}) {
+        EXPECT_EQ(devices("Имя;Адрес;Таймаут ответа, мс\nD;5;100\n" + empty + empty), "D:") << empty;
+        EXPECT_EQ(devices(std::string(kShort) + empty + "B;Целочисленное;6\n" + empty), "t: A B") << empty;
+    }
+    EXPECT_EQ(devices("name,type,read,register\nA,int16,3,5\n;;\n"), "t: A");
+}
+
+TEST(IdeTables, NumbersMayHaveBlanksBetweenTheirDigits) {
+    const auto loaded = plant_of({{"t",
+                                   "Var;Type;Read;Register;Period, ms;Scale\nA;int16;3;1 000;10 000;0,1\n"
+                                   "B;int16;3;1\u00A0001;1\u202F000 ms;1 000,5\n"}});
+    EXPECT_EQ(locations_and_codes(loaded), Findings{});
+    const auto checked = model::interpret(loaded.document);
+    const auto& variables = checked.project.lines.at(0).devices.at(0).variables;
+    ASSERT_EQ(variables.size(), 2U);
+    EXPECT_EQ(variables[0].name, "A");
+    EXPECT_EQ(variables[0].register_number, 1000);
+    EXPECT_EQ(variables[1].register_number, 1001);
+    EXPECT_EQ(variables[0].period, std::chrono::seconds(10));
+    EXPECT_EQ(variables[1].period, std::chrono::seconds(1));
+    const auto wrong = plant_of({{"t", "name;type;read;register\nA;int16;3;1 00\n"}});
+    EXPECT_FALSE(model::interpret(wrong.document).findings.empty());
+}
+
+// A row without functions in a table with one of them has no traffic only beside the other one.
+TEST(IdeTables, ARowWithoutAreaIsWrittenAsItWasRead) {
+    const auto loaded = load_table_text(
+        "t.csv", "name;type;register;area;write\nA;float;0;0x04;\nB;float;1;;\nC;uint16;2;0x03;0x10\n", {});
+    EXPECT_EQ(locations_and_codes(loaded), Findings{});
+    const auto written = write_table(loaded.document.root.items, {});
+    const auto again = load_table_text("again.csv", written.bytes, {});
+    ASSERT_EQ(again.document.root.items.size(), 3U);
+    EXPECT_EQ(again.document.root.items[1].find("area"), nullptr);
+}
+
 }  // namespace ide_tables_test
 }  // namespace takt::file
