@@ -96,9 +96,11 @@ TEST(OutputsReport, AnOutputThatFallsBehindNamesItsWindowAndARemedy) {
     made.behind_per_s = 640;
     made.remedies = "array,in_flight";
     made.mqtt = publish::MqttStatus{.window = 20, .round_trip = std::chrono::microseconds(100'300)};
-    EXPECT_TRUE(output_text(english(), made, 0)
-                    .starts_with("output cloud: falls behind: 640 samples/s waiting, window 20 × 100 ms, at "
-                                 "mqtts://broker.example:8883, 100 samples delivered, 25 waiting"));
+    EXPECT_TRUE(
+        output_text(english(), made, 0)
+            .starts_with(
+                "output cloud: falls behind: 640 more samples wait each second, window 20 × 100 ms, at "
+                "mqtts://broker.example:8883, 100 samples delivered, 25 waiting"));
     const auto json = output_json(english(), made, 0);
     EXPECT_JSON(*json.find("state"), "falls_behind");
     EXPECT_JSON(*json.find("falls_behind")->find("samples_per_s"), 640U);
@@ -109,8 +111,8 @@ TEST(OutputsReport, AnOutputThatFallsBehindNamesItsWindowAndARemedy) {
     add_outputs(english(), answer, std::span(&made, 1), 0);
     EXPECT_JSON(*answer.find("health"), "degraded");
     const auto text = problems_text(english(), *answer.find("problems"));
-    for (const auto* part : {"falls behind: 640 samples/s waiting, window 20 × 100 ms", "`backlog: array`",
-                             "`max_inflight_messages`", "journal"})
+    for (const auto* part : {"falls behind: 640 more samples wait each second, window 20 × 100 ms",
+                             "`backlog: array`", "`max_inflight_messages`", "journal"})
         expect_contains(text, part);
 }
 
