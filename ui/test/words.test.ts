@@ -58,3 +58,34 @@ test('units in texts of the program are those of the language', async () => {
     'отвечает в среднем за 12.6 мс, цикл 1 с; turnaround: 4ms; 5 sensors',
   );
 });
+
+test('a late or surplus response is one row with its bytes', async () => {
+  const { put } = await import('../src/views/traffic/frames');
+  const { frameWords } = await import('../src/views/traffic/words');
+  const rows: Parameters<typeof put>[0] = [];
+  const incident = (which: Frame['incident'], after_ms?: number): Frame => ({
+    t: 0,
+    line: 'bus',
+    unit: 1,
+    words: '',
+    ...(which && { incident: which }),
+    ...(after_ms !== undefined && { after_ms }),
+  });
+  put(rows, frame('first'));
+  put(rows, incident('late_response', 230));
+  put(rows, { ...frame('second'), raw: '01 03' });
+  put(rows, incident('surplus_response'));
+  put(rows, { ...incident('surplus_response'), unit: 2 });
+  put(rows, incident('no_response', 500));
+  assert.deepEqual(
+    rows.map((its) => [its.incident, its.direction]),
+    [
+      ['late_response', 'rx'],
+      ['surplus_response', 'rx'],
+      ['surplus_response', undefined],
+      ['no_response', undefined],
+    ],
+  );
+  assert.equal(rows[1]?.raw, '01 03');
+  assert.match(rows[0] ? frameWords(rows[0]) : '', /^Опоздал на 230/);
+});

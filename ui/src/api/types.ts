@@ -96,6 +96,8 @@ export interface DeviceStatus {
   address: number;
   state: 'unknown' | 'answering' | 'not_answering' | 'switched_off' | 'link_down';
   cause?: string;
+  /** It answers again and again, and most of its requests fail. */
+  fails_often?: boolean;
   /** The end of the back-off, after the time of the status. */
   back_off: { next_probe_ms: number; pause_ms: number } | null;
   values: Record<Quality, number>;

@@ -248,17 +248,21 @@ test('the frames can be paused, filtered and downloaded', async () => {
   assert.equal(bytes.readUInt32LE(0), 0x0a0d0d0a, 'pcapng');
 });
 
-/** Unit 7 is silent, unit 8 has register 0 only. */
+/** Unit 7 is silent, unit 8 has register 0 only, unit 9 answers as unit 1. */
 function answer(request) {
-  const [unit, code, start] = [request[6], request[7], request.readUInt16BE(8)];
-  if (unit === 7) return Buffer.alloc(0);
+  const [asked, code, start] = [request[6], request[7], request.readUInt16BE(8)];
+  if (asked === 7) return Buffer.alloc(0);
+  const unit = asked === 9 ? 1 : asked;
   const body = start === 0 ? [unit, code, 2, 0, 42] : [unit, code + 128, 2];
   return Buffer.from([request[0], request[1], 0, 0, 0, body.length, ...body]);
 }
 
 test('a response that does not come is a red row, and a device with findings is not green', async (t) => {
   const silent = createServer((socket) => {
-    socket.on('data', (request) => socket.write(answer(request)));
+    // Unit 10 answers after its time-out.
+    socket.on('data', (request) =>
+      setTimeout(() => socket.write(answer(request)), request[6] === 10 ? 300 : 0),
+    );
     socket.on('error', () => {});
   }).listen(0, '127.0.0.1');
   await once(silent, 'listening');
@@ -284,6 +288,16 @@ lines:
         variables:
           - {name: B, type: uint16, register: 0, read: 0x03}
           - {name: C, type: int16, register: 500, read: 0x03, default: -1}
+      - name: Wrong
+        address: 9
+        poll_period: 100ms
+        response_timeout: 50ms
+        variables: [{name: D, type: uint16, register: 0, read: 0x03}]
+      - name: Late
+        address: 10
+        poll_period: 100ms
+        response_timeout: 150ms
+        variables: [{name: E, type: uint16, register: 0, read: 0x03}]
 `,
     ),
   );
@@ -293,14 +307,22 @@ lines:
   const row = page.locator('[role="row"]', { hasText: /No response within 200 ms/ }).first();
   await row.locator('.bad').waitFor();
   assert.match(await row.textContent(), /Mute/);
+  // A response of another unit, and one that is late, are one red row each, with its bytes.
+  for (const words of [/Surplus response/, /Late by [\d.]+ m?s/]) {
+    const response = page.locator('[role="row"]', { hasText: words }).first();
+    await response.locator('.bad').waitFor();
+    assert.match(await response.locator('code').first().textContent(), /^[\dA-F]{2} [\dA-F ]+$/);
+  }
   // One state in each view.
   await page.locator('nav a[href="#/devices"]').click();
   const device = page.locator('[role="row"]', { hasText: 'Half' });
   await device.getByText('answering, with findings').waitFor();
   assert.equal(await device.locator('.dot.warn').count(), 1);
+  await page.locator('[role="row"]', { hasText: 'Wrong' }).getByText('answers do not fit').waitFor();
   await page.locator('nav a[href="#/overview"]').click();
   await page.locator('.overview .states', { hasText: 'answering, with findings: 1' }).waitFor();
   await page.getByRole('link', { name: 'Half: answering, with findings' }).waitFor();
+  await page.getByText('Wrong: a response of unit 1 came, unit 9 was asked').first().waitFor();
   // A variable that was never read has no value: its default is none.
   await page.locator('nav a[href="#/live"]').click();
   const value = (name) => page.getByRole('row', { name: new RegExp(`^Half ${name} `) }).locator('.value');

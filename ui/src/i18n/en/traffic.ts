@@ -109,7 +109,7 @@ export const traffic = {
   values: (n: number) => `${of(n, 'value')}:`,
   incidents: {
     no_response: (time: string) => `No response within ${time}`,
-    late_response: () => 'Late response to an earlier request',
+    late_response: (time: string) => `Late by ${time}: response to an earlier request`,
     surplus_response: () => 'Surplus response: no request asked for it',
     connected: () => 'Connected',
     disconnected: () => 'Disconnected',

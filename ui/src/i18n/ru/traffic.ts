@@ -108,7 +108,7 @@ export const traffic: Translated<typeof source> = {
   values: (n: number) => `значений ${n}:`,
   incidents: {
     no_response: (time: string) => `Нет ответа в течение ${time}`,
-    late_response: () => 'Опоздавший ответ на прежний запрос',
+    late_response: (time: string) => `Опоздал на ${time}: ответ на прежний запрос`,
     surplus_response: () => 'Лишний ответ: его никто не запрашивал',
     connected: () => 'Соединение установлено',
     disconnected: () => 'Соединение потеряно',

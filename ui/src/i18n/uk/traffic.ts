@@ -108,7 +108,7 @@ export const traffic: Translated<typeof source> = {
   values: (n: number) => `значень ${n}:`,
   incidents: {
     no_response: (time: string) => `Немає відповіді протягом ${time}`,
-    late_response: () => 'Запізніла відповідь на попередній запит',
+    late_response: (time: string) => `Запізнення ${time}: відповідь на попередній запит`,
     surplus_response: () => 'Зайва відповідь: її ніхто не запитував',
     connected: () => 'З’єднання встановлено',
     disconnected: () => 'З’єднання втрачено',

@@ -35,6 +35,7 @@ const found = computed(
 export function deviceState(line: string, device: DeviceStatus): { tone: Tone; text: string } {
   const troubled =
     device.values.bad + device.values.uncertain > 0 || found.value.has(`${line}/${device.name}`);
-  if (device.state === 'answering' && troubled) return { tone: 'warn', text: t.value.state.troubled };
+  if (device.fails_often || (device.state === 'answering' && troubled))
+    return { tone: 'warn', text: t.value.state.troubled };
   return { tone: TONES[device.state], text: stateText(device) };
 }

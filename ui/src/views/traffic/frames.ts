@@ -29,13 +29,35 @@ function show(): void {
   waiting = [];
 }
 
+const NAMES_THE_FRAME_BEFORE = ['late_response', 'surplus_response'];
+
+/** The frame that a late or surplus response is: the program names it behind the frame. */
+function isNamed(frame: Frame, incident: Frame): boolean {
+  return (
+    NAMES_THE_FRAME_BEFORE.includes(incident.incident ?? '') &&
+    frame.direction === 'rx' &&
+    frame.incident === undefined &&
+    frame.line === incident.line &&
+    frame.unit === incident.unit &&
+    frame.t === incident.t
+  );
+}
+
+/** Adds a row; a late or surplus response is one row. */
+export function put(rows: NumberedFrame[], frame: Frame): void {
+  const before = rows.at(-1);
+  if (before && isNamed(before, frame)) rows[rows.length - 1] = { ...before, ...frame };
+  else rows.push({ ...frame, number: ++last });
+}
+
 /** The table follows five times a second; a paused one keeps what it shows, and the newest frames. */
 export function openFrames(): Stream {
   return openStream(
     'traffic',
     {
       frames: (its: Frame[]) => {
-        waiting = [...waiting, ...its.map((frame) => ({ ...frame, number: ++last }))].slice(-MOST_FRAMES);
+        for (const frame of its) put(waiting, frame);
+        waiting = waiting.slice(-MOST_FRAMES);
         if (!timer) timer = window.setTimeout(show, 200);
       },
       missed: (its: { count: number }) => {
