@@ -175,8 +175,9 @@ public:
     Node project() {
         check_addresses();
         std::vector<NamedVariables> named;
-        for (auto& device : devices_) named.push_back({text_of(device.settings, "name"), &device.variables});
-        qualify_names(named, reporter_);
+        for (auto& [settings, variables, line] : devices_)
+            named.push_back({text_of(settings, "name"), text_of(settings, "address"), &variables});
+        qualify_names(std::move(named), surroundings_.names, reporter_);
         auto root = collection(Node::Kind::mapping);
         set(root, "takt", scalar("1"));
         if (!devices_.empty() || !serves_) add_lines(root);

@@ -25,19 +25,26 @@ void name_devices(std::vector<Node>& rows, const std::string& base) {
             set(row, kDeviceColumn, scalar(base + ' ' + cell->text, cell->location));
 }
 
-void qualify_names(const std::vector<NamedVariables>& devices, Reporter& reporter) {
-    std::map<std::string, std::pair<std::size_t, bool>>
-        owners;  // the first device, and whether others follow
-    for (std::size_t i = 0; i < devices.size(); ++i)
+void qualify_names(std::vector<NamedVariables> devices, const std::set<std::string>& taken,
+                   Reporter& reporter) {
+    // The first device, and whether others follow. The names that are taken are those of another one.
+    std::map<std::string, std::pair<std::size_t, bool>> owners;
+    for (const auto& name : taken) owners.try_emplace(name, devices.size(), false);
+    std::map<std::string, std::size_t> namesakes;
+    for (std::size_t i = 0; i < devices.size(); ++i) {
+        ++namesakes[devices[i].device];
         for (const auto& row : devices[i].variables->items) {
             const auto [at, added] = owners.try_emplace(text_of(row, "name"), i, false);
             if (!added && at->second.first != i) at->second.second = true;
         }
+    }
+    for (auto& its : devices)
+        if (namesakes[its.device] > 1) its.device += ' ' + its.address;
     owners.erase("");
     std::size_t count = 0;
     const Node* first = nullptr;
     std::string changed;
-    for (const auto& [device, variables] : devices)
+    for (const auto& [device, address, variables] : devices)
         for (auto& row : variables->items)
             for (auto& [key, cell] : row.entries) {
                 if (key.text != "name") continue;

@@ -107,6 +107,19 @@ TEST(IdeTables, TheShortListIsADevice) {
     EXPECT_EQ(variables[3].read, wire::Function::read_coils);
 }
 
+TEST(IdeTables, NewDevicesHaveOneName) {
+    const std::string window = "Имя;Устройство\nАдрес;";
+    const std::string list = "\n\nИмя;Тип;Адрес регистра\nTemperature;Целочисленное;1\n\n";
+    const auto windows = window + "16" + list + window + "17" + list;
+    const auto loaded = project_of({{"Устройства", windows}});
+    EXPECT_EQ(errors_of(loaded), Findings{});
+    const auto checked = model::interpret(loaded.document);
+    const auto& devices = checked.project.lines.at(0).devices;
+    ASSERT_EQ(devices.size(), 2U);
+    EXPECT_EQ(devices[0].variables.at(0).name, "Устройство 16.Temperature");
+    EXPECT_EQ(devices[1].variables.at(0).name, "Устройство 17.Temperature");
+}
+
 TEST(IdeTables, MayStandInAProject) {
     const std::string project =
         "takt: 1\nlocals: standard.csv\nlines: [{name: L, port: /dev/ttyS0, devices: [{name: D, address: 1, "

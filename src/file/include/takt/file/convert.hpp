@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,7 @@ struct Surroundings {
     std::vector<std::pair<std::string, std::string>> device;  ///< `name` and `address` among them
     /// connection_keys() of each text in kTargetColumn that is a target.
     std::map<std::string, std::vector<std::pair<std::string, std::string>>, std::less<>> connections = {};
+    std::set<std::string> names = {};  ///< of variables of other devices in the project
 };
 
 /// The keys of a line of its connection, with their texts as in a project file: transport and
