@@ -1,10 +1,14 @@
 #include "import_table.hpp"
 
+#include <algorithm>
 #include <array>
+#include <iterator>
+#include <utility>
 
 #include "takt/file/convert.hpp"
 #include "takt/file/load.hpp"
 #include "takt/file/table.hpp"
+#include "takt/model/findings.hpp"
 #include "takt/report/findings_report.hpp"
 
 namespace takt::web {
@@ -28,6 +32,54 @@ Json rows_json(const model::Node& rows, file::TableKind kind) {
     return Json(std::move(all));
 }
 
+std::string text_of(const Json& object, std::string_view key, std::string otherwise) {
+    const auto* const value = object.find(key);
+    const auto* const text = value == nullptr ? nullptr : std::get_if<std::string>(&value->value());
+    return text == nullptr ? otherwise : *text;
+}
+
+/// What the pasted rows get from the project that they are for.
+file::Surroundings surroundings_of(const Json& body) {
+    const auto transport = text_of(body, "transport", "serial");
+    file::Surroundings around{{{"name", "line"}, {"transport", transport}}, {{"address", "1"}}};
+    if (transport != "simulated") around.line.emplace_back(transport == "serial" ? "port" : "host", "-");
+    const auto* const names = body.find("names");
+    const auto* const list = names == nullptr ? nullptr : std::get_if<Json::Array>(&names->value());
+    if (list == nullptr) return around;
+    for (const auto& its : *list)
+        if (const auto* const name = std::get_if<std::string>(&its.value())) around.names.insert(*name);
+    return around;
+}
+
+/// The devices of the one line; nullptr: there are none, or several lines.
+const model::Node* devices_of(const model::Node& project) {
+    const auto* const lines = project.find("lines");
+    return lines == nullptr || lines->items.size() != 1 ? nullptr : lines->items.front().find("devices");
+}
+
+/// The rows with the names that their variables get in a project. Rows that name their devices become these.
+void take_names(file::LoadedTables::Table& table, const model::Node& devices) {
+    const auto variables_of = [](model::Node& row) {
+        const auto is_it = [](const auto& entry) { return entry.key.text == "variables"; };
+        const auto found = std::ranges::find_if(row.entries, is_it);
+        return found == row.entries.end() ? nullptr : &found->value;
+    };
+    using Kind = file::TableKind;
+    if (table.kind == Kind::devices) {
+        for (std::size_t i = 0; i < std::min(table.rows.items.size(), devices.items.size()); ++i)
+            if (auto* const list = variables_of(table.rows.items[i]))
+                *list = *devices.items[i].find("variables");
+    } else if (table.kind == Kind::variables || table.kind == Kind::list) {
+        const bool placed = std::ranges::any_of(table.rows.items, [](const auto& row) {
+            return row.find(file::kDeviceColumn) != nullptr || row.find(file::kUnitAddressColumn) != nullptr;
+        });
+        if (placed)
+            table = {devices, Kind::devices};
+        else if (devices.items.size() == 1)
+            table.rows = *devices.items.front().find("variables");
+    }
+}
+
 }  // namespace
 
 ApiResponse import_table(const ApiRequest& request) {
@@ -37,15 +89,28 @@ ApiResponse import_table(const ApiRequest& request) {
     if (text == nullptr)
         return ApiResponse::error(400, "malformed",
                                   request.texts("web.project.malformed", {{"subject", "text"}}));
-    const auto read = file::load_tables_text({{request.texts("web.import.name"), *text}},
-                                             {.addresses = file::Addresses::automatic, .devices = true});
-    const auto& table = read.tables.front();
+    auto read = file::load_tables_text({{request.texts("web.import.name"), *text}},
+                                       {.addresses = file::Addresses::automatic, .devices = true});
+    auto table = read.tables.front();
+    auto project =
+        file::project_of_tables(std::move(read), surroundings_of(*body), {text_of(*body, "device", "-")});
+    if (project.readable)
+        if (const auto* const devices = devices_of(project.document.root)) take_names(table, *devices);
+    const auto profile = text_of(*body, "profile", "");
+    if (!profile.empty())
+        project.document.root.entries.push_back({{.kind = model::Node::Kind::scalar, .text = "profile"},
+                                                 {.kind = model::Node::Kind::scalar, .text = profile}});
+    auto findings = std::move(project.findings);
+    if (project.readable)
+        std::ranges::move(model::interpret(project.document).findings, std::back_inserter(findings));
+    // What is not in the table is in the project that the rows are for.
+    std::erase_if(findings, [](const auto& its) { return its.location.file == 0; });
+    std::ranges::stable_sort(findings, {}, [](const auto& its) { return its.location.line; });
     auto object = Json::object();
     object.set("kind", kKinds[static_cast<std::size_t>(table.kind)]);
     object.set("rows", rows_json(table.rows, table.kind));
-    object.set("findings",
-               report::findings_json(request.texts, read.loaded.document.files, read.loaded.findings));
-    return ApiResponse::json(object, read.loaded.readable ? 200 : 422);
+    object.set("findings", report::findings_json(request.texts, project.document.files, findings));
+    return ApiResponse::json(object, project.readable ? 200 : 422);
 }
 
 }  // namespace takt::web

@@ -5,7 +5,9 @@
 
 namespace takt::web {
 
-/// POST /import: {"text"} to {"kind", "rows": [{key: text}], "findings"}.
+/// POST /import: {"text"} to {"kind", "rows": [{key: text}], "findings"}. The findings and the names of the
+/// variables are those of `takt convert`. "profile", "transport", "device" and "names" describe the project
+/// that the rows are for (docs/openapi.json).
 [[nodiscard]] ApiResponse import_table(const ApiRequest& request);
 
 }  // namespace takt::web

@@ -459,6 +459,48 @@ TEST_F(ProjectApiTest, GivesFieldsSchemaAndImportedRows) {
     EXPECT_NE(text_at(both, {"rows"}).find(R"("variables":[{"name":"A","type":"int16")"), std::string::npos);
 }
 
+TEST_F(ProjectApiTest, PastedRowsAreCheckedAsInAProject) {
+    auto pasted = Json::object();
+    const auto answer = [&](const std::string& text) {
+        pasted.set("text", text);
+        return Json::parse(call(Method::post, "/import", pasted).body).value();
+    };
+    const auto wrong = answer("Имя;Устройство\nАдрес;abc\n\nИмя;Тип;Адрес регистра\nA;Целочисленное;1\n");
+    EXPECT_NE(
+        text_at(wrong, {"findings"}).find(R"("line":2,"column":7,"path":"lines[0].devices[0].address")"),
+        std::string::npos);
+    const std::string list = "\n\nИмя;Тип;Адрес регистра\nA;Целочисленное;1\n\n";
+    const auto two = text_at(answer("Имя;P\nАдрес;1" + list + "Имя;Q\nАдрес;250" + list), {});
+    EXPECT_NE(two.find("\"name\":\"P.A\""), std::string::npos) << two;
+    EXPECT_NE(two.find("\"name\":\"Q.A\""), std::string::npos) << two;
+    EXPECT_NE(two.find("names_qualified"), std::string::npos) << two;
+    EXPECT_NE(two.find("1..247"), std::string::npos) << two;
+    // The line and the names of the project that the rows are for.
+    pasted.set("transport", "tcp");
+    pasted.set("device", "Boiler");
+    auto names = Json::array();
+    names.push_back("A");
+    pasted.set("names", names);
+    const auto one = text_at(answer("Имя;Тип;Адрес регистра\nA;Целочисленное;1\n"), {});
+    EXPECT_NE(one.find("\"name\":\"Boiler.A\""), std::string::npos) << one;
+    const auto far = text_at(answer("Имя;P\nАдрес;250\nПротокол;Modbus TCP\n"), {});
+    EXPECT_EQ(far.find("\"severity\":\"error\""), std::string::npos) << far;
+    // A column of devices.
+    const auto flat = answer("device,unit_address,name,type,register,read\nP,1,V,int,0,3\nQ,2,W,int,0,3\n");
+    EXPECT_EQ(text_at(flat, {"kind"}), "devices");
+    EXPECT_NE(text_at(flat, {"rows"}).find("\"address\":\"2\""), std::string::npos);
+    // Sources of a server are elsewhere in the project.
+    const auto served = text_at(answer("Имя переменной;Тип переменной;Адрес регистра;Использование в проекте;"
+                                       "Комментарий\nV;Целочисленное;513;Да;\n"),
+                                {});
+    EXPECT_EQ(served.find("\"severity\":\"error\""), std::string::npos) << served;
+    const auto locals =
+        text_at(answer("Имя переменной;Тип переменной;Энергонезависимость;Значение по умолчанию;"
+                       "Использование в проекте\nr1;Целочисленное;☑;1;Да\n"),
+                {});
+    EXPECT_EQ(locals.find("\"severity\":\"error\""), std::string::npos) << locals;
+}
+
 TEST_F(ProjectApiTest, TwoBrowsersDoNotOverwriteEachOther) {
     const auto loaded = project();
     std::array<int, 2> status{};
