@@ -7,6 +7,8 @@ export function Dialog(props: {
   title: string;
   accept?: string;
   acceptDisabled?: boolean;
+  /** Why it cannot be accepted; empty: it can. */
+  refusal?: string;
   /** Enter accepts at once. */
   focusAccept?: boolean;
   onAccept?: () => void;
@@ -15,12 +17,16 @@ export function Dialog(props: {
 }) {
   const element = useRef<HTMLDialogElement>(null);
   useEffect(() => {
-    element.current?.showModal();
+    const dialog = element.current;
+    dialog?.showModal();
+    // An element that is only removed does not give the focus back.
+    return () => dialog?.close();
   }, []);
+  const disabled = props.acceptDisabled || Boolean(props.refusal);
   const button = useRef<HTMLButtonElement>(null);
   useEffect(() => {
-    if (props.focusAccept && !props.acceptDisabled) button.current?.focus();
-  }, [props.acceptDisabled]);
+    if (props.focusAccept && !disabled) button.current?.focus();
+  }, [disabled]);
   return (
     <dialog
       class="sheet"
@@ -35,17 +41,24 @@ export function Dialog(props: {
         method="dialog"
         onSubmit={(event) => {
           event.preventDefault();
-          if (!props.acceptDisabled) props.onAccept?.();
+          if (!disabled) props.onAccept?.();
         }}
       >
         <header>{props.title}</header>
         <div class="content">{props.children}</div>
         <footer>
+          {props.refusal && <span class="muted small refusal">{props.refusal}</span>}
           <button type="button" class="button" onClick={props.onClose}>
             {props.onAccept ? t.value.shell.cancel : t.value.shell.close}
           </button>
           {props.onAccept && (
-            <button ref={button} type="submit" class="button primary" disabled={props.acceptDisabled}>
+            <button
+              ref={button}
+              type="submit"
+              class="button primary"
+              disabled={disabled}
+              title={props.refusal}
+            >
               {props.accept ?? t.value.shell.ok}
             </button>
           )}

@@ -468,6 +468,55 @@ test('the window of a device is pasted as the IDE shows it', async () => {
   assert.doesNotMatch(saved, /protocol|Device 1/);
 });
 
+const pasteInto = (grid, text) =>
+  grid.evaluate((element, pasted) => {
+    const data = new DataTransfer();
+    data.setData('text/plain', pasted);
+    element.focus();
+    element.dispatchEvent(new ClipboardEvent('paste', { clipboardData: data, bubbles: true }));
+  }, text);
+
+test('a paste says what is wrong, what it renames and what it replaces', async () => {
+  plant = await startWith(SMALL);
+  const page = await open();
+  await page.getByRole('treeitem', { name: /^Old, 1/ }).click();
+  await page.getByRole('tab', { name: /^Variables/ }).click();
+  const grid = page.getByRole('grid', { name: 'Variables' });
+  await grid.getByText('Old value').first().click();
+  const window = (name, address) =>
+    `Имя;${name}\nАдрес;${address}\nПериод опроса, мс;100\n\n` +
+    `Имя переменной;Тип;Адрес регистра\nLevel;float;5\nOld value;int;9\n\n`;
+  await pasteInto(grid, window('Tank', 'abc'));
+  const dialog = page.getByRole('dialog');
+  const take = dialog.getByRole('button', { name: 'Take over' });
+  await dialog.locator('.error', { hasText: /^Line 2, Address: .*abc.* 1\.\.247/ }).waitFor();
+  assert.ok(await take.isDisabled());
+  await dialog.locator('footer', { hasText: 'Correct the errors in the table first.' }).waitFor();
+  // Escape leaves everything as it was, with the focus at the cell.
+  await page.keyboard.press('Escape');
+  await dialog.waitFor({ state: 'detached' });
+  assert.ok(await grid.evaluate((its) => its === document.activeElement));
+  assert.equal(await grid.locator('[role="row"].selected').count(), 1);
+
+  await pasteInto(grid, window('Tank', 1) + window('Pump', 2));
+  await dialog.locator('.warning', { hasText: /^Replaces the device Old, 1: 1 variable$/ }).waitFor();
+  await dialog.locator('.warning', { hasText: 'for example Tank.Level' }).waitFor();
+  await dialog.locator('td', { hasText: 'Pump.Old value' }).waitFor();
+  await dialog.locator('td', { hasText: 'Holding registers' }).first().waitFor();
+  await take.click();
+  await dialog.waitFor({ state: 'detached' });
+  await page.getByRole('treeitem', { name: 'Pump, 2' }).click();
+  // A later paste meets the names that other devices have.
+  await pasteInto(grid, 'Имя переменной;Тип;Адрес регистра\nTank.Level;int;20\nPump.Level;int;21\n');
+  await dialog.locator('td', { hasText: 'Pump.Tank.Level' }).waitFor();
+  await dialog.getByText('Replaces 1 row: Pump.Level').waitFor();
+  await take.click();
+  await dialog.waitFor({ state: 'detached' });
+  await save(page);
+  for (const name of ['Tank.Level', 'Pump.Level', 'Tank.Old value', 'Pump.Old value', 'Pump.Tank.Level'])
+    assert.ok(text().includes(`{name: ${name}, `), text());
+});
+
 test('Ctrl+S and Enter save in each view, and what was saved can be undone', async () => {
   plant = await startWith(SMALL);
   const page = await open('#/project');

@@ -76,6 +76,13 @@ export function setList(path: Path, list: Mapping[], label: string): void {
   setNodes([{ path, value: list }], label);
 }
 
+/** The names of the variables and locals except those of some devices. */
+export function namesWithout(devices: (Mapping | undefined)[]): Set<string> {
+  const names = takenNames();
+  for (const its of devices) for (const name of namesIn(listAt(its, ['variables']))) names.delete(name);
+  return names;
+}
+
 /** The names of all variables and locals: they are unique in the project. */
 export function takenNames(): Set<string> {
   const document = draft.peek();

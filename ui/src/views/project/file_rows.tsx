@@ -7,11 +7,11 @@ import { toast, toastError } from '../../shell/toasts';
 import { mayEdit } from '../../store/info';
 import { fileParts, takeOver } from '../../store/project';
 import { Grid } from '../../widgets/grid';
-import { durationText, typeClass } from './cells';
+import { typeClass } from './cells';
 import { COLUMNS, type TableObject } from './columns';
-import { keyText, wordText } from './rules';
+import { keyText } from './rules';
 import { lightVariable, lit } from './selection';
-import { wordType } from './words';
+import { wordsOf } from './words';
 
 /** The rows that come from a file for a key of the draft. */
 export const filePart = (path: Path): FilePart | undefined =>
@@ -51,12 +51,6 @@ export function FromFile({ path, note }: { path: string; note: string }) {
   );
 }
 
-function cellText(kind: string, text: string): string {
-  if (kind === 'duration') return durationText(text);
-  if (kind === 'type') return wordType(text);
-  return kind === 'word' ? wordText(text) : text;
-}
-
 export function FileRows({ part, object, label }: { part: FilePart; object: TableObject; label: string }) {
   const columns = COLUMNS[object].filter((its) => part.rows.some((row) => row[its.key] !== undefined));
   return (
@@ -71,7 +65,7 @@ export function FileRows({ part, object, label }: { part: FilePart; object: Tabl
           ...(its.right && { align: 'right' as const }),
           cell: (row: Record<string, string>) => (
             <span class={`text ${its.key === 'name' || its.key === 'type' ? typeClass(row.type) : ''}`}>
-              {cellText(its.kind, row[its.key] ?? '')}
+              {wordsOf(its.kind, row[its.key] ?? '')}
             </span>
           ),
         }))}

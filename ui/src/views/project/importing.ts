@@ -175,6 +175,12 @@ export function itemOf(row: ImportedRow, object: TableObject): Mapping {
   return item;
 }
 
+/** The items of a list that an import overwrites or removes. */
+export function replacedBy(list: Mapping[], items: Mapping[], replace: boolean, key: string): Mapping[] {
+  const fresh = new Set(items.map((its) => its[key]));
+  return list.filter((its) => replace || fresh.has(its[key]));
+}
+
 /**
  * The list with the imported items: rows with the same name are overwritten, or all are replaced.
  * @param key  of what is the same: every new device of an IDE has the same name

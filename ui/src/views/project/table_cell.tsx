@@ -4,10 +4,10 @@ import { at, formatPath, textAt } from '../../store/document';
 import { draft, findingsByPath } from '../../store/project';
 import { cellText, durationText, isYes, plainType, typeClass } from './cells';
 import type { TableColumn } from './columns';
-import { keyText, wordText } from './rules';
+import { keyText } from './rules';
 import type { TableState } from './table_state';
 import { markOf } from './tree';
-import { functionChoice, functionText, wordType } from './words';
+import { functionChoice, wordsOf } from './words';
 
 function shownText(state: TableState, column: TableColumn, index: number): { text: string; usual?: boolean } {
   const row = state.list[index]!;
@@ -19,14 +19,11 @@ function shownText(state: TableState, column: TableColumn, index: number): { tex
     }
     return { text: '' };
   }
-  if (column.kind === 'type') return { text: wordType(text) };
-  if (column.kind === 'function') return { text: functionText(text) };
-  if (column.kind === 'word') return { text: wordText(text) };
   if (column.kind === 'source')
     return {
       text: text.replace(/^(variable|local): /, (_, kind: string) => (kind === 'local' ? '◇ ' : '← ')),
     };
-  return { text };
+  return { text: wordsOf(column.kind, text) };
 }
 
 export function CellView(props: { state: TableState; column: TableColumn; row: number; index: number }) {
