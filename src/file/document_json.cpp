@@ -31,7 +31,6 @@ private:
 
     bool read(const Json& json, const Node* original, Object object, Node& node) {
         if (left_-- == 0 || depth_ > kMaxDepth) return refuse(Code::too_long);
-        if (original != nullptr) node.location = original->location;
         if (const auto* const items = std::get_if<Json::Array>(&json.value()))
             return read_list(*items, original, object, node);
         if (const auto* const entries = std::get_if<Json::Object>(&json.value()))
@@ -58,7 +57,6 @@ private:
             const auto size = path_.size();
             path_ += '[' + std::to_string(i) + ']';
             auto& item = node.items.emplace_back();
-            item.location = node.location;
             if (!read(items[i], origin_of(items[i], i, original), object, item)) return false;
             path_.resize(size);
         }
@@ -92,8 +90,7 @@ private:
             const auto* const before = original == nullptr || original->kind != Node::Kind::mapping
                                            ? nullptr
                                            : find_near(*original, key, i);
-            Node::Entry entry{.key = {.kind = Node::Kind::scalar, .location = node.location, .text = key}};
-            entry.value.location = node.location;
+            Node::Entry entry{.key = {.kind = Node::Kind::scalar, .text = key}};
             if (!read(value, before, object_behind(object, key), entry.value)) return false;
             node.entries.push_back(std::move(entry));
             path_.resize(size);

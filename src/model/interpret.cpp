@@ -4,6 +4,7 @@
 #include "interpretation.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <tuple>
 #include <utility>
 
@@ -46,7 +47,7 @@ void interpret_locals(Interpretation& state, Reader& reader) {
 void interpret_lines(Interpretation& state, Reader& reader) {
     const Node* const list = reader.list("lines");
     if (list == nullptr) return;
-    if (list->items.empty()) reader.report(Rule::lines_none, "lines");
+    if (list->items.empty()) reader.report(Rule::lines_none, "lines", {}, {{"file", state.describe({{}, ""})}});
     for (std::size_t i = 0; i < list->items.size(); ++i) {
         const auto& item = list->items[i];
         const auto path = indexed("lines", i);
@@ -187,15 +188,42 @@ void interpret_project(Interpretation& state) {
     if (!state.findings.any_error()) note_overlaps(state);  // a wrong register counts as 0
 }
 
+// "Line, Boiler, Level": the names of the items on a path, or their addresses.
+std::string names_along(const Node& root, std::string_view path) {
+    std::string names;
+    const Node* node = &root;
+    while (node != nullptr) {
+        const auto open = path.find('[');
+        if (open == std::string_view::npos) break;
+        const auto* const list = node->find(path.substr(0, open));
+        std::size_t index = 0;
+        const auto [end, error] = std::from_chars(path.data() + open + 1, path.data() + path.size(), index);
+        if (list == nullptr || error != std::errc{} || index >= list->items.size()) break;
+        node = &list->items[index];
+        path.remove_prefix(std::min(path.size(), static_cast<std::size_t>(end - path.data()) + 2));  // "]."
+        const auto* const name = node->find(node->find("name") != nullptr ? "name" : "address");
+        if (name != nullptr) names += (names.empty() ? "" : ", ") + name->text;
+    }
+    return names;
+}
+
 }  // namespace
 
 bool Checked::has_errors() const {
     return std::ranges::any_of(findings, [](const Finding& f) { return f.severity == Severity::error; });
 }
 
-std::string Interpretation::describe(const SourceLocation& location) const {
-    const auto file = location.file < document.files.size() ? document.files[location.file] : std::string();
-    return location.line == 0 ? file : file + ":" + std::to_string(location.line);
+Interpretation::FirstUse::FirstUse(const Reader& reader, std::string_view key)
+    : FirstUse(reader.value(key)->location, reader.path_of(key)) {}
+
+Interpretation::FirstUse::FirstUse(const SourceLocation& where, const std::string& field)
+    : location(where), path(where.line == 0 ? field : std::string()) {}
+
+std::string Interpretation::describe(const FirstUse& first) const {
+    if (auto text = names_along(document.root, first.path); !text.empty()) return text;
+    const auto& [file, line, column] = first.location;
+    const auto name = file < document.files.size() ? document.files[file] : std::string();
+    return line == 0 ? name : name + ":" + std::to_string(line);
 }
 
 bool is_mapping(Interpretation& state, const Node& item, const std::string& path) {
@@ -204,11 +232,10 @@ bool is_mapping(Interpretation& state, const Node& item, const std::string& path
     return false;
 }
 
-std::string read_name(Interpretation& state, Reader& reader,
-                      std::unordered_map<std::string, SourceLocation>& taken) {
+std::string read_name(Interpretation& state, Reader& reader, Interpretation::FirstUses& taken) {
     auto name = reader.text("name");
     if (!name) return {};
-    const auto [first, is_new] = taken.try_emplace(*name, reader.value("name")->location);
+    const auto [first, is_new] = taken.try_emplace(*name, reader, "name");
     if (&taken == &state.names && is_service_name(*name)) reader.report(Rule::name_reserved, "name");
     if (!is_new) reader.report(Rule::name_duplicate, "name", {}, {{"first", state.describe(first->second)}});
     return *std::move(name);

@@ -25,21 +25,28 @@ struct Interpretation {
     Context context;
     Findings findings;
     Project project;
-    std::unordered_map<std::string, SourceLocation>
-        names;  ///< of variables and locals, where they were first given
-    std::unordered_map<std::string, SourceLocation> line_names;
-    std::unordered_map<std::string, SourceLocation> output_names;
-    std::unordered_map<std::string, SourceLocation> ports;  ///< serial ports
+    /// A field that another one may repeat.
+    struct FirstUse {
+        FirstUse(const Reader& reader, std::string_view key);
+        FirstUse(const SourceLocation& where, const std::string& field);
+        SourceLocation location;
+        std::string path;  ///< empty where the location is known
+    };
+    using FirstUses = std::unordered_map<std::string, FirstUse>;
+    FirstUses names;  ///< of variables and locals
+    FirstUses line_names;
+    FirstUses output_names;
+    FirstUses ports;  ///< serial ports
     /// Where a server listens; `address`: nothing for all of them.
     struct Listener {
         std::optional<IpAddress> address;
         std::uint16_t tcp_port = 0;
-        SourceLocation location;
+        FirstUse use;
     };
     std::vector<Listener> listeners;
-    std::unordered_map<unsigned, SourceLocation> addresses;  ///< of the line that is being read
-    std::unordered_map<std::string, LocalIndex> locals;      ///< that the project declares
-    std::unordered_map<std::string, LocalIndex> services;    ///< service variables that the project uses
+    std::unordered_map<unsigned, FirstUse> addresses;      ///< of the line that is being read
+    std::unordered_map<std::string, LocalIndex> locals;    ///< that the project declares
+    std::unordered_map<std::string, LocalIndex> services;  ///< service variables that the project uses
     /// A service variable of a line or device that may follow in the file.
     struct UsedService {
         std::string name;
@@ -69,13 +76,12 @@ struct Interpretation {
     };
     LikeReferences like_references;
 
-    /// "boiler.yaml:12", for messages that refer to another location.
-    [[nodiscard]] std::string describe(const SourceLocation& location) const;
+    /// "boiler.yaml:12", or "Line, Boiler" in a document without lines: for messages about two fields.
+    [[nodiscard]] std::string describe(const FirstUse& first) const;
 };
 
 /// The name of an object. Reports a duplicate with `rule`. Empty if invalid or missing.
-std::string read_name(Interpretation& state, Reader& reader,
-                      std::unordered_map<std::string, SourceLocation>& taken);
+std::string read_name(Interpretation& state, Reader& reader, Interpretation::FirstUses& taken);
 
 /// The order of bytes that an object states: by two switches, by `byte_order`, or by both if they agree.
 /// @param inherited  of what is not stated

@@ -93,7 +93,7 @@ void register_port(Interpretation& state, Reader& reader, const std::string& por
     constexpr std::string_view kKey = "port";
     if (port.empty()) return;
     if (all_digits(port)) return report_port_number(reader, port);
-    const auto [first, is_new] = state.ports.try_emplace(port, reader.value(kKey)->location);
+    const auto [first, is_new] = state.ports.try_emplace(port, reader, kKey);
     if (!is_new) reader.report(Rule::line_port_twice, kKey, {}, {{"first", state.describe(first->second)}});
 }
 

@@ -30,13 +30,12 @@ void note_listener(Interpretation& state, Reader& reader, const Server& server) 
     const auto address = parse_ip(server.port);
     if (!address && server.port != "*") return;
     const std::string_view key = reader.given("tcp_port") ? "tcp_port" : "listen";
-    const Interpretation::Listener listener{address, server.tcp_port, reader.value(key)->location};
+    const Interpretation::Listener listener{address, server.tcp_port, {reader, key}};
     const auto first = std::ranges::find_if(
         state.listeners, [&](const Interpretation::Listener& other) { return collide(listener, other); });
     if (first != state.listeners.end())
-        reader.report(
-            Rule::server_listen_twice, key, {},
-            {{"first", state.describe(first->location)}, {"port", std::to_string(server.tcp_port)}});
+        reader.report(Rule::server_listen_twice, key, {},
+                      {{"first", state.describe(first->use)}, {"port", std::to_string(server.tcp_port)}});
     else
         state.listeners.push_back(listener);
 }

@@ -81,7 +81,7 @@ void check_limits(Interpretation& state, const ServerUnit& unit, const std::stri
             state.findings.add(Rule::limits_contradictory, limits.location, path,
                                std::to_string(limits.least) + ".." + std::to_string(limits.greatest), {},
                                {{"register", std::to_string(both.front().first)},
-                                {"first", state.describe(first.location)}});
+                                {"first", state.describe({first.location, path})}});
             break;
         }
     }

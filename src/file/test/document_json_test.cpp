@@ -24,21 +24,21 @@ TEST(DocumentJson, HasRawTextsAndTheIndexOfItems) {
               R"("$from":0}],"x":["1","a"],"$from":0}]})");
 }
 
-TEST(DocumentJson, ComesBackWithItsLocations) {
+TEST(DocumentJson, ComesBackWithItsQuotes) {
     const auto root = root_of(kText);
     auto again = document_of(document_json(root), &root);
     ASSERT_TRUE(again);
     EXPECT_TRUE(same_document(*again, root));
     without_origins(*again);
     const auto* const name = again->find("lines")->items[0].find("name");
-    EXPECT_EQ(outline(*name), "\"l\"@3:11");
-    // New nodes are where they are added; a changed text has the location of the old one, not its quotes.
+    EXPECT_EQ(outline(*name), "\"l\"@0:0");  // a draft has no lines
+    // A changed text has no quotes.
     const auto changed = document_of(
         Json::parse(R"({"lines":[{"$from":0,"name":"m","devices":[{"name":"e","address":7,"used":true}]}]})")
             .value(),
         &root);
-    EXPECT_EQ(outline(*changed->find("lines")->items[0].find("name")), "m@3:11");
-    EXPECT_EQ(outline(*changed->find("lines")->items[0].find("devices")->items[0].find("address")), "7@5:7");
+    EXPECT_EQ(outline(*changed->find("lines")->items[0].find("name")), "m@0:0");
+    EXPECT_EQ(outline(*changed->find("lines")->items[0].find("devices")->items[0].find("address")), "7@0:0");
     EXPECT_EQ(changed->find("lines")->items[0].find("devices")->items[0].find("used")->text, "true");
 }
 

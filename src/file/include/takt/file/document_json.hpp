@@ -19,8 +19,8 @@ namespace takt::file {
 
 /// The document of such an object. Booleans and numbers become their texts. kOriginKey stays an entry of its
 /// mapping; without_origins() removes it.
-/// @param original  the root of the file. A node that comes from it has its location, and its quotes while
-///                  the text is the same; other nodes have the location of what they are in. nullptr: none
+/// The nodes have no locations: their lines are those of a file that is not written yet.
+/// @param original  the root of the file. A text that comes from it unchanged has its quotes. nullptr: none
 /// @returns malformed (subject: the path), too_long (subject: the path; beyond the limits of files)
 [[nodiscard]] Result<model::Node> document_of(const Json& json, const model::Node* original);
 
