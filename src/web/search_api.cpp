@@ -13,6 +13,7 @@
 #include "takt/discover/number_list.hpp"
 #include "takt/line/target.hpp"
 #include "takt/model/target_url.hpp"
+#include "takt/os/connections.hpp"
 
 namespace takt::web {
 namespace {
@@ -132,6 +133,16 @@ ApiResponse started(const Result<std::uint64_t>& id, const DeviceSearch& search,
                     const ApiRequest& request) {
     if (!id) return ApiResponse::error(409, "busy", request.texts("web.search.busy"));
     return state_response(search, host, request);
+}
+
+/// What a scan can begin with on this computer, as targets.
+ApiResponse targets_response(const ApiRequest&) {
+    auto targets = file::Json::array();
+    for (const auto& port : os::serial_ports()) targets.push_back("rtu://" + port);
+    for (const auto& hosts : os::host_ranges()) targets.push_back("tcp://" + hosts);
+    auto object = file::Json::object();
+    object.set("targets", std::move(targets));
+    return ApiResponse::json(object);
 }
 
 /// A line of the project that a search goes through.
@@ -275,6 +286,7 @@ std::vector<ApiRoute> search_routes(DeviceSearch& search, const HostAccess& host
     return {
         {get, "/search", false,
          [&](const ApiRequest& request) { return state_response(search, host, request); }},
+        {get, "/search/targets", false, targets_response},
         {post, "/search/scan", true,
          [&](const ApiRequest& request) { return scan_response(search, host, request); }},
         {post, "/search/probe", true,

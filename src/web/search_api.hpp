@@ -1,4 +1,5 @@
-// GET /search, POST /search/scan, /search/probe, /search/cancel: finding devices from the page.
+// GET /search, GET /search/targets, and POST /search/scan, /search/probe, /search/cancel: finding devices
+// from the page.
 #pragma once
 
 #include <vector>
