@@ -74,7 +74,9 @@ def test_a_new_project_is_created_once(tmp_path):
     path = tmp_path / "plant.yaml"
     assert f"takt run --new {path}" in takt("run", path, code=2).err
     takt("run", "--new", path, "--for", "100ms")
-    assert takt("check", path, "--json").json["findings"][0]["code"] == "lines.none"
+    empty = takt("check", path, "--json").json["findings"][0]
+    assert empty["code"] == "lines.none"
+    assert f"`takt run {path} --web 127.0.0.1:8080 --allow-write`" in empty["advice"]
     before = path.read_bytes()
     assert "exists already" in takt("run", "--new", path, code=2).err
     assert path.read_bytes() == before

@@ -15,7 +15,7 @@ export const traffic: Translated<typeof source> = {
     request: 'Запит',
     sent: 'Надіслано',
     answered: 'Відповіли',
-    timeouts: 'Тайм-аути',
+    timeouts: 'Таймаути',
     faults: 'Збої',
     exceptions: 'Винятки',
     mean: 'Середнє',
