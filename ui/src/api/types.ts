@@ -363,6 +363,10 @@ export interface ProbedDevice {
   known_as: string | null;
   keys: Mapping;
 }
+/** Serial ports and hosts that a scan can begin with. */
+export interface SearchTargets {
+  targets: string[];
+}
 export interface Search {
   id: number;
   kind: 'none' | 'scan' | 'probe';

@@ -92,6 +92,9 @@ export function Grid<Row>(props: GridProps<Row>) {
       Number.parseFloat(getComputedStyle(document.documentElement).getPropertyValue('--row')) || USUAL_ROW;
     rowHeight.current = Math.round(usual * (1 + (lines - 1) * FURTHER_LINE));
     setFactor(usual / USUAL_ROW);
+    const { style } = box.current!;
+    style.setProperty('--line', `${rowHeight.current}px`);
+    style.setProperty('--head', `${box.current!.querySelector<HTMLElement>('.head')!.offsetHeight}px`);
     look();
     const observer = new ResizeObserver(look);
     observer.observe(box.current!);

@@ -54,6 +54,7 @@ test('scenario 1 of the source is built by hand', async () => {
   await page.getByRole('treeitem', { name: /^old/ }).click();
   await page.getByRole('button', { name: 'Delete', exact: true }).click();
   await page.getByRole('button', { name: 'Line', exact: true }).click();
+  await page.locator('.form .banner', { hasText: 'A simulated line has no hardware' }).waitFor();
   await page.getByLabel('Name', { exact: true }).fill('Node1');
   await page.getByLabel('Bit rate, bit/s').fill('115200');
   await page.getByLabel('Parity').selectOption('none');
@@ -345,7 +346,17 @@ test('a project of 1,024 variables stays quick', async () => {
 
 test('an empty project begins with an example, which runs after saving', async () => {
   plant = await startWith('takt: 1\nlines: []\n');
+  await context.route('**/search/targets*', (route) =>
+    route.fulfill({ json: { targets: ['rtu:///dev/ttyUSB7', 'tcp://10.0.0.1-254'] } }),
+  );
   const page = await open('');
+  // The search for devices is first, with what this computer is connected to.
+  const targets = page.getByRole('group', { name: 'On this computer:' });
+  await targets.getByRole('button', { name: '10.0.0.1-254' }).waitFor();
+  await targets.getByRole('button', { name: '/dev/ttyUSB7' }).click();
+  assert.equal(await page.getByLabel('Target').inputValue(), 'rtu:///dev/ttyUSB7');
+  assert.ok(await page.getByRole('button', { name: 'Scan' }).isEnabled());
+  await context.unroute('**/search/targets*');
   await page.getByRole('button', { name: 'Paste a table' }).click();
   await page.getByRole('dialog').getByRole('textbox').waitFor();
   await page.keyboard.press('Escape');
@@ -400,6 +411,8 @@ ${variables.join('')}`);
   await line.getByRole('button', { name: /^(Measure|Use \d+ms)$/ }).waitFor();
   const shown = await page.locator('main').textContent();
   assert.doesNotMatch(shown, /at risk/);
+  // The offered time names what it rests on.
+  await line.getByText(/^Measured: longest .* over [\d,]+ exchanges$/).waitFor();
   assert.deepEqual(await page.locator('main .bad, main .late').allInnerTexts(), []);
   await page.locator('nav a[href="#/live"]').click();
   await page.locator('[role="row"]', { hasText: 'V9' }).locator('.value', { hasText: /\d/ }).waitFor();

@@ -79,6 +79,16 @@ test('a wrong value shows the permitted range and cannot be saved', async () => 
   assert.match(await mark.getAttribute('aria-label'), /2\.\.125/);
   assert.ok(await page.getByRole('button', { name: /^Save/ }).isDisabled());
   assert.equal(text(), before);
+  // The draft has no lines: its findings name fields.
+  await page.getByRole('button', { name: '1 error' }).click();
+  await page.getByRole('dialog').getByText('rs485-1 · Boiler · Registers per request').waitFor();
+  await page.keyboard.press('Escape');
+  // A save says what is wrong, and goes there.
+  await page.locator('nav a[href="#/traffic"]').click();
+  await page.getByRole('tab', { name: 'Requests' }).waitFor();
+  await page.keyboard.press('Control+s');
+  await toast(page, 'Correct the wrong values first.');
+  await page.waitForFunction(() => document.activeElement?.id.endsWith('registers_per_request'));
 });
 
 test('saving keeps the comments of the file, and the running lines follow', async (t) => {
@@ -432,6 +442,13 @@ lines:
   const page = await open('#/devices', own);
   const row = page.locator('[role="row"]', { hasText: 'Away' });
   await row.getByText('not answering').waitFor();
+  const russian = await open('#/devices', own, 'ru');
+  const state = russian.locator('[role="row"] .text', { hasText: 'не отвечает' });
+  await russian.getByRole('button', { name: 'Опросить' }).waitFor();
+  assert.deepEqual(
+    await state.evaluate((its) => [its.scrollWidth, its.scrollHeight]),
+    await state.evaluate((its) => [its.clientWidth, its.clientHeight]),
+  );
   await row.getByText('Away').click();
   await page.getByText(/next probe in|the probe is due/).waitFor();
   await row.getByRole('button', { name: 'Try now' }).click();

@@ -113,11 +113,34 @@ const cutTables = () =>
     .filter((its) => its.scrollWidth > its.clientWidth)
     .map((its) => `${its.ariaLabel}: ${its.scrollWidth} of ${its.clientWidth} pixels`);
 
+/** Runs in the page: the words of headings that are broken, and the row that the end of a table cuts. */
+function cutTexts() {
+  const found = [];
+  for (const cell of document.querySelectorAll('.grid .head > div')) {
+    const texts = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT);
+    while (texts.nextNode())
+      for (const { 0: word, index } of texts.currentNode.data.matchAll(/[^\s-]+/g)) {
+        const range = document.createRange();
+        range.setStart(texts.currentNode, index);
+        range.setEnd(texts.currentNode, index + word.length);
+        if (new Set([...range.getClientRects()].map((its) => its.top)).size > 1) found.push(word);
+      }
+  }
+  const live = innerWidth <= 800 ? document.querySelector('.live .grid') : null;
+  const end = live?.getBoundingClientRect().bottom ?? 0;
+  for (const line of live?.querySelectorAll('.line') ?? []) {
+    const { top, bottom } = line.getBoundingClientRect();
+    if (top < end - 2 && bottom > end + 2) found.push(line.textContent);
+  }
+  return found;
+}
+
 async function screen(page, name, rules) {
   const { width } = page.viewportSize();
   const wide = await page.evaluate(() => document.documentElement.scrollWidth);
   assert.ok(wide <= width, `${name} is ${wide} pixels wide`);
   assert.deepEqual(await page.evaluate(cutTables), [], name);
+  assert.deepEqual(await page.evaluate(cutTexts), [], name);
   if (SHOTS) await page.screenshot({ path: join(SHOTS, `${name}.png`) });
   if (rules.colours || rules.others) assert.deepEqual(await page.evaluate(audit, rules), [], name);
 }

@@ -80,6 +80,8 @@ export const devices = {
       'A request is sent only if it has ended before a polled request is due. Values do not become older. ' +
       'A busy line may have no time: enter a shorter time-out.',
     target: 'Target',
+    here: 'On this computer:',
+    nothingHere: 'This computer has no serial port and no network that could be listed. Write a target.',
     units: 'Addresses',
     timeout: 'Time-out, ms',
     usual: 'as usual',

@@ -39,9 +39,7 @@ export const project = {
   notes: (n: number) => of(n, 'note'),
   late: (n: number) => `deadlines at risk: ${n}`,
   start: {
-    title: 'The project is empty. How to begin:',
-    find: 'Find devices',
-    findHint: 'Scans serial ports and hosts; what answers can be added.',
+    title: 'The project is empty. Search for devices above, or begin with:',
     paste: 'Paste a table',
     pasteHint: 'Registers from a spreadsheet, a manual or the IDE become variables of a new device.',
     example: 'Example',
@@ -67,7 +65,7 @@ export const project = {
     unit: (address: string) => `Unit ${address}`,
     output: (name: string) => `Output ${name}`,
     instrument: (name: string) => `Instrument ${name}`,
-    addLine: 'Add a line',
+    addLine: 'Add a line: simulated until its connection is chosen',
     addDevice: 'Add a device',
     addServer: 'Add a server',
     addOutput: 'Add an output',
@@ -172,7 +170,9 @@ export const project = {
     into: 'Into',
     newLine: 'A new line',
     newDevice: (line: string) => `${line}: a new device`,
-    simulated: 'A simulated line has no hardware: the program invents the answers of its devices.',
+    simulated:
+      'A simulated line has no hardware: the program invents the answers of its devices. Choose another ' +
+      'connection for real devices.',
     append: 'Add, and overwrite rows with the same name',
     appendDevices: 'Add, and overwrite devices with the same address',
     replace: 'Replace all rows',

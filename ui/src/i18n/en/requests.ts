@@ -32,7 +32,7 @@ export const requests = {
       'With `turnaround: learn` the program measures it while the project runs, and computes with it.',
     measuring: 'is measured while the project runs',
     use: (value: string) => `Use ${value}`,
-    useHint: (n: string) => `Measured over ${of(n, 'exchange')}.`,
+    measured: 'Measured:',
   },
   strategies: {
     title: 'Ways to form requests',
@@ -59,7 +59,11 @@ export const requests = {
     searching: 'Searching for measures that would make the deadlines hold…',
     apply: 'Apply',
     changes: (n: number) => of(n, 'change'),
-    after: (before: string, after: string) => `line busy ${before} → ${after}`,
+    after: (before: string, after: string) => `line busy in the worst case ${before} → ${after}`,
+    afterOnly: (after: string) => `line busy in the worst case then ${after}`,
+    estimated:
+      'The turnaround of a device was not measured, so these figures rest on an assumed one. Measure it first: ' +
+      'the measures may change.',
     response: (variable: string, before: string, after: string) =>
       `${variable}: response ${before} → ${after}`,
     unbounded: 'without bound',

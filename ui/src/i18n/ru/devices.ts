@@ -3,7 +3,7 @@ import { slavic } from '..';
 import type { devices as source } from '../en/devices';
 
 const CAUSES: Record<string, string> = {
-  timeout: 'тайм-аут',
+  timeout: 'таймаут',
   bad_checksum: 'неверная контрольная сумма',
   unexpected_reply: 'неожиданный ответ',
   closed: 'закрыто другой стороной',
@@ -80,10 +80,12 @@ export const devices: Translated<typeof source> = {
     spare: 'Только в свободное время',
     spareNote:
       'Запрос отправляется, только если он закончится до следующего запроса опроса. Значения не стареют. ' +
-      'На занятой линии времени может не хватить: задайте меньший тайм-аут.',
+      'На занятой линии времени может не хватить: задайте меньший таймаут.',
     target: 'Цель',
+    here: 'На этом компьютере:',
+    nothingHere: 'У этого компьютера нет ни последовательных портов, ни сетей для списка. Укажите цель сами.',
     units: 'Адреса',
-    timeout: 'Тайм-аут, мс',
+    timeout: 'Таймаут, мс',
     usual: 'обычный',
     scan: 'Искать',
     progress: (done: string, total: string, place: string) => `${done} из ${total} · ${place}`,

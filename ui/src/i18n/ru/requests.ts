@@ -35,7 +35,7 @@ export const requests: Translated<typeof source> = {
     measureHint: 'С `turnaround: learn` программа измеряет его во время работы и считает с ним.',
     measuring: 'измеряется во время работы',
     use: (value) => `Взять ${value}`,
-    useHint: (n) => `Измерено, обменов: ${n}.`,
+    measured: 'Измерено:',
   },
   strategies: {
     title: 'Способы группировки',
@@ -62,7 +62,11 @@ export const requests: Translated<typeof source> = {
     searching: 'Ищем меры, с которыми сроки выдерживаются…',
     apply: 'Применить',
     changes: (n) => of(n, 'изменение', 'изменения', 'изменений'),
-    after: (before, after) => `загрузка линии ${before} → ${after}`,
+    after: (before, after) => `линия занята в худшем случае ${before} → ${after}`,
+    afterOnly: (after) => `линия занята в худшем случае после этого ${after}`,
+    estimated:
+      'Время ответа одного из устройств не измерено, поэтому эти числа опираются на предположение. Сначала ' +
+      'измерьте его: меры могут измениться.',
     response: (variable, before, after) => `${variable}: ответ ${before} → ${after}`,
     unbounded: 'без предела',
     readOnly: 'Мера меняет части, которые здесь только для чтения.',

@@ -3,7 +3,7 @@ import { slavic } from '..';
 import type { devices as source } from '../en/devices';
 
 const CAUSES: Record<string, string> = {
-  timeout: 'тайм-аут',
+  timeout: 'таймаут',
   bad_checksum: 'хибна контрольна сума',
   unexpected_reply: 'неочікувана відповідь',
   closed: 'закрито іншою стороною',
@@ -80,10 +80,12 @@ export const devices: Translated<typeof source> = {
     spare: 'Лише у вільний час',
     spareNote:
       'Запит надсилається, лише якщо він закінчиться до наступного запиту опитування. ' +
-      'Значення не старіють. На зайнятій лінії часу може не вистачити: задайте менший тайм-аут.',
+      'Значення не старіють. На зайнятій лінії часу може не вистачити: задайте менший таймаут.',
     target: 'Ціль',
+    here: 'На цьому комп’ютері:',
+    nothingHere: 'Цей комп’ютер не має ні послідовних портів, ні мереж для списку. Вкажіть ціль самі.',
     units: 'Адреси',
-    timeout: 'Тайм-аут, мс',
+    timeout: 'Таймаут, мс',
     usual: 'звичайний',
     scan: 'Шукати',
     progress: (done: string, total: string, place: string) => `${done} із ${total} · ${place}`,

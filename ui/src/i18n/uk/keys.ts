@@ -82,7 +82,7 @@ export const keys: Translated<typeof keySource> = {
   write_range: 'Діапазон запису',
   verify: 'Перевірка запису',
   safe_to_repeat: 'Повтор безпечний',
-  unit: 'Одиниця вимірювання',
+  unit: 'Одиниця виміру',
   enumeration: 'Перелік',
   bits: 'Імена бітів',
   tags: 'Мітки',

@@ -35,7 +35,7 @@ export const requests: Translated<typeof source> = {
     measureHint: 'З `turnaround: learn` програма вимірює його під час роботи й рахує з ним.',
     measuring: 'вимірюється під час роботи',
     use: (value) => `Взяти ${value}`,
-    useHint: (n) => `Виміряно, обмінів: ${n}.`,
+    measured: 'Виміряно:',
   },
   strategies: {
     title: 'Способи групування',
@@ -62,7 +62,11 @@ export const requests: Translated<typeof source> = {
     searching: 'Шукаємо заходи, з якими строки витримуються…',
     apply: 'Застосувати',
     changes: (n) => of(n, 'зміна', 'зміни', 'змін'),
-    after: (before, after) => `завантаження лінії ${before} → ${after}`,
+    after: (before, after) => `лінія зайнята в найгіршому разі ${before} → ${after}`,
+    afterOnly: (after) => `лінія зайнята в найгіршому разі після цього ${after}`,
+    estimated:
+      'Час відповіді одного з пристроїв не виміряно, тому ці числа спираються на припущення. Спершу виміряйте ' +
+      'його: заходи можуть змінитися.',
     response: (variable, before, after) => `${variable}: відповідь ${before} → ${after}`,
     unbounded: 'без межі',
     readOnly: 'Захід змінює частини, які тут лише для читання.',

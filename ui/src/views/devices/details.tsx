@@ -5,7 +5,7 @@ import { toast } from '../../shell/toasts';
 import { status } from '../../store/info';
 import { Icon } from '../../widgets/icon';
 import { LearntBlock } from './learnt';
-import { deviceState } from './state';
+import { deviceState, measuredText } from './state';
 import { AttemptText, NextProbe, TryNow } from './try_now';
 
 /** A setting for the project, to be copied. */
@@ -66,11 +66,7 @@ export function Details({ line, device }: { line: LineStatus; device: DeviceStat
         <>
           <dt>{texts.measured}</dt>
           <dd>
-            {texts.measuredText(
-              formatDuration(turnaround.longest_ms),
-              turnaround.p999_ms === null ? null : formatDuration(turnaround.p999_ms),
-              formatNumber(turnaround.exchanges),
-            )}
+            {measuredText(turnaround)}
             {turnaround.learnt && <p class="muted">{texts.turnaroundLearnt}</p>}
             {turnaround.advised && <Advice setting={`turnaround: ${turnaround.advised}`} />}
           </dd>

@@ -2,8 +2,9 @@
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { get, post } from '../../api/client';
-import type { LineStatus, Search } from '../../api/types';
+import type { LineStatus, Search, SearchTargets } from '../../api/types';
 import { formatDuration, formatNumber, t } from '../../i18n';
+import { errorText } from '../../shell/toasts';
 import { mayWrite } from '../../store/info';
 import { Found } from './found';
 import { evaluation } from '../../store/project';
@@ -16,6 +17,8 @@ const ADDRESS = 'address';
 const where = signal(ADDRESS);
 const address = signal('');
 const units = signal('');
+/** Serial ports and hosts of this computer, as targets. */
+const targets = signal<string[]>([]);
 const timeout = signal('');
 
 function scan(): void {
@@ -96,6 +99,29 @@ function Progress({ its }: { its: Search }) {
   );
 }
 
+/** What can be searched, to choose from. */
+function Targets() {
+  const texts = t.value.devices.search;
+  return (
+    <div class="targets" role="group" aria-label={texts.here}>
+      <span class="muted small">{targets.value.length > 0 ? texts.here : texts.nothingHere}</span>
+      {targets.value.map((its) => (
+        <button
+          key={its}
+          type="button"
+          class="button quiet"
+          aria-pressed={address.value === its}
+          onClick={() => {
+            address.value = its;
+          }}
+        >
+          {its.replace(/^\w+:\/\//, '')}
+        </button>
+      ))}
+    </div>
+  );
+}
+
 function Form({ lines, running }: { lines: LineStatus[]; running: boolean }) {
   const texts = t.value.devices.search;
   const field = (its: typeof units) => ({
@@ -160,7 +186,7 @@ function Form({ lines, running }: { lines: LineStatus[]; running: boolean }) {
           </button>
         )}
       </span>
-      {where.value !== ADDRESS && <OnLine name={where.value.slice('line:'.length)} />}
+      {where.value === ADDRESS ? <Targets /> : <OnLine name={where.value.slice('line:'.length)} />}
     </form>
   );
 }
@@ -171,6 +197,13 @@ export function SearchPanel({ lines }: { lines: LineStatus[] }) {
   const running = its?.running ?? false;
   useEffect(() => {
     if (!search.peek()) void ask(get<Search>('search'));
+    get<SearchTargets>('search/targets')
+      .then((its) => {
+        targets.value = its.targets;
+      })
+      .catch((failure) => {
+        problem.value = errorText(failure);
+      });
   }, []);
   useEffect(() => {
     if (!running) return;

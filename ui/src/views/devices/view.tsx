@@ -33,10 +33,10 @@ const current = computed(() => {
 const NARROW: Record<string, Partial<Column<DeviceStatus>> | null> = {
   device: { width: 'minmax(88px, 1fr)' },
   address: null,
-  state: { width: 'minmax(126px, 1.4fr)' },
+  state: { width: 'minmax(126px, 1.4fr)', foldedWidth: 'minmax(126px, 1.4fr)' },
   values: { folds: 'text' },
   response: { width: '74px' },
-  sent: { width: '82px' },
+  sent: { width: '82px', foldedWidth: '82px' },
   failed: { folds: 'figure' },
   exceptions: { folds: 'figure' },
   late_answers: { folds: 'figure', line: 3 },
@@ -54,6 +54,7 @@ function columns(line: LineStatus): Column<DeviceStatus>[] {
     key,
     title,
     width: '98px',
+    foldedWidth: '80px',
     align: 'right' as const,
     ...(key === 'late_answers' && { folds: 'figure' as const }),
     cell: (its: DeviceStatus) => (
@@ -67,6 +68,7 @@ function columns(line: LineStatus): Column<DeviceStatus>[] {
       key: 'state',
       title: texts.state,
       width: 'minmax(168px, 1.2fr)',
+      foldedWidth: 'minmax(214px, 1.4fr)', // a button beside the state
       cell: (its) => {
         const { tone, text } = deviceState(line.name, its);
         return (

@@ -48,6 +48,7 @@ export function LineForm({ path }: { path: Path }) {
   const characters = transport === 'tcp' ? [] : SERIAL;
   return (
     <div class="form">
+      {transport === 'simulated' && <p class="banner info">{texts.importing.simulated}</p>}
       <Group title={texts.groups.line}>
         <Fields path={path} object="line" names={['name', 'transport', ...where, 'framing', ...characters]} />
       </Group>

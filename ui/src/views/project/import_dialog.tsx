@@ -207,12 +207,14 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
   // Names are checked against those of other devices, values against the kind of the line.
   const line = at(document, target?.path.slice(0, 2) ?? []);
   const device = devices || !target ? undefined : at(document, target.path.slice(0, 4));
+  const ofLine = isMapping(line) ? transportOf(line) : undefined;
+  const ofDevice = textAt(device, ['name']) ?? t.value.project.tree.newDevice;
   const asked = JSON.stringify({
     text,
     profile: profileOf(draft.value),
-    transport: target && isMapping(line) ? transportOf(line) : undefined,
-    device: device && textAt(device, ['name']),
-    names: target ? [...namesWithout(devices ? replaced : [device as Mapping])] : [],
+    transport: (target?.makes === 'line' ? undefined : ofLine) ?? connection.transport,
+    device: ofDevice,
+    names: [...namesWithout(devices ? replaced : [device as Mapping | undefined])],
   });
   useEffect(() => {
     if (text.trim() === '') {

@@ -4,7 +4,9 @@ import { useState } from 'preact/hooks';
 import type { Finding } from '../../api/types';
 import { t } from '../../i18n';
 import { Dialog } from '../../shell/dialog';
-import { evaluating, findings, isChanged } from '../../store/project';
+import { at, parsePath, textAt } from '../../store/document';
+import { draft, evaluating, findings, isUnreadable } from '../../store/project';
+import { keyText } from './rules';
 import { reveal } from './selection';
 import { isLate, markOf } from './tree';
 
@@ -24,11 +26,29 @@ const DOTS = { error: 'bad', warning: 'warn' } as const;
 
 const MOST_TEXTS = 8;
 
-/** The line of the file; of a draft, which has no lines yet, the field. */
-const placeOf = (its: Finding) =>
-  isChanged.value ? its.path : its.line > 0 ? `${its.line}:${its.column}` : '';
+/** "Line · Boiler · Address": the objects on a path by their names, and the field. */
+function fieldText(text: string): string {
+  const path = parsePath(text);
+  return path
+    .map((step, i) => {
+      if (typeof step === 'string') return i === path.length - 1 ? keyText(step) : '';
+      const item = at(draft.value, path.slice(0, i + 1));
+      return (
+        textAt(item, ['name']) ?? textAt(item, ['address']) ?? `${keyText(String(path[i - 1]))} ${step + 1}`
+      );
+    })
+    .filter((its) => its !== '')
+    .join(' · ');
+}
 
-/** Errors as texts, with their lines of the file. */
+/** The field; of a file that is only shown, the line. A draft has no lines yet. */
+const placeOf = (its: Finding) =>
+  !isUnreadable.value && its.path ? fieldText(its.path) : its.line > 0 ? `${its.line}:${its.column}` : '';
+
+/** The first error goes before those that only make a deadline late. */
+export const firstWrong = () => findings.peek().find((its) => its.severity === 'error' && !isLate(its));
+
+/** Errors as texts, with their places. */
 export function FindingTexts(props: { findings: Finding[] }) {
   return (
     <ul class="finding-texts">
@@ -37,7 +57,7 @@ export function FindingTexts(props: { findings: Finding[] }) {
         .slice(0, MOST_TEXTS)
         .map((its, i) => (
           <li key={i}>
-            <code class="muted">{`${its.line}:${its.column}`}</code> {its.message}{' '}
+            <code class="muted">{placeOf(its)}</code> {its.message}{' '}
             <span class="muted small">{its.advice}</span>
           </li>
         ))}

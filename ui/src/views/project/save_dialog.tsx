@@ -9,7 +9,8 @@ import { go } from '../../shell/route';
 import { errorText, toast, toastError } from '../../shell/toasts';
 import { mayEdit } from '../../store/info';
 import { changedOnDisk, difference, isChanged, loadProject, mergeWithFile, save } from '../../store/project';
-import { FindingTexts, lateValues, wrongValues } from './problems';
+import { FindingTexts, firstWrong, lateValues } from './problems';
+import { reveal } from './selection';
 
 const MOST_CONFLICTS = 5; // that are named
 
@@ -31,8 +32,12 @@ const asked = signal(false);
 /** Opens the dialog where something can be saved. Wrong values come first: they are in the view Project. */
 export function askToSave(): void {
   if (!mayEdit.peek() || !isChanged.peek()) return;
-  if (wrongValues.peek() > 0) go('project');
-  else asked.value = true;
+  const wrong = firstWrong();
+  asked.value = wrong === undefined;
+  if (!wrong) return;
+  toast('bad', `${t.peek().project.cannotSave} ${wrong.message}`);
+  go('project');
+  reveal(wrong.path);
 }
 
 /** The dialog while it is open, in any view. */

@@ -51,8 +51,19 @@ export function reveal(text: string): void {
   const rest = formatPath(parsePath(text).slice(item.length));
   tab.value = rest.startsWith('variables') ? 'variables' : 'settings';
   wanted.value = text;
-  // Fields focus themselves by their id; cells of a table look at `wanted`.
-  setTimeout(() => document.getElementById(text)?.focus(), 50);
+  // Cells of a table look at `wanted`.
+  const table = tab.peek() === 'variables' ? '.table .grid' : null;
+  focusSoon(() => document.getElementById(text) ?? (table ? document.querySelector(table) : null));
+}
+
+const MOST_TRIES = 100;
+/** Focuses an element as soon as its view shows it. */
+function focusSoon(find: () => HTMLElement | null, tries = MOST_TRIES): void {
+  setTimeout(() => {
+    const element = find();
+    if (element) element.focus();
+    else if (tries > 1) focusSoon(find, tries - 1);
+  }, 50);
 }
 
 /** Selects the device of a variable on a line, and its row in the table. */

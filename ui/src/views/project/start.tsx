@@ -1,12 +1,15 @@
 // An empty project: where its lines, devices and variables can come from.
 import { computed } from '@preact/signals';
+import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
-import { go } from '../../shell/route';
 import { listAt } from '../../store/document';
-import { mayEdit } from '../../store/info';
+import { mayEdit, status } from '../../store/info';
 import { draft, setNode } from '../../store/project';
+import { SearchPanel } from '../devices/search';
+import { search } from '../devices/search_state';
 import { importing } from './importing';
 import { select } from './selection';
+import '../../style/devices.css';
 
 /** A line that needs no hardware: the program answers for its device. */
 const EXAMPLE = {
@@ -44,25 +47,32 @@ function example(): void {
 
 export function Start() {
   const texts = t.value.project.start;
-  if (!isEmpty.value || !mayEdit.value) return null;
+  // The first device that is added leaves the others that were found in sight.
+  const [began] = useState(isEmpty.peek());
+  const finds = began && (search.value?.devices.length ?? 0) > 0;
+  if ((!isEmpty.value && !finds) || !mayEdit.value) return null;
   const ways = [
-    { name: texts.find, hint: texts.findHint, act: () => go('devices') },
     { name: texts.paste, hint: texts.pasteHint, act: () => (importing.value = { text: '', path: null }) },
     { name: texts.example, hint: texts.exampleHint, act: example },
   ];
   return (
-    <section class="panel start" aria-label={texts.title}>
-      <h2>{texts.title}</h2>
-      <ul>
-        {ways.map((its) => (
-          <li key={its.name}>
-            <button type="button" class="button primary" onClick={its.act}>
-              {its.name}
-            </button>
-            <span class="muted">{its.hint}</span>
-          </li>
-        ))}
-      </ul>
-    </section>
+    <div class="start">
+      <SearchPanel lines={status.value?.lines ?? []} />
+      {isEmpty.value && (
+        <section class="panel" aria-label={texts.title}>
+          <h2>{texts.title}</h2>
+          <ul>
+            {ways.map((its) => (
+              <li key={its.name}>
+                <button type="button" class="button" onClick={its.act}>
+                  {its.name}
+                </button>
+                <span class="muted">{its.hint}</span>
+              </li>
+            ))}
+          </ul>
+        </section>
+      )}
+    </div>
   );
 }

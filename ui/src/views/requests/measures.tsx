@@ -7,6 +7,7 @@ import { readOnly } from '../project/edit';
 import { keyText, wordText } from '../project/rules';
 import { durationText } from '../project/cells';
 import { unmeasured } from './figures';
+import { isEstimated } from './summary';
 import { microseconds, percent } from './words';
 
 const MOST_SHOWN = 6;
@@ -52,11 +53,14 @@ export function Measures({ line }: { line: PlannedLine }) {
     return line.verdict !== 'holds' && seekingMeasures.value ? (
       <p class="measures muted">{texts.searching}</p>
     ) : null;
+  // The load before would count the time-outs of devices that were not measured.
+  const estimated = isEstimated(line);
   const calm = line.verdict === 'holds';
   const time = (us: number | null) => (us === null ? texts.unbounded : microseconds(us));
   return (
     <details class={`measures ${calm ? 'calm' : ''}`} open={!calm}>
       <summary>{calm ? texts.titleFaults(line.measures.length) : texts.title}</summary>
+      {estimated && <p class="muted small">{texts.estimated}</p>}
       <div class="list">
         {line.measures.map((its, i) => {
           const locked = its.changes.some((one) => readOnly(parsePath(one.path)) !== null);
@@ -65,7 +69,9 @@ export function Measures({ line }: { line: PlannedLine }) {
               <div>
                 <b>{withUnits(its.text)}</b>
                 <span class="muted small">
-                  {texts.after(percent(its.utilization_before), percent(its.utilization_after))}
+                  {estimated
+                    ? texts.afterOnly(percent(its.utilization_after))
+                    : texts.after(percent(its.utilization_before), percent(its.utilization_after))}
                   {'; '}
                   {texts.response(its.variable, time(its.response_before_us), time(its.response_after_us))}
                 </span>

@@ -1,9 +1,10 @@
 // Devices whose turnaround is not known: the ages of their line are not computed yet.
 import type { PlannedLine } from '../../api/types';
-import { formatNumber, t } from '../../i18n';
+import { t } from '../../i18n';
 import { listAt, textAt } from '../../store/document';
 import { status } from '../../store/info';
 import { draft, setNode } from '../../store/project';
+import { measuredText } from '../devices/state';
 import { readOnly } from '../project/edit';
 import { unmeasured } from './figures';
 import { lineNumber } from './plan';
@@ -24,15 +25,22 @@ function Action({ line, device }: { line: string; device: string }) {
   if (learns && !measured?.advised) return <span class="muted">{texts.measuring}</span>;
   const value = measured?.advised ?? 'learn';
   return (
-    <button
-      type="button"
-      class="button small"
-      disabled={readOnly(path) !== null}
-      title={measured?.advised ? texts.useHint(formatNumber(measured.exchanges)) : texts.measureHint}
-      onClick={() => setNode(path, value)}
-    >
-      {measured?.advised ? texts.use(value) : texts.measure}
-    </button>
+    <>
+      <button
+        type="button"
+        class="button small"
+        disabled={readOnly(path) !== null}
+        title={measured?.advised ? undefined : texts.measureHint}
+        onClick={() => setNode(path, value)}
+      >
+        {measured?.advised ? texts.use(value) : texts.measure}
+      </button>
+      {measured?.advised && (
+        <span class="muted small">
+          {texts.measured} {measuredText(measured)}
+        </span>
+      )}
+    </>
   );
 }
 
