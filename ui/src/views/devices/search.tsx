@@ -109,7 +109,7 @@ function Targets() {
         <button
           key={its}
           type="button"
-          class="button quiet"
+          class="button small"
           aria-pressed={address.value === its}
           onClick={() => {
             address.value = its;
