@@ -44,8 +44,7 @@ void read_address(Interpretation& state, Reader& reader, Device& device) {
     const auto address = address_of(state, reader);
     if (!address) return;
     device.address = UnitId{static_cast<std::uint8_t>(*address)};
-    const auto [first, is_new] =
-        state.addresses.try_emplace(device.address.value, reader, "address");
+    const auto [first, is_new] = state.addresses.try_emplace(device.address.value, reader, "address");
     if (!is_new)
         reader.report(Rule::address_duplicate, "address", {}, {{"first", state.describe(first->second)}});
 }

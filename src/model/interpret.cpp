@@ -47,7 +47,8 @@ void interpret_locals(Interpretation& state, Reader& reader) {
 void interpret_lines(Interpretation& state, Reader& reader) {
     const Node* const list = reader.list("lines");
     if (list == nullptr) return;
-    if (list->items.empty()) reader.report(Rule::lines_none, "lines", {}, {{"file", state.describe({{}, ""})}});
+    if (list->items.empty())
+        reader.report(Rule::lines_none, "lines", {}, {{"file", state.describe({{}, ""})}});
     for (std::size_t i = 0; i < list->items.size(); ++i) {
         const auto& item = list->items[i];
         const auto path = indexed("lines", i);

@@ -210,8 +210,7 @@ ServerUnit interpret_server_unit(Interpretation& state, const Node& node, const 
     unit.location = node.location;
     if (const auto address = reader.integer("address")) {
         unit.address = UnitId{static_cast<std::uint8_t>(*address)};
-        const auto [first, is_new] =
-            state.addresses.try_emplace(unit.address.value, reader, "address");
+        const auto [first, is_new] = state.addresses.try_emplace(unit.address.value, reader, "address");
         if (!is_new)
             reader.report(Rule::address_duplicate, "address", {}, {{"first", state.describe(first->second)}});
     }

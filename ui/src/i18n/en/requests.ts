@@ -62,7 +62,8 @@ export const requests = {
     after: (before: string, after: string) => `line busy in the worst case ${before} → ${after}`,
     afterOnly: (after: string) => `line busy in the worst case then ${after}`,
     estimated:
-      'The turnaround of a device was not measured, so these figures rest on an assumed one. Measure it first: ' +
+      'The turnaround of a device was not measured, so these figures rest on an assumed one. ' +
+      'Measure it first: ' +
       'the measures may change.',
     response: (variable: string, before: string, after: string) =>
       `${variable}: response ${before} → ${after}`,
