@@ -21,7 +21,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
             key: 'device',
             title: texts.device,
             width: 'minmax(91px, 0.6fr)',
-            foldedWidth: 'minmax(62px, 1.6fr)',
+            foldedWidth: 'minmax(68px, 1.6fr)',
             cell: (its: PlannedRequest) => <span class="text">{its.device}</span>,
           },
         ]
@@ -77,7 +77,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
       key: 'period',
       title: texts.period,
       width: '92px',
-      foldedWidth: 'minmax(102px, 1fr)',
+      foldedWidth: 'minmax(96px, 1fr)',
       ...right,
       cell: (its) => (
         <span class={`text ${its.period_ms === null ? 'small' : ''}`} title={whenWords(its)}>
