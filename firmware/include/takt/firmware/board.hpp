@@ -29,7 +29,7 @@ protected:
 namespace board {
 
 /// A free-running clock in microseconds; it wraps around at 2^32. Ticks must not be counted: interrupts can
-/// be late.
+/// be late. Called by the main loop, also with interrupts masked, and by interrupts, which may interrupt it.
 [[nodiscard]] std::uint32_t clock();
 
 /// Opens the UART of a port, and enables the interrupts. May be called again with another format, while no
@@ -41,6 +41,7 @@ namespace board {
 void send(std::uint8_t character, unsigned port = 0);
 
 /// Calls on_timer() once, `microseconds` after the call, at most 10 us late; replaces the time before.
+/// Above 2 minutes the call may come earlier: masters and TcpDevice ask for up to 10 minutes.
 void start_timer(std::uint32_t microseconds, unsigned port = 0);
 void stop_timer(unsigned port = 0);
 
