@@ -14,7 +14,8 @@ IMAGES = ROOT / "build" / "firmware"
 MACHINES = {
     "microbit": ("microbit", "cortex-m0", "microbit"),
     "an385": ("mps2-an385", "cortex-m3", "mps2"),
-    "an386": ("mps2-an386", "cortex-m4", "mps2")
+    "an386": ("mps2-an386", "cortex-m4", "mps2"),
+    "lm3s6965": ("lm3s6965evb", "cortex-m3", "lm3s6965")
 }
 SEMIHOSTING = ["-semihosting-config", "enable=on,target=native"]
 EXACT = ["-icount", "shift=6,sleep=off"]  # virtual time: one instruction takes 64 ns, WFI no time

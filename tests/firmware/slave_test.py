@@ -8,7 +8,7 @@ import pytest
 from board import Board
 from program import DEADLINE, takt
 
-BOARDS = ["microbit", "an385", "an386"]
+BOARDS = ["microbit", "an385", "an386", "lm3s6965"]
 BAUD = "9600"
 STACK_LIMIT = 1280  # tools/firmware
 REPEATED = 20
