@@ -39,6 +39,7 @@ std::uint32_t g_microseconds;  // up to g_last_ticks
 // The counter of ticks wraps around after 172 s: it is read at least that often by any traffic, and otherwise
 // its differences have no meaning.
 std::uint32_t clock() {
+    const InterruptLock lock;                       // interrupts read it, too
     const std::uint32_t now = ~reg(kClock + 0x04);  // it counts down
     const std::uint32_t passed = g_ticks + (now - g_last_ticks);
     g_last_ticks = now;

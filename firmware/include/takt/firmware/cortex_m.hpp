@@ -40,14 +40,17 @@ constexpr std::array<void (*)(), Count> board_vectors_of(std::initializer_list<I
     return vectors;
 }
 
-/// Masks interrupts while it lives. WFI ends with an interrupt that is masked, which is handled afterwards:
-/// so none is missed between the check for work and the sleep.
+/// Masks interrupts while it lives; inside interrupts and other locks, too. WFI ends with an interrupt that
+/// is masked, which is handled afterwards: so none is missed between the check for work and the sleep.
 class InterruptLock {
 public:
-    InterruptLock() { asm volatile("cpsid i" ::: "memory"); }
-    ~InterruptLock() { asm volatile("cpsie i" ::: "memory"); }
+    InterruptLock() { asm volatile("mrs %0, primask\n cpsid i" : "=r"(before_)::"memory"); }
+    ~InterruptLock() { asm volatile("msr primask, %0" ::"r"(before_) : "memory"); }
     InterruptLock(const InterruptLock&) = delete;
     InterruptLock& operator=(const InterruptLock&) = delete;
+
+private:
+    std::uint32_t before_;
 };
 
 }  // namespace takt::firmware
