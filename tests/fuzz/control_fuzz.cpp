@@ -33,10 +33,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         ++answers;
     };
     console::CommandReader reader(
-        [&](const std::string& line, const console::Reply& to) -> Result<void> {
+        [](const std::string& line, const console::Reply& to, const report::Texts& of_line) -> Result<void> {
             TAKT_TRY(const auto command, console::parse_control(line));
             fuzz::require(line.size() <= console::LineSplitter::kMaxLine);
-            to(console::error_answer(texts, fail(Code::not_found, command.name).error()));
+            to(console::error_answer(of_line, fail(Code::not_found, command.name).error()));
             return {};
         },
         texts);
