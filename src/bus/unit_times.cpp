@@ -1,6 +1,7 @@
 #include "takt/bus/unit_times.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "takt/wire/frame.hpp"
 
@@ -41,10 +42,15 @@ void UnitTimes::on_late(const LateResponse& late) {
 }
 
 Duration UnitTimes::usual_lateness() const {
-    if (last_late.front() == Duration::zero()) return Duration::zero();  // most units were never late
-    auto sorted = last_late;
-    std::ranges::sort(sorted);
-    return sorted.front() > Duration::zero() ? sorted[1] : Duration::zero();
+    Duration least = Duration::max();
+    Duration second = Duration::max();
+    for (const Duration delay : last_late) {
+        if (delay < least)
+            second = std::exchange(least, delay);
+        else
+            second = std::min(second, delay);
+    }
+    return least > Duration::zero() ? second : Duration::zero();
 }
 
 void UnitTimes::set(Transaction& transaction, Duration response_timeout) const {
