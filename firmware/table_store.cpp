@@ -10,8 +10,8 @@ namespace takt::firmware {
 namespace {
 
 constexpr unsigned kFirstPage = 2;
-constexpr std::size_t kSequence = 0, kLength = 1, kComplement = 2, kHead = 3;
-constexpr std::size_t kWord = sizeof(std::uint32_t);
+constexpr std::size_t kSequence = 0, kLength = 1, kComplement = 2, kHeadWords = 3;
+constexpr std::size_t kWordBytes = sizeof(std::uint32_t);
 
 struct Stored {
     std::uint32_t sequence = 0;  // 0: there is none, or an image without a sequence
@@ -24,15 +24,16 @@ Bytes bytes_of(std::span<const std::uint32_t> words, std::size_t length) {
 
 Stored read(unsigned page) {
     const auto words = board::flash_page(page);
-    if (words.size() <= table::kChecksumOffset / kWord) return {};
+    if (words.size() <= table::kChecksumOffset / kWordBytes) return {};
     const Bytes raw = bytes_of(words, words.size_bytes());
     if (std::equal(table::kMagic, table::kMagic + table::kMagicSize, raw.begin()) || table::is_owen(raw)) {
         std::uint32_t length = 0;
         table::Take{raw.data() + table::kLengthOffset}(length);
         return {0, length <= raw.size() ? raw.first(length) : Bytes{}};
     }
-    if (words[kComplement] != ~words[kSequence] || words[kLength] > (words.size() - kHead) * kWord) return {};
-    return {words[kSequence], bytes_of(words.subspan(kHead), words[kLength])};
+    if (words[kComplement] != ~words[kSequence] || words[kLength] > (words.size() - kHeadWords) * kWordBytes)
+        return {};
+    return {words[kSequence], bytes_of(words.subspan(kHeadWords), words[kLength])};
 }
 
 // The sequence wraps around.
@@ -57,18 +58,18 @@ Result<Bytes> TableStore::store(Bytes image, Bytes kept) {
     const bool first_stays = kept.empty() ? first_is_newer : kept.data() == first.image.data();
     const unsigned page = kFirstPage + (first_stays ? 1 : 0);
     const std::size_t words = board::flash_page(page).size();
-    const std::size_t most = words < kHead ? 0 : (words - kHead) * kWord;
+    const std::size_t most = words < kHeadWords ? 0 : (words - kHeadWords) * kWordBytes;
     if (image.size() > most)
         return fail(Code::too_long, static_cast<std::int64_t>(image.size()), static_cast<std::int64_t>(most));
     // Neither the sequence of an image without one nor an erased word.
     std::uint32_t sequence = (first_is_newer ? first : second).sequence + 1;
     while (sequence == 0 || sequence == ~0U) ++sequence;
     board::erase_page(page);
-    for (std::size_t at = 0; at < image.size(); at += kWord) {
+    for (std::size_t at = 0; at < image.size(); at += kWordBytes) {
         std::uint32_t word = ~0U;
-        std::copy_n(image.begin() + static_cast<std::ptrdiff_t>(at), std::min(kWord, image.size() - at),
+        std::copy_n(image.begin() + static_cast<std::ptrdiff_t>(at), std::min(kWordBytes, image.size() - at),
                     reinterpret_cast<std::uint8_t*>(&word));
-        board::write_word(page, kHead + at / kWord, word);
+        board::write_word(page, kHeadWords + at / kWordBytes, word);
     }
     board::write_word(page, kLength, static_cast<std::uint32_t>(image.size()));
     board::write_word(page, kSequence, sequence);

@@ -35,6 +35,8 @@ enum Shown : std::uint8_t { kState, kError, kEntries, kShownItems, kStack, kShow
 
 firmware::BankStorage<0, 0, 2 * kItems, kValueWords> g_buffer;
 firmware::BankStorage<0, 0, kShownCount, 1> g_loader;
+constexpr serve::ValueLimits kCommands{{0, 0}, kLoad, kLoad};
+std::array<serve::Unit, 2>* g_units;       // of main()
 std::array<std::uint16_t, 8192> g_staged;  // file 1: the new table, high byte first
 
 /// The master and its tables. A new table replaces the running one when no request is in flight.
@@ -114,6 +116,12 @@ private:
         if (!master_.start(next_)) return;  // the flash has changed
         if (!port_) port_.emplace(master_.executor(), kLine);
         running_ = next_;
+        // Only the registers of this table exist.
+        auto& banks = (*g_units)[0].banks;
+        banks.holding_registers.values =
+            std::span(g_buffer.holding_registers).first(master_.view().header().value_words);
+        banks.input_registers.values =
+            std::span(g_buffer.input_registers).first(2 * std::size_t{master_.view().item_count()});
         if (port_->start(master_.format())) state_ = State::running;
     }
 
@@ -131,7 +139,6 @@ public:
     explicit Buffer(Controller& controller) : controller_(controller) {}
 
     std::optional<ExceptionCode> before(const serve::Context&, const serve::Access& access) override {
-        if (!controller_.started()) return ExceptionCode::server_device_failure;
         show();
         if (access.write && visit(access, &Buffer::is_writable) != access.count)
             return ExceptionCode::illegal_data_address;
@@ -200,7 +207,7 @@ public:
         return std::nullopt;
     }
     void written(const serve::Context&, const serve::Access&) override {
-        if (g_loader.holding_registers[0] == kLoad) controller_.load();
+        controller_.load();
         g_loader.holding_registers[0] = 0;
     }
 
@@ -227,13 +234,15 @@ int main() {
     static const std::array files{serve::File{1, g_staged}};
     static serve::Files table_file(files);
     static serve::Extension* const extensions[]{&table_file};
-    static std::array units{serve::Unit{takt::UnitId{kBufferUnit}, g_buffer.banks(), &buffer, {}},
+    static std::array units{serve::Unit{takt::UnitId{kBufferUnit}, {}, &buffer, {}},
                             serve::Unit{takt::UnitId{kLoaderUnit}, g_loader.banks(), &loader, extensions}};
     static serve::Server server(units);
     static firmware::SerialDevice slave({.format = {.baud = 115200, .parity = takt::wire::Parity::none},
                                          .frame_silence = TAKT_SILENCE,
                                          .port = kSlave},
                                         server);
+    g_units = &units;
+    units[1].banks.holding_registers.limits = std::span(&kCommands, 1);
     controller.start();
     if (!slave.start()) return 1;
     firmware::run(controller, slave);

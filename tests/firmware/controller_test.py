@@ -78,7 +78,10 @@ class Slave:
             head = struct.pack(">BHHH", 6, 1, at // 2, len(part) // 2)
             pdu = bytes([0x15, len(head + part)]) + head + part
             self._on(LOADER, "raw", pdu.hex())
-        self._on(LOADER, "write", "holding", 0, LOAD)
+        self.command(LOAD)
+
+    def command(self, number, code=0):
+        return self._on(LOADER, "write", "holding", 0, number, code=code)
 
 
 @contextlib.contextmanager
@@ -114,6 +117,8 @@ def test_a_new_table_replaces_the_running_one(tmp_path):
         until(lambda: shown.buffer()[A] == 3, "the old table runs")
         shown.load(table_of(tmp_path, 7).read_bytes())
         until(lambda: shown.shown()[STATE] == RUNNING and shown.buffer()[A] == 7, "the new table runs")
+        refused = shown._on(BUFFER, "read", "holding", 3, 2, code=None)
+        assert "exception 2" in refused.err, "only the registers of the table exist"
         assert shown.shown()[ERROR] == 0
 
 
@@ -126,6 +131,7 @@ def test_a_broken_table_is_refused_and_the_old_one_goes_on(tmp_path):
             broken[at] ^= 1
             shown.load(bytes(broken))
             assert shown.shown()[ERROR] != 0
+        assert "exception 3" in shown.command(2, code=None).err
         shown.write(C, 5)
         until(lambda: shown.buffer()[:3] == [0, 3, 5], "the old table goes on")
         assert shown.shown()[STATE] == RUNNING
@@ -134,7 +140,7 @@ def test_a_broken_table_is_refused_and_the_old_one_goes_on(tmp_path):
 def test_a_table_of_owen_kc1_is_loaded_where_none_is(tmp_path):
     with controller(tmp_path, None) as shown:
         refused = shown._on(BUFFER, "read", "holding", 0, 1, code=None)
-        assert refused.code != 0 and "exception 4" in refused.out + refused.err
+        assert refused.code != 0 and "exception 2" in refused.out + refused.err
         assert shown.shown()[:2] == [0, 0]
         shown.load(table_of(tmp_path, 9, "owen-kc1").read_bytes())
         until(lambda: shown.buffer() == [0, 9, 60, 61], "the table runs")
