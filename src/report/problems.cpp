@@ -257,7 +257,8 @@ private:
         Failures most = failures_of(Reason::timeout);
         for (const auto reason : {Reason::bad_checksum, Reason::unexpected_reply, Reason::closed})
             if (auto failures = failures_of(reason); failures.count > most.count) most = std::move(failures);
-        Problem problem = counted(most);
+        const bool may_be_late = most.kind == unanswered || (most.kind == unfitting && has_other_id());
+        Problem problem = may_be_late && mostly_late() ? too_late() : counted(most);
         problem.severity = warning;
         problem.since = before_snapshot(device().share.since());
         problem.variables = name_values([](Reason reason) { return !value::is_exception(reason); });
@@ -313,12 +314,26 @@ private:
                                               {"pause", age_text(device().back_off)}});
     }
 
-    /// Most of the responses that were missed came after the time-out.
-    [[nodiscard]] bool answers_late() const {
+    /// Only the transaction id of the last response is another one.
+    [[nodiscard]] bool has_other_id() const {
+        const auto& foreign = device().last_foreign;
+        return foreign && foreign->response.unit == settings().address &&
+               foreign->response.function == foreign->function;
+    }
+
+    /// Most of the responses that were missed came after the time-out. A device that is slow enough answers
+    /// requests that the engine has forgotten.
+    [[nodiscard]] bool mostly_late() const {
         const auto& late = device().delays;
-        const bool timed_out = code_of(device().failure) == Code::timed_out;
-        return timed_out && late && late->setting != poll::DelayFinding::Setting::turnaround &&
-               2 * late->count >= device().counters.timeouts;
+        const std::uint64_t forgotten = has_other_id() ? device().foreign : 0;
+        return late && late->setting != poll::DelayFinding::Setting::turnaround &&
+               2 * (late->count + forgotten) >= device().counters.timeouts;
+    }
+
+    [[nodiscard]] bool answers_late() const {
+        const auto code = code_of(device().failure);
+        return (code == Code::timed_out || (code == Code::unexpected_reply && has_other_id())) &&
+               mostly_late();
     }
 
     [[nodiscard]] Problem slower(Problem::Severity severity) const {
@@ -339,17 +354,23 @@ private:
         return problem;
     }
 
+    /// Of the device.
+    [[nodiscard]] bool is_listed(Problem::Kind kind) const {
+        return std::ranges::any_of(found_, [&](const Problem& problem) {
+            return problem.kind == kind && problem.device == settings().name &&
+                   problem.line == line_settings().name;
+        });
+    }
+
     /// Failures that left no value bad.
     void find_failures() {
         if (device().state == DeviceState::not_answering && !fails_often(device())) return;
         const auto& sent = device().counters.sent;
         for (const auto reason : {Reason::bad_checksum, Reason::unexpected_reply, Reason::timeout}) {
             const auto failures = failures_of(reason);
-            const bool listed = std::ranges::any_of(found_, [&](const Problem& problem) {
-                return problem.kind == failures.kind && problem.device == settings().name &&
-                       problem.line == line_settings().name;
-            });
-            if (listed || failures.count < kFewestFailures || failures.count * kFewestInRequests < sent)
+            const bool late = is_listed(slow) && (reason == Reason::timeout || has_other_id());
+            if (late || is_listed(failures.kind) || failures.count < kFewestFailures ||
+                failures.count * kFewestInRequests < sent)
                 continue;
             found_.push_back(counted(failures));
         }
@@ -362,9 +383,7 @@ private:
     }
 
     void find_measured() {
-        const bool listed =
-            device().state == DeviceState::not_answering && !fails_often(device()) && answers_late();
-        if (device().delays && !listed) found_.push_back(slower(note));
+        if (device().delays && !is_listed(slow)) found_.push_back(slower(note));
         if (const auto& finding = device().noise) {
             Problem problem = of_device(note, noise);
             problem.text =

@@ -166,6 +166,7 @@ std::string error_code(const Error& error) {
             return error.numbers[0] > error.numbers[1] ? "app.table.newer" : "app.table.older";
         case Code::too_short: return "app.table.truncated";
         case Code::too_long: return "app.table.followed";
+        case Code::overflow: return "app.table.overflow";
         case Code::bad_checksum: return "app.table.corrupt";
         default: return error.subject.view() == "magic" ? "app.table.foreign" : "app.table.inconsistent";
     }

@@ -329,7 +329,7 @@ Result<Bytes> expand(const OwenView& table, std::span<std::uint8_t> into) {
     const Counts counts = count(table);
     const std::uint64_t size = size_of(table, counts);
     if (size > kMaxImage)
-        return fail(Code::too_long, static_cast<std::int64_t>(size), static_cast<std::int64_t>(kMaxImage));
+        return fail(Code::overflow, static_cast<std::int64_t>(size), static_cast<std::int64_t>(kMaxImage));
     if (size > into.size())
         return fail(Code::too_short, static_cast<std::int64_t>(into.size()), static_cast<std::int64_t>(size));
     into = into.first(size);

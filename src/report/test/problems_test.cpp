@@ -154,6 +154,31 @@ TEST(Problems, ADeviceThatFailsOftenIsOneProblem) {
     }
 }
 
+// A third of its responses come after the time-out. A slow one answers requests that the engine has
+// forgotten.
+TEST(Problems, ADeviceThatIsOftenLateIsNotUnanswering) {
+    auto snapshot = healthy();
+    auto& device = snapshot.lines[0].devices[0];
+    device.counters.sent = 1315;
+    device.counters.timeouts = 510;
+    device.delays = poll::DelayFinding{.delay = 351ms, .limit = 200ms, .advised = 500ms, .count = 509};
+    for (int i = 0; i < 20; ++i) device.share.ended(snapshot.t - 60s, i % 2 == 0);
+    fail(snapshot, "Level", Reason::not_answering);
+    const auto expect_late = [&] {
+        const auto found = problems(snapshot);
+        ASSERT_EQ(found.size(), 1U);
+        EXPECT_EQ(found[0].kind, Kind::slow);
+        EXPECT_EQ(found[0].severity, Severity::warning);
+        EXPECT_EQ(found[0].since, 60s);
+        expect_contains(found[0].text, "set 500ms");
+    };
+    expect_late();
+    device.delays->count = 13;
+    device.foreign = 490;
+    device.last_foreign = {{plant()->project().lines[0].devices[0].address, 49403, 3}, 38435, 3};
+    expect_late();
+}
+
 // A gateway refuses each request to the device.
 TEST(Problems, AnExceptionOfAllRequestsIsOneProblem) {
     auto snapshot = healthy();
@@ -184,7 +209,7 @@ TEST(Problems, ASilentDeviceHasTheSentenceOfARead) {
     EXPECT_EQ(found[0].kind, Kind::silent);
     expect_contains(found[0].text, "no answer within");
     expect_contains(found[0].advice, "Check the unit address");
-    expect_contains(found[0].tried, "the pause is 8.0 s now");
+    expect_contains(found[0].tried, "at least each 8.0 s");
     EXPECT_EQ(health_word(snapshot, found), "failed");
 
     device.failure = value::exception_reason(10);

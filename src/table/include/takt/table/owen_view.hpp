@@ -149,7 +149,7 @@ private:
 /// an int16 and a double word an int32, because an entry has neither signs nor floats; locals are bools,
 /// those of statuses int16. Entries with functions that no controller has are left out. The line is polled in
 /// rounds by address, and a silent device is asked once each period. Nothing has a name.
-/// @returns the image, at the begin of `into`; too_short (size, needed); too_long (needed, kMaxImage);
+/// @returns the image, at the begin of `into`; too_short (size, needed); overflow (needed, kMaxImage);
 ///          malformed ("entry", its index) if two entries disagree about the variable of a place
 [[nodiscard]] Result<Bytes> expand(const OwenView& table, std::span<std::uint8_t> into);
 
