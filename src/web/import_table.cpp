@@ -32,7 +32,7 @@ Json rows_json(const model::Node& rows, file::TableKind kind) {
     return Json(std::move(all));
 }
 
-std::string text_of(const Json& object, std::string_view key, std::string otherwise) {
+std::string text_of(const Json& object, std::string_view key, const std::string& otherwise) {
     const auto* const value = object.find(key);
     const auto* const text = value == nullptr ? nullptr : std::get_if<std::string>(&value->value());
     return text == nullptr ? otherwise : *text;

@@ -82,7 +82,7 @@ def silent_socket(path):
 def test_ctl_is_interrupted_while_it_waits(tmp_path, with_signal):
     with silent_socket(tmp_path / "s") as listener, start("ctl", tmp_path / "s", "set", "A", "5") as ctl:
         peer, _ = listener.accept()
-        assert peer.recv(100) == b"set A 5\n"
+        assert peer.recv(100) == b"--lang en set A 5\n"
         result = ctl.interrupt(with_signal, code=4)
         assert "set A 5" in result.err and result.out == ""
         peer.close()
