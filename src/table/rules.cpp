@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "takt/wire/broadcast.hpp"
 #include "takt/wire/frame.hpp"
 
 namespace takt::table {
@@ -158,6 +159,9 @@ bool Rules::holds(const EntryRecord& entry, std::uint32_t index) const {
     const auto device = view_.device(entry.device);
     if (index < device.first_entry || index - device.first_entry >= device.entry_count) return false;
     if (!functions_fit(entry)) return false;
+    const bool broadcast = UnitId{device.unit} == kBroadcast &&
+                           view_.line(device.line).framing != static_cast<std::uint8_t>(wire::Framing::tcp);
+    if (broadcast && (entry.read != 0 || !wire::may_be_broadcast(Function{entry.write}))) return false;
     const bool polled = (entry.flags & EntryRecord::kPolled) != 0;
     if (polled && entry.read == 0) return false;
     for (const auto time : {entry.period, entry.phase, entry.deadline, entry.min_interval, entry.bus_time})

@@ -115,6 +115,17 @@ TEST(View, ASealedLieIsFoundOrHarmless) {
         }
 }
 
+// Nobody answers a broadcast: the executor could not send it.
+TEST(View, ARequestThatReadsIsNoBroadcast) {
+    Image image = image_of(boiler()).value();
+    const std::size_t unit = View::open(image)->header().devices.offset + sizeof(DeviceRecord::line);
+    ASSERT_EQ(image[unit], View::open(image)->device(0).unit);
+    image[unit] = 0;
+    seal(image);
+    EXPECT_EQ(error_of(image).code, Code::malformed);
+    EXPECT_EQ(error_of(image).subject.view(), "entry");
+}
+
 TEST(Crc32, IsTheKnownOne) {
     Crc32 crc;
     for (const char c : std::string("123456789")) crc.add(static_cast<std::uint8_t>(c));
