@@ -429,17 +429,29 @@ Happening any_happening(const std::vector<std::string>& names, std::size_t devic
     }
 }
 
+model::Device any_device(int number) {
+    auto made = device("D" + std::to_string(number), static_cast<std::uint8_t>(number));
+    if (*rc::gen::arbitrary<bool>()) made.poll_enable = 2;
+    if (*rc::gen::arbitrary<bool>()) made.status = 3;
+    made.attempts = static_cast<std::uint16_t>(*rc::gen::inRange(1, 4));
+    return made;
+}
+
+Script any_script(const std::vector<std::string>& names, std::size_t devices) {
+    Script script;
+    for (int i = *rc::gen::inRange(0, 15); i > 0; --i) script.push_back(any_happening(names, devices));
+    std::ranges::stable_sort(script, {}, &Happening::at);
+    return script;
+}
+
 RC_GTEST_PROP(Table, AnyProjectAnyTrouble, ()) {
     std::vector<model::Device> devices;
     std::vector<std::string> written;
     for (int d = *rc::gen::inRange(1, 4); d > 0; --d) {
-        auto& made = devices.emplace_back(device("D" + std::to_string(d), static_cast<std::uint8_t>(d)));
-        if (*rc::gen::arbitrary<bool>()) made.poll_enable = 2;
-        if (*rc::gen::arbitrary<bool>()) made.status = 3;
+        auto& made = devices.emplace_back(any_device(d));
         made.strategy =
             *rc::gen::element(model::Strategy::single, model::Strategy::classic, model::Strategy::optimal);
         made.gaps = *rc::gen::element(model::Gaps::never, model::Gaps::always);
-        made.attempts = static_cast<std::uint16_t>(*rc::gen::inRange(1, 4));
         for (int v = *rc::gen::inRange(0, 6); v > 0; --v) {
             const bool coil = *rc::gen::inRange(0, 4) == 0;
             auto& made_variable = made.variables.emplace_back(variable(
@@ -463,10 +475,7 @@ RC_GTEST_PROP(Table, AnyProjectAnyTrouble, ()) {
     const auto count = devices.size();
     const auto described =
         project(std::move(devices), *rc::gen::element(model::PollOrder::deadline, model::PollOrder::address));
-    Script script;
-    for (int i = *rc::gen::inRange(0, 15); i > 0; --i) script.push_back(any_happening(written, count));
-    std::ranges::stable_sort(script, {}, &Happening::at);
-    compare(described, script, 6s);
+    compare(described, any_script(written, count), 6s);
     RC_ASSERT(!::testing::Test::HasFailure());
 }
 
@@ -475,11 +484,8 @@ RC_GTEST_PROP(Table, AnyControllerAnyTrouble, ()) {
     std::vector<model::Device> devices;
     std::vector<std::string> written;
     for (int d = *rc::gen::inRange(1, 4); d > 0; --d) {
-        auto& made = devices.emplace_back(device("D" + std::to_string(d), static_cast<std::uint8_t>(d)));
-        if (*rc::gen::arbitrary<bool>()) made.poll_enable = 2;
-        if (*rc::gen::arbitrary<bool>()) made.status = 3;
+        auto& made = devices.emplace_back(any_device(d));
         made.strategy = *rc::gen::element(model::Strategy::single, model::Strategy::classic);
-        made.attempts = static_cast<std::uint16_t>(*rc::gen::inRange(1, 4));
         made.poll_period = std::chrono::milliseconds(*rc::gen::element(0, 40, 100));
         made.response_timeout_set = true;
         const Duration pause = std::max<Duration>(made.poll_period, 1ms);
@@ -511,10 +517,8 @@ RC_GTEST_PROP(Table, AnyControllerAnyTrouble, ()) {
     const auto view = table::OwenView::open(owen).value();
     table::Image image(table::expanded_size(view));
     RC_ASSERT(table::expand(view, image).has_value());
-    Script script;
-    for (int i = *rc::gen::inRange(0, 15); i > 0; --i) script.push_back(any_happening(written, count));
-    std::ranges::stable_sort(script, {}, &Happening::at);
-    compare(described, plan, *TableSide::of_controller(described, std::move(image)), script, 6s);
+    compare(described, plan, *TableSide::of_controller(described, std::move(image)),
+            any_script(written, count), 6s);
     RC_ASSERT(!::testing::Test::HasFailure());
 }
 
