@@ -220,8 +220,8 @@ private:
                (headings.filled > 2 || headings.name_and_type);
     }
 
-    // Whether another part begins in the middle of the rows of a table. A window without the name of its
-    // device is told from rows by their cells.
+    // Whether another part begins in the middle of the rows of a table. The cells of a window without the
+    // name of its device differ from those of rows.
     [[nodiscard]] bool part_begins(std::size_t at, char separator, std::size_t columns) const {
         const auto line = line_at(at);
         const auto [tree, rest] = split_tree(line);

@@ -7,6 +7,8 @@
 
 #include "takt/report/text_table.hpp"
 
+// A report has one row for each check of the estimate: the value that the hardware gives, its greatest
+// deviation, and the allowed one. Text and JSON have the same rows.
 namespace takt::report {
 namespace {
 

@@ -115,7 +115,7 @@ TEST(View, ASealedLieIsFoundOrHarmless) {
         }
 }
 
-// Nobody answers a broadcast: the executor could not send it.
+// A broadcast has no response. The engine rejects such a request.
 TEST(View, ARequestThatReadsIsNoBroadcast) {
     Image image = image_of(boiler()).value();
     const std::size_t unit = View::open(image)->header().devices.offset + sizeof(DeviceRecord::line);
