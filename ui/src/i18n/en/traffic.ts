@@ -110,7 +110,7 @@ export const traffic = {
   incidents: {
     no_response: (time: string) => `No response within ${time}`,
     late_response: (time: string) => `Late by ${time}: response to an earlier request`,
-    surplus_response: () => 'Surplus response: no request asked for it',
+    surplus_response: () => 'Surplus response: it belongs to no request',
     connected: () => 'Connected',
     disconnected: () => 'Disconnected',
   },

@@ -109,7 +109,7 @@ export const traffic: Translated<typeof source> = {
   incidents: {
     no_response: (time: string) => `Нет ответа в течение ${time}`,
     late_response: (time: string) => `Опоздал на ${time}: ответ на прежний запрос`,
-    surplus_response: () => 'Лишний ответ: его никто не запрашивал',
+    surplus_response: () => 'Лишний ответ: он не относится ни к одному запросу',
     connected: () => 'Соединение установлено',
     disconnected: () => 'Соединение потеряно',
   },

@@ -109,7 +109,7 @@ export const traffic: Translated<typeof source> = {
   incidents: {
     no_response: (time: string) => `Немає відповіді протягом ${time}`,
     late_response: (time: string) => `Запізнення ${time}: відповідь на попередній запит`,
-    surplus_response: () => 'Зайва відповідь: її ніхто не запитував',
+    surplus_response: () => 'Зайва відповідь: вона не належить до жодного запиту',
     connected: () => 'З’єднання встановлено',
     disconnected: () => 'З’єднання втрачено',
   },
