@@ -43,12 +43,13 @@ OutputStatus OutputEngine::status() const {
 void OutputEngine::step(Instant now) {
     if (!journal_) try_to_open(now);
     if (journal_) work(now);
-    if (stopping_) advance_stop(now);
+    if (end_ != End::no) advance_stop(now);
     publish_status(now);
 }
 
 Instant OutputEngine::next_wakeup() const {
-    if (!journal_) return std::min(open_again_, stop_until_);
+    if (end_ == End::durable) return {};
+    if (!journal_) return open_again_;
     return std::min({journal_->next_wakeup(), work_->next_wakeup(), stop_until_});
 }
 
@@ -61,8 +62,8 @@ void OutputEngine::on_state_changed(Instant now) {
 }
 
 bool OutputEngine::finished(Instant now) const {
-    if (!stopping_) return false;
-    return !journal_ || (leaving_ && work_->stopped()) || now >= stop_until_;
+    if (end_ == End::no) return false;
+    return !journal_ || (end_ == End::leaving && work_->stopped()) || now >= stop_until_;
 }
 
 void OutputEngine::close(Instant now) {
@@ -75,23 +76,28 @@ void OutputEngine::close(Instant now) {
     status_.state = OutputState::ended;
 }
 
-// What a destination takes at the moment, it gets to the last sample. The rest waits for the next start.
+// What a destination takes at the moment, it gets to the last sample. The rest waits for the next start. The
+// time that the disk needs is not the destination's: its limit begins with the step after the closing one.
 void OutputEngine::advance_stop(Instant now) {
-    if (stop_until_ == kNever) {
-        stop_until_ = now + options_.stop_limit;
-        if (!journal_) return;
+    if (!journal_ || end_ == End::leaving) return;
+    if (end_ == End::asked) {
         take_queue(now);
         // An error is in the status of the journal, and it is tried again at the end.
         static_cast<void>(journal_->close(now));
         work_->work(now);
+        end_ = End::durable;
+        return;
     }
-    if (!journal_ || leaving_) return;
+    if (end_ == End::durable) {
+        stop_until_ = now + options_.stop_limit;
+        end_ = End::delivering;
+    }
     const bool more =
         work_->takes_records() && journal_->acknowledged(kDestination) < journal_->status().durable_sequence;
     if (more && now < stop_until_ - options_.stop_limit / 2) return;
-    leaving_ = true;
     work_->stop(now);
     work_->work(now);
+    end_ = End::leaving;
 }
 
 Result<store::Journal> OutputEngine::open(Instant now) {

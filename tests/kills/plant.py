@@ -306,8 +306,9 @@ class Plant:
         return outputs
 
     def _deliver_all(self):
-        """An end delivers for 2 s, which may not suffice on a busy machine."""
-        for _ in range(5):
+        """An end delivers for 0.7 s, which may not suffice on a busy machine."""
+        end = time.monotonic() + LIMIT
+        while time.monotonic() < end:
             waiting = self._end_in_order()["cloud"]["waiting"]
             if waiting == 0:
                 return

@@ -16,14 +16,14 @@ using namespace std::chrono_literals;
 /// A destination that takes records while it is there.
 class Destination final : public OutputWork {
 public:
-    explicit Destination(bool& there) : there_(there) {}
+    Destination(const bool& there, const bool& silent) : there_(there), silent_(silent) {}
 
     void begin(Instant, store::Journal& journal, store::DestinationId destination) override {
         journal_ = &journal;
         destination_ = destination;
     }
     void work(Instant now) override {
-        while (there_) {
+        while (there_ && !silent_) {
             const auto entry = journal_->read(destination_);
             ASSERT_TRUE(entry);
             if (!*entry) return;
@@ -39,7 +39,8 @@ public:
     void report(Instant, OutputStatus& status) const override { status.state = OutputState::delivering; }
 
 private:
-    bool& there_;
+    const bool& there_;
+    const bool& silent_;
     store::Journal* journal_ = nullptr;
     store::DestinationId destination_;
     bool stopped_ = false;
@@ -87,7 +88,7 @@ protected:
             return std::make_unique<Storage>(disk_);
         };
         options.wall_ns = [](Instant t) { return t.time_since_epoch().count(); };
-        engine_.emplace(std::move(options), std::make_unique<Destination>(there_));
+        engine_.emplace(std::move(options), std::make_unique<Destination>(there_, silent_));
     }
 
     /// Advances the time in steps of the engine's wake-ups.
@@ -121,7 +122,8 @@ protected:
 
     store::test::SimulatedDisk disk_;
     bool no_disk_ = false;
-    bool there_ = true;
+    bool there_ = true;    // the destination takes records
+    bool silent_ = false;  // it acknowledges none
     int opens_ = 0;
     Instant now_{1000s};
     std::optional<OutputEngine> engine_;
@@ -176,6 +178,21 @@ TEST_F(OutputEngineTest, StopsWithTheQueueOnTheDiskAndDelivered) {
     expect_conserved();
     EXPECT_EQ(samples().delivered, 2U);
     EXPECT_EQ(engine_->status().state, OutputState::ended);
+}
+
+TEST_F(OutputEngineTest, DeliversAtTheEndHoweverLongTheDiskTook) {
+    run(1s);
+    push();
+    silent_ = true;  // the acknowledgement is under way while the disk works
+    engine_->stop();
+    step();
+    now_ += 3s;  // the last synchronisation of the journal
+    step();
+    EXPECT_FALSE(engine_->finished(now_));
+    silent_ = false;
+    run(10s);
+    EXPECT_TRUE(engine_->finished(now_));
+    EXPECT_EQ(samples().delivered, 2U);
 }
 
 TEST_F(OutputEngineTest, StopsInTimeWithoutItsDestination) {

@@ -33,7 +33,8 @@ public:
         std::string name;  ///< of the output, and of its destination in the journal
         store::JournalOptions journal;
         std::size_t queue_bytes = 4U << 20;
-        Duration stop_limit = std::chrono::seconds(2);  ///< for the destination, from stop() on
+        /// For the destination to take what waits, after the journal was synchronised for stop().
+        Duration stop_limit = std::chrono::seconds(2);
         /// Called again until it succeeds.
         std::function<Result<std::unique_ptr<store::JournalStorage>>()> open_storage;
         /// The queue has a request for the thread that fills it; may be empty.
@@ -61,7 +62,9 @@ public:
 
     /// Begins the orderly end with the next step(): what is in the queue becomes durable, and the destination
     /// has stop_limit to take what waits.
-    void stop() { stopping_ = true; }
+    void stop() {
+        if (end_ == End::no) end_ = End::asked;
+    }
     /// After stop(): close() is to be called.
     [[nodiscard]] bool finished(Instant now) const;
     /// Writes what is left. After it only status() may be called.
@@ -71,6 +74,15 @@ public:
 
 private:
     static constexpr Duration kOpenAgain = std::chrono::seconds(5);
+
+    /// The steps of the orderly end.
+    enum class End : std::uint8_t {
+        no,
+        asked,
+        durable,     ///< what was in the queue is on the disk
+        delivering,  ///< until stop_until_
+        leaving      ///< the work was stopped
+    };
 
     void try_to_open(Instant now);
     [[nodiscard]] Result<store::Journal> open(Instant now);
@@ -93,9 +105,8 @@ private:
     std::uint64_t taken_lost_ = 0;       // of them, lost before
     std::uint64_t appended_before_ = 0;  // counted by the journal when it was opened
     std::uint64_t dropped_before_ = 0;   // likewise
-    bool stopping_ = false;
-    Instant stop_until_ = kNever;  // kNever: it goes on
-    bool leaving_ = false;         // the work was stopped
+    End end_ = End::no;
+    Instant stop_until_ = kNever;
     Instant status_at_{};
     std::optional<std::int64_t> oldest_ns_;
 

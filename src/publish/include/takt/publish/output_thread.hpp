@@ -27,8 +27,8 @@ public:
         std::string directory;  ///< of the journal; created if it does not exist
         store::JournalOptions journal;
         std::size_t queue_bytes = 4U << 20;
-        Duration stop_limit = std::chrono::seconds(2);  ///< for the destination, from ask_to_stop() on
-        std::function<void()> wake_sampler;             ///< as OutputEngine::Options
+        Duration stop_limit = std::chrono::seconds(2);  ///< as OutputEngine::Options
+        std::function<void()> wake_sampler;             ///< likewise
         Log log;
     };
 
