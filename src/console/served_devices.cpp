@@ -25,7 +25,7 @@ Result<std::vector<std::uint16_t>> items_of(const model::Variable& variable, con
     TAKT_TRY(const auto encoded, value::encode(layout, value));
     std::vector<std::uint16_t> registers(encoded.registers.begin(), encoded.registers.end());
     if (!layout.bit) return registers;
-    const auto mask = static_cast<std::uint16_t>(1U << *layout.bit);
+    const auto mask = value::register_mask(layout);
     registers[0] = static_cast<std::uint16_t>((before[0] & ~mask) | (registers[0] & mask));
     return registers;
 }

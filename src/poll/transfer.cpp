@@ -78,9 +78,9 @@ wire::Request WrittenItems::exchange(const plan::Request& request) const {
 
 void RegisterBits::add(const model::Variable& variable, const wire::Registers& words) {
     TAKT_ASSERT(is_register_bit(variable));
-    const auto bit = static_cast<std::uint16_t>(1U << variable.bit.value_or(0));
+    const auto bit = value::register_mask(value::layout_of(variable));
     mask |= bit;
-    bits = static_cast<std::uint16_t>(words[0] != 0 ? bits | bit : bits & ~bit);
+    bits = static_cast<std::uint16_t>((bits & ~bit) | words[0]);
 }
 
 // Result = (current AND and_mask) OR (or_mask AND NOT and_mask): MODBUS Application Protocol V1.1b3,

@@ -298,7 +298,7 @@ void Device::refresh(Area area, const Variable& variable, Instant t) {
     const auto encoded = value::encode(layout, now);
     if (!encoded) return;
     serve::RegisterBank bank = register_bank(area);
-    const unsigned mask = variable.bit ? 1U << *variable.bit : 0xFFFFU;
+    const unsigned mask = value::register_mask(layout);
     bool changed = false;
     for (std::size_t i = 0; i < encoded->registers.size(); ++i) {
         const auto address = static_cast<std::uint16_t>(variable.start + i);

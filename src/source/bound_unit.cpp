@@ -163,8 +163,7 @@ Refusal BoundUnit::show(Bound& bound, const value::Value& value) {
     auto& bank = banks.registers(area);
     for (std::size_t i = 0; i < encoded->registers.size(); ++i) {
         const auto address = static_cast<std::uint16_t>(bound.start + i);
-        const unsigned mask = bound.layout.bit ? 1U << *bound.layout.bit : 0xFFFFU;
-        const unsigned others = bank.get(address) & ~mask;  // the other bits of the register
+        const unsigned others = bank.get(address) & ~unsigned{value::register_mask(bound.layout)};
         bank.set(address, static_cast<std::uint16_t>(others | encoded->registers[i]));
     }
     return {};

@@ -208,6 +208,11 @@ Result<Encoded> encode_text(const Layout& layout, const Value& value) {
 
 }  // namespace
 
+std::uint16_t register_mask(const Layout& layout) {
+    if (layout.type != DataType::boolean || !layout.bit) return 0xFFFF;
+    return in_order(static_cast<std::uint16_t>(1U << *layout.bit), layout.order);
+}
+
 Result<Value> decode(const Layout& layout, std::span<const std::uint16_t> registers) {
     const auto needed = static_cast<std::size_t>(layout.register_count());
     if (registers.size() < needed)

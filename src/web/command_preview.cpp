@@ -65,7 +65,7 @@ private:
     }
 
     Result<CommandPreview> bit(bool on) {
-        const auto mask = static_cast<std::uint16_t>(1U << *variable_.bit);
+        const auto mask = value::register_mask(value::layout_of(variable_));
         const auto set = on ? mask : std::uint16_t{0};
         const DataAddress address{variable_.start()};
         if (device_.fc22)

@@ -98,6 +98,14 @@ TEST_F(Served, ABitLeavesTheOthersOfItsRegister) {
     EXPECT_EQ(device.content(Instant{9s}, Area::holding_register, 20, 1), before);
 }
 
+TEST_F(Served, ABitOfARegisterWithTheLowByteFirst) {
+    a_.devices[0].variables[1].order.high_byte_first = false;
+    EXPECT_EQ(ask("set Alarm true"), "ok Alarm true\n");
+    EXPECT_EQ(ask("get Alarm"), "ok Alarm true\n");
+    EXPECT_EQ((*in_a_)[0].content(Instant{9s}, Area::holding_register, 20, 1),
+              (std::vector<std::uint16_t>{0x0800}));
+}
+
 TEST_F(Served, FaultsHaveTheNameOfADeviceOrAVariable) {
     EXPECT_EQ(ask("fault add Boiler 2:silence:10%"), "ok \"Boiler 2\":silence:10%\n");
     EXPECT_EQ(ask("fault add \"Boiler 2\":cut@10s"), "ok \"Boiler 2\":silence:10% \"Boiler 2\":cut@10s\n");

@@ -101,13 +101,14 @@ struct Keeping final : serve::UnitHooks {
 /// Holding registers 0..9 (coils: their bits): 0 P, passed on to P; 2..3 P as a float, read only; 4..5 L; 6
 /// Q; 7 only written, to P; bit 3 of 8 P as a bool.
 struct Bench {
-    Bench() : loop(*line::Loop::create()) {
+    explicit Bench(bool high_byte_first = true) : loop(*line::Loop::create()) {
         auto& unit = settings.units.emplace_back();
         unit.variables = {variable(0, DataType::int16), variable(2, DataType::float32),
                           variable(4, DataType::float32), variable(6, DataType::int16),
                           variable(7, DataType::int16)};
         auto& bit = unit.variables.emplace_back(variable(8, DataType::boolean));
         bit.bit = std::uint8_t{3};
+        bit.order.high_byte_first = high_byte_first;
         const model::VariableSource p{"P"};
         const model::LocalSource l{"L"};
         unit.bindings = {{.variable = 0, .source = p, .sink = p, .max_age = 1s},
@@ -220,6 +221,16 @@ TEST(Bindings, WhatDoesNotFitIsAFailure) {
     bench.values.read(0, std::int64_t{1}, bench.now);
     bench.registers[8] = 0x8000;
     EXPECT_EQ(bench.read(8, 1), "03028008") << "its neighbours stay";
+}
+
+TEST(Bindings, ABitOfARegisterWithTheLowByteFirst) {
+    Bench bench(false);
+    bench.connect();
+    bench.registers[8] = 0x80;
+    bench.values.read(0, std::int64_t{1}, bench.now);
+    EXPECT_EQ(bench.read(8, 1), "03020880");
+    bench.values.read(0, std::int64_t{0}, bench.now);
+    EXPECT_EQ(bench.read(8, 1), "03020080");
 }
 
 TEST(Bindings, AWriteIsAnsweredWhenItIsDone) {

@@ -291,6 +291,21 @@ TEST(Bits, CommandsUseTheFunctionsTheDeviceTakes) {
     }
 }
 
+// The bit is counted after the byte order was applied, as a read has it.
+TEST(Bits, OfARegisterWithTheLowByteFirst) {
+    for (const bool mask : {true, false}) {
+        auto described = device(1, {bit("v", 4, 3).on_change()});
+        described.variables[0].order.high_byte_first = false;
+        described.fc22 = mask;
+        described.read_modify_write = !mask;
+        Bench bench(project({described}));
+        bench.players[1].registers[4] = 0x8001;
+        ASSERT_TRUE(bench.write(1, "v", true));
+        bench.run_until(50ms);
+        EXPECT_EQ(bench.players[1].registers[4], 0x8801) << mask;
+    }
+}
+
 TEST(Bits, WhereTheDeviceHasNoWayACommandIsRefusedAtOnce) {
     Bench bench(project({device(1, {bit("v", 4, 0)})}));
     EXPECT_EQ(bench.write(1, "v", true).error().code, Code::unsupported);

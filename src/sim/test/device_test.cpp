@@ -113,6 +113,19 @@ TEST(Device, FollowsAModelInThePlaceOfItsPatternsAndReportsWrites) {
         << "the written value stays";
 }
 
+TEST(Device, ShowsABitOfARegisterWithTheLowByteFirst) {
+    auto described = line();
+    auto& pump = described.devices[0].variables[4];
+    pump.area = Area::holding_register;
+    pump.register_number = 60;
+    pump.order.high_byte_first = false;
+    Plant plant;
+    Devices devices(described);
+    devices[0].set_model(&plant);
+    EXPECT_EQ(ask(devices, {0x03, 0, 60, 0, 1}, at(1s)), (wire::Pdu{0x03, 2, 0x08, 0}));
+    EXPECT_EQ(ask(devices, {0x03, 0, 60, 0, 1}, at(2s)), (wire::Pdu{0x03, 2, 0, 0}));
+}
+
 TEST(Device, OffersOnlyWhatItsVariablesCover) {
     struct Row {
         std::uint8_t function, start, count;

@@ -77,6 +77,20 @@ TEST(Codec, KnownValuesBothWays) {
     }
 }
 
+TEST(Codec, TheBitOfABoolIsCountedAfterTheByteOrder) {
+    for (int bit = 0; bit < 16; ++bit)
+        for (const bool high_byte_first : {true, false}) {
+            Layout layout{.type = DataType::boolean, .bit = static_cast<std::uint8_t>(bit)};
+            layout.order.high_byte_first = high_byte_first;
+            const std::uint16_t mask = register_mask(layout);
+            EXPECT_EQ(mask, 1U << (high_byte_first ? bit : (bit + 8) % 16));
+            EXPECT_EQ(encode(layout, true).value().registers[0], mask);
+            EXPECT_EQ(decode(layout, std::array{mask}), Value(true));
+        }
+    EXPECT_EQ(register_mask({.type = DataType::boolean}), 0xFFFF);
+    EXPECT_EQ(register_mask({.type = DataType::uint16}), 0xFFFF);
+}
+
 TEST(Codec, RoundingIsReported) {
     struct Rounding {
         Layout layout;

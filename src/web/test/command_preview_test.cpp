@@ -50,6 +50,8 @@ TEST(CommandPreview, ShowsBothStepsOfABit) {
         "          - {name: A, type: bool, register: 5, bit: 3, read: 0x03, write: 0x06}\n";
     EXPECT_EQ(frames_of(bit, "A", true, ", read_modify_write: true"),
               (Frames{"01 03 00 05 00 01", "01 06 00 05 00 08"}));
+    EXPECT_EQ(frames_of(bit, "A", true, ", fc22: true, high_byte_first: false"),
+              Frames{"01 16 00 05 F7 FF 08 00"});
 }
 
 TEST(CommandPreview, ReportsWhatCannotBeWritten) {

@@ -48,6 +48,10 @@ Result<Value> decode(const Layout& layout, std::span<const std::uint16_t> regist
 ///          out_of_range (NaN or infinity for an integer); unsupported (text for a number or the reverse)
 Result<Encoded> encode(const Layout& layout, const Value& value);
 
+/// The bits of each of its registers, as on the wire, that a value fills: all, or that of a bool with `bit`,
+/// which counts the bits after the byte order was applied. The caller of encode() keeps the others.
+std::uint16_t register_mask(const Layout& layout);
+
 /// Converts `value` to the alternative that a variable or local of that type holds. Only exact conversions.
 /// @returns overflow, out_of_range, unsupported as encode(); out_of_range for a fraction to an integer
 Result<Value> convert(DataType type, bool scaled, const Value& value);
