@@ -86,8 +86,7 @@ Result<wire::PreparedRequest> Executor::write_request(const EntryRecord& entry) 
         else
             registers_of(item, words, registers);
     }
-    TAKT_TRY(const auto request, wire::write_request(function, DataAddress{entry.start}, bits, registers));
-    return wire::prepare(request);
+    return wire::prepare_write(function, DataAddress{entry.start}, bits, registers);
 }
 
 Result<void> Executor::set(std::uint32_t index, std::span<const std::uint16_t> words) {

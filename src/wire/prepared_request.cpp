@@ -110,6 +110,22 @@ std::size_t file_response_length_of(FileParts parts) {
     return length;
 }
 
+/// Hands the request that write_request() describes to `use`, in its own type.
+template <class Made, class Use>
+Result<Made> with_write(Function function, DataAddress start, const Bits& bits, const Registers& registers,
+                        Use use) {
+    const auto& row = properties(function);
+    const std::size_t items = row.counts_bits() ? bits.size() : registers.size();
+    if (!row.writes_single() && row.request != RequestForm::values) return fail(Code::unsupported);
+    if (items == 0 || (row.writes_single() && items != 1)) return fail(Code::unsupported);
+    if (row.counts_bits()) {
+        if (row.writes_single()) return use(WriteSingleCoilRequest{start, bits[0]});
+        return use(WriteMultipleCoilsRequest{start, bits});
+    }
+    if (row.writes_single()) return use(WriteSingleRegisterRequest{start, registers[0]});
+    return use(WriteMultipleRegistersRequest{start, registers});
+}
+
 }  // namespace
 
 RequestShape shape_of(const Request& request) {
@@ -145,16 +161,8 @@ std::size_t max_response_length(const Request& request) {
 
 Result<Request> write_request(Function function, DataAddress start, const Bits& bits,
                               const Registers& registers) {
-    const auto& row = properties(function);
-    const std::size_t items = row.counts_bits() ? bits.size() : registers.size();
-    if (!row.writes_single() && row.request != RequestForm::values) return fail(Code::unsupported);
-    if (items == 0 || (row.writes_single() && items != 1)) return fail(Code::unsupported);
-    if (row.counts_bits()) {
-        if (row.writes_single()) return WriteSingleCoilRequest{start, bits[0]};
-        return WriteMultipleCoilsRequest{start, bits};
-    }
-    if (row.writes_single()) return WriteSingleRegisterRequest{start, registers[0]};
-    return WriteMultipleRegistersRequest{start, registers};
+    return with_write<Request>(function, start, bits, registers,
+                               [](const auto& request) { return Result<Request>(request); });
 }
 
 PreparedRequest::PreparedRequest(const RequestView& request) {
@@ -167,6 +175,15 @@ PreparedRequest::PreparedRequest(Bytes pdu) : PreparedRequest(RequestView(pdu)) 
 Result<PreparedRequest> prepare(const Request& request) {
     TAKT_TRY(const Pdu pdu, encode(request));
     return PreparedRequest(pdu, shape_of(request));
+}
+
+Result<PreparedRequest> prepare_write(Function function, DataAddress start, const Bits& bits,
+                                      const Registers& registers) {
+    return with_write<PreparedRequest>(function, start, bits, registers,
+                                       [](const auto& request) -> Result<PreparedRequest> {
+                                           TAKT_TRY(const Pdu pdu, codec::encode(request));
+                                           return PreparedRequest(pdu, Shape{}(request));
+                                       });
 }
 
 Result<PreparedRead> prepare(const ReadRequest& request) {

@@ -77,6 +77,7 @@ public:
 
 private:
     friend Result<PreparedRequest> prepare(const Request& request);
+    friend Result<PreparedRequest> prepare_write(Function, DataAddress, const Bits&, const Registers&);
     PreparedRequest(const Pdu& pdu, const RequestShape& shape) : pdu_(pdu), shape_(shape) {}
 
     Pdu pdu_;
@@ -90,9 +91,12 @@ private:
 [[nodiscard]] Result<Request> write_request(Function function, DataAddress start, const Bits& bits,
                                             const Registers& registers);
 
-/// Encodes a request.
+/// Encodes a request. A program that calls the first one holds the codecs of all requests.
 /// @returns what encode() returns
 [[nodiscard]] Result<PreparedRequest> prepare(const Request& request);
+/// write_request(), encoded.
+[[nodiscard]] Result<PreparedRequest> prepare_write(Function function, DataAddress start, const Bits& bits,
+                                                    const Registers& registers);
 [[nodiscard]] Result<PreparedRead> prepare(const ReadRequest& request);
 
 /// Recognises a response as a master does: whether `pdu` answers the request with that shape and those bytes.
