@@ -23,7 +23,7 @@ add_library(takt_slave STATIC ${slave_sources} retained_registers.cpp serial_dev
 target_include_directories(takt_slave PUBLIC ${slave_includes} include)
 
 # without the part that makes tables
-set(table_sources answers bytes choice executor owen_expand owen_view rules view words)
+set(table_sources answers bytes choice executor modify owen_expand owen_view rules view words)
 list(TRANSFORM table_sources PREPEND ${CMAKE_SOURCE_DIR}/src/table/)
 list(TRANSFORM table_sources APPEND .cpp)
 file(GLOB bus_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/bus/*.cpp)

@@ -221,43 +221,56 @@ void Executor::on_written(const bus::Outcome& outcome, std::uint32_t index) {
     auto& state = entries_[index];
     const auto& owner = devices_[device_of(planned)];
     const auto ended = note_outcome(outcome, device_of(planned));
-    if (ended.status != StatusCode::link_lost) note_result(planned, ended.status);
-    if (reachable(owner) && ended.status != StatusCode::link_lost) set_status(index, planned, ended.status);
+    if (ended.status != StatusCode::link_lost) note_result(planned, ended.status, Of::sent);
+    if (reachable(owner) && ended.status != StatusCode::link_lost)
+        set_status(index, planned, ended.status, Of::sent);
+    const bool old_read = modify_.step == Modify::Step::reading;
+    if (old_read && take_register(outcome, ended.status == StatusCode::ok && reachable(owner))) return;
     const bool refused =
         ended.busy && outcome.exception == static_cast<std::uint8_t>(wire::ExceptionCode::server_device_busy);
-    const bool undone = !outcome.sent || refused;
+    const bool undone = !outcome.sent || refused || (old_read && ended.transient());
     const bool unknown = ended.status != StatusCode::ok && !undone && ended.transient();
     const bool again = ended.status != StatusCode::ok &&
                        (undone || (unknown && !ended.busy && safe_to_repeat(view_, planned)));
-    if (again && reachable(owner) &&
-        bus::attempts_left(ended.status, view_.device(planned.device).attempts, state.write_failures)) {
-        if (ended.busy) state.write_not_before = after(outcome.ended_at, state.write_busy.next());
-        ask(index);
-        state.asked = true;
-        return;
-    }
-    state.write_failures = 0;
-    state.write_admitted = false;
-    state.write_busy.reset();
-    state.write_not_before = Instant::min();
+    if (!again || !reachable(owner) ||
+        !bus::attempts_left(ended.status, view_.device(planned.device).attempts, state.write_failures))
+        return end_write(index);
+    if (ended.busy) state.write_not_before = after(outcome.ended_at, state.write_busy.next());
+    write_again(index, planned);
 }
 
-void Executor::set_status(std::uint32_t index, const EntryRecord& planned, StatusCode status) {
+void Executor::write_again(std::uint32_t index, const EntryRecord& planned) {
+    ask(index);
+    entries_[index].asked = true;
+    for (std::uint32_t m = 0; m < planned.member_count; ++m) {
+        auto& item = memory_.items[view_.member(planned, m)];
+        item.pending = item.pending || item.sending;
+    }
+}
+
+bool Executor::concerns(const EntryRecord& planned, std::uint32_t item, Of of) const {
+    return of == Of::all || !writes_bits(planned) || memory_.items[item].sending;
+}
+
+void Executor::set_status(std::uint32_t index, const EntryRecord& planned, StatusCode status, Of of) {
     entries_[index].status = status;
-    note_result(planned, status);
-    put_statuses(planned, status);
+    note_result(planned, status, of);
+    put_statuses(planned, status, of);
     set_device_status(device_of(planned));
 }
 
-void Executor::note_result(const EntryRecord& planned, StatusCode status) {
+void Executor::note_result(const EntryRecord& planned, StatusCode status, Of of) {
     for (std::uint32_t m = 0; m < planned.member_count; ++m)
-        memory_.items[view_.member(planned, m)].last_result = number(status);
+        if (const auto item = view_.member(planned, m); concerns(planned, item, of))
+            memory_.items[item].last_result = number(status);
 }
 
-void Executor::put_statuses(const EntryRecord& planned, StatusCode status) {
-    for (std::uint32_t m = 0; m < planned.member_count; ++m)
-        if (const auto local = view_.item(view_.member(planned, m)).status; local != kNone)
-            put_status(local, status);
+void Executor::put_statuses(const EntryRecord& planned, StatusCode status, Of of) {
+    for (std::uint32_t m = 0; m < planned.member_count; ++m) {
+        const auto item = view_.member(planned, m);
+        const auto local = view_.item(item).status;
+        if (local != kNone && concerns(planned, item, of)) put_status(local, status);
+    }
 }
 
 // The status of a device is that of its first entry that is not ok.

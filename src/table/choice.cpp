@@ -23,6 +23,7 @@ constexpr bus::TransactionId id_of(std::uint32_t entry, bool writes) {
 
 void Executor::choose(Instant t) {
     arbiter_.begin();
+    if (modify_.step == Modify::Step::writing) return continue_modify(t);
     for (std::uint32_t e = 0; e < entries_.size(); ++e) {
         const auto planned = entry(e);
         const auto& state = devices_[device_of(planned)];
@@ -70,13 +71,17 @@ void Executor::consider_read(Instant t, std::uint32_t index, const EntryRecord& 
 
 void Executor::consider_write(Instant t, std::uint32_t index, const EntryRecord& entry, UnitId unit) {
     const auto& state = entries_[index];
-    if (!(state.asked || state.write_triggered) || !group_ready(entry)) return;
+    if (!(state.asked || state.write_triggered) || !group_ready(state, entry)) return;
     const auto& health = devices_[device_of(entry)].health;
-    const Instant due =
+    Instant due =
         health.answering() ? state.write_not_before : std::max(state.write_not_before, health.probe_at());
+    if (modifies(entry)) due = std::max(due, engine_.earliest_start(unit, written_shape(entry)));
     auto candidate = bus::Arbiter::event(id_of(index, kWrites), state.write_order);
     if (!state.write_admitted) arbiter_.defer(t, candidate);
-    consider(t, unit, written_shape(entry), due, candidate);
+    const auto first = read_before(entry);
+    consider(t, unit,
+             modifies(entry) ? bus::answer_shape(first.function, first.quantity) : written_shape(entry), due,
+             candidate);
 }
 
 // The request that probes a device that does not answer: the one that was sent least recently.
@@ -179,17 +184,43 @@ void Executor::start_read(Instant t, std::uint32_t index, bool by_trigger) {
 void Executor::start_write(Instant t, std::uint32_t index) {
     auto& state = entries_[index];
     const auto planned = entry(index);
-    const auto request = write_request(planned);
+    if (writes_bits(planned)) choose_bits(state, planned);
+    const auto request = first_request(planned);
     state.asked = state.write_triggered = false;
-    if (request) {
-        arbiter_.event_started(t, state.write_admitted);
-        submit(t, planned, id_of(index, kWrites), *request);
-        return;
+    if (!request) {
+        end_write(index);
+        return arbiter_.wake_at(t);
     }
+    if (modifies(planned)) modify_ = {.step = Modify::Step::reading, .entry = index};
+    arbiter_.event_started(t, state.write_admitted);
+    submit(t, planned, id_of(index, kWrites), *request);
+}
+
+// The second step of a read-modify-write.
+void Executor::continue_modify(Instant t) {
+    const auto index = modify_.entry;
+    const auto planned = entry(index);
+    const UnitId unit{view_.device(planned.device).unit};
+    if (!reachable(devices_[device_of(planned)])) {
+        modify_.step = Modify::Step::none;
+        end_write(index);
+        return arbiter_.wake_at(t);
+    }
+    const Instant start = engine_.earliest_start(unit, written_shape(planned));
+    if (start > t) return arbiter_.wake_at(start);
+    const auto request = bits_request(planned);
+    TAKT_ASSERT(request);  // the view keeps the functions of such an entry
+    modify_.step = Modify::Step::none;
+    arbiter_.event_started(t, entries_[index].write_admitted);
+    submit(t, planned, id_of(index, kWrites), *request);
+}
+
+void Executor::end_write(std::uint32_t index) {
+    auto& state = entries_[index];
     state.write_failures = 0;
+    state.write_admitted = false;
     state.write_busy.reset();
     state.write_not_before = Instant::min();
-    arbiter_.wake_at(t);
 }
 
 void Executor::submit(Instant t, const EntryRecord& planned, bus::TransactionId id,

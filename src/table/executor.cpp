@@ -13,9 +13,8 @@ namespace {
 bool is_run(const View& view, const EntryRecord& entry) {
     if (entry.read_trigger != kNone && view.item(entry.read_trigger).burst != 0) return false;
     const auto function = wire::Function{entry.write};
-    return function != wire::Function::mask_write_register &&
-           function != wire::Function::read_write_multiple_registers &&
-           (entry.flags & (EntryRecord::kReadModifyWrite | EntryRecord::kHasAdmission)) == 0;
+    return function != wire::Function::read_write_multiple_registers &&
+           (entry.flags & EntryRecord::kHasAdmission) == 0;
 }
 
 bus::Health fresh_health(const DeviceRecord& device) {
@@ -183,6 +182,10 @@ void Executor::on_link(Instant t, bool up) {
     take_outcomes();
     if (up == up_ && up) return;
     up_ = up;
+    if (!up && modify_.step == Modify::Step::writing) {  // nothing was written
+        modify_.step = Modify::Step::none;
+        write_again(modify_.entry, entry(modify_.entry));
+    }
     // Only the first link sets the origin of the schedule, as in poll::LinePoller.
     const bool first = up && !std::exchange(was_up_, was_up_ || up);
     if (first) {

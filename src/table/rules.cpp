@@ -177,26 +177,29 @@ bool Rules::holds(const EntryRecord& entry, std::uint32_t index) const {
 }
 
 // Each member that is read overlaps the range of the read (a part of a long value may). Members that are
-// written are contiguous and cover the range of the write.
+// written are contiguous and cover the range of the write; or they are bits of its only register.
 bool Rules::members_hold(const EntryRecord& entry) const {
-    const auto device = entry.device;
     const bool bits = wire::counts_bits(Function{entry.read != 0 ? entry.read : entry.write});
-    const bool written = entry.write != 0 && entry.write != kBoth && entry.write != 0x16 &&
-                         (entry.flags & EntryRecord::kReadModifyWrite) == 0;
+    const bool modifies = (entry.flags & EntryRecord::kReadModifyWrite) != 0;
+    const bool of_register = modifies || Function{entry.write} == Function::mask_write_register;
+    const bool whole = entry.write != 0 && entry.write != kBoth && !of_register;
+    if (of_register && entry.quantity != 1) return false;
+    if (modifies && (wire::counts_bits(Function{entry.write}) || !writes(entry.write))) return false;
     std::uint32_t next = entry.start;
     for (std::uint32_t i = 0; i < entry.member_count; ++i) {
         const auto index = view_.member(entry, i);
         if (index >= view_.item_count()) return false;
         const auto item = view_.item(index);
-        if (item.device != device || wire::is_bit_area(wire::Area{item.area}) != bits) return false;
-        if (written && item.write_place == kNone) return false;
+        if (item.device != entry.device || wire::is_bit_area(wire::Area{item.area}) != bits) return false;
+        if ((whole || of_register) && item.write_place == kNone) return false;
         const bool touched = item.start < std::uint32_t{entry.start} + entry.quantity &&
                              item.start + items_of(item) > entry.start;
         if (entry.read != 0 && entry.read != kBoth && !touched) return false;
-        if (written && item.start != next) return false;
+        if (whole && item.start != next) return false;
+        if (of_register && (item.bit == ItemRecord::kNoBit || item.start != entry.start)) return false;
         next += items_of(item);
     }
-    return !written || next - entry.start == entry.quantity;
+    return !whole || next - entry.start == entry.quantity;
 }
 
 }  // namespace takt::table

@@ -11,6 +11,11 @@ inline bus::AnswerShape read_shape(const EntryRecord& entry) {
     return bus::answer_shape(wire::Function{entry.read}, entry.quantity);
 }
 
+/// The read of a read-modify-write.
+inline wire::ReadRequest read_before(const EntryRecord& entry) {
+    return {wire::Function::read_holding_registers, DataAddress{entry.start}, entry.quantity};
+}
+
 inline bus::AnswerShape written_shape(const EntryRecord& entry) {
     return bus::answer_shape(wire::Function{entry.write}, entry.quantity);
 }

@@ -23,6 +23,10 @@ std::uint16_t in_order(const ItemRecord& item, std::uint16_t word) {
 
 }  // namespace
 
+std::uint16_t bit_mask(const ItemRecord& item) {
+    return in_order(item, static_cast<std::uint16_t>(1U << item.bit));
+}
+
 void words_from(const ItemRecord& item, std::uint16_t start, wire::RegisterView registers,
                 std::span<std::uint16_t> words) {
     for (std::size_t i = 0; i < words.size(); ++i) {
@@ -62,7 +66,8 @@ std::span<const std::uint16_t> Executor::value_to_write(const ItemRecord& item, 
     return {};
 }
 
-bool Executor::group_ready(const EntryRecord& entry) const {
+bool Executor::group_ready(const EntryState& state, const EntryRecord& entry) const {
+    if (writes_bits(entry)) return any_chosen(state, entry);
     for (std::uint32_t m = 0; m < entry.member_count; ++m) {
         const auto index = view_.member(entry, m);
         if (value_to_write(view_.item(index), index).empty()) return false;
@@ -72,6 +77,7 @@ bool Executor::group_ready(const EntryRecord& entry) const {
 
 Result<wire::PreparedRequest> Executor::write_request(const EntryRecord& entry) const {
     using wire::Function;
+    if (writes_bits(entry)) return bits_request(entry);
     const auto function = Function{entry.write};
     const bool coils = wire::counts_bits(function);
     wire::Bits bits;
@@ -97,7 +103,8 @@ Result<void> Executor::set(std::uint32_t index, std::span<const std::uint16_t> w
     if (!own || item.write == 0 || (item.flags & ItemRecord::kUsed) == 0 || words.size() != words_of(item))
         return fail(Code::not_writable, std::int64_t{index});
     std::copy(words.begin(), words.end(), memory_.wanted.begin() + item.write_place);
-    memory_.items[index].wanted = true;
+    auto& state = memory_.items[index];
+    state.wanted = true;
     // If several entries write it on change, the last one does, as in the poller.
     for (std::uint32_t e = static_cast<std::uint32_t>(entries_.size()); e-- > 0;) {
         const auto record = entry(e);
@@ -105,7 +112,7 @@ Result<void> Executor::set(std::uint32_t index, std::span<const std::uint16_t> w
         for (std::uint32_t m = 0; m < record.member_count; ++m) {
             if (view_.member(record, m) != index) continue;
             ask(e);
-            entries_[e].asked = true;
+            state.pending = entries_[e].asked = true;
             return {};
         }
     }

@@ -18,6 +18,9 @@ void words_from(const ItemRecord& item, std::uint16_t start, wire::RegisterView 
 /// Appends the registers of a number or a string; they must fit.
 void registers_of(const ItemRecord& item, std::span<const std::uint16_t> words, wire::Registers& registers);
 
+/// Of a bool in a register: its bit as on the wire.
+std::uint16_t bit_mask(const ItemRecord& item);
+
 /// The default of an item, or zeros.
 void default_words(const View& view, const ItemRecord& item, std::span<std::uint16_t> words);
 

@@ -186,6 +186,11 @@ Result<PreparedRequest> prepare_write(Function function, DataAddress start, cons
                                        });
 }
 
+Result<PreparedRequest> prepare(const MaskWriteRegisterRequest& request) {
+    TAKT_TRY(const Pdu pdu, codec::encode(request));
+    return PreparedRequest(pdu, Shape{}(request));
+}
+
 Result<PreparedRead> prepare(const ReadRequest& request) {
     TAKT_TRY(const Pdu pdu, codec::encode(request));
     PreparedRead read;

@@ -27,14 +27,18 @@ lines:
         address: 1
         poll_period: 100ms
         response_timeout: 3s
+        read_modify_write: true
         variables:
           - {name: A, type: int16, register: FIRST, read: 0x03}
           - {name: C, type: int16, register: 60, read: 0x03, write: 0x06, write_on_change: true}
           - {name: D, type: int16, register: 61, read: 0x03, read_trigger: Again}
+          - {name: W, type: int16, register: 62, read: 0x03}
+          - {name: B, type: bool, register: 62, bit: 3, read: 0x03, write: 0x06, write_on_change: true}
 locals:
   - {name: Again, type: bool}
 """
-AGAIN, A, C, D = range(4)  # items, and their words
+AGAIN, A, C, D, W, B = range(6)  # items, and their words
+ITEM_COUNT = 6
 
 
 def table_of(tmp_path, first, *options):
@@ -62,10 +66,10 @@ class Slave:
         return self._on(BUFFER, "write", "holding", first, *values, code=code)
 
     def buffer(self):
-        return self.read(BUFFER, "holding", 0, 4)
+        return self.read(BUFFER, "holding", 0, ITEM_COUNT)
 
     def qualities(self):
-        return self.read(BUFFER, "input", 0, 8)[1::2]
+        return self.read(BUFFER, "input", 0, 2 * ITEM_COUNT)[1::2]
 
     def shown(self):
         return self.read(LOADER, "input", 0, 5)
@@ -99,8 +103,8 @@ def controller(tmp_path, table, board="an385"):
 @pytest.mark.parametrize("board", ["an385", "an386"])
 def test_the_buffer_is_shown_and_written(tmp_path, board):
     with controller(tmp_path, table_of(tmp_path, 3), board) as shown:
-        until(lambda: shown.buffer() == [0, 3, 60, 61], "the values of the meter")
-        assert shown.qualities() == [GOOD] * 4
+        until(lambda: shown.buffer() == [0, 3, 60, 61, 62, 1], "the values of the meter")
+        assert shown.qualities() == [GOOD] * ITEM_COUNT
         shown.write(C, 77)
         until(lambda: shown.buffer()[C] == 77, "the meter has the new value")
         refused = shown.write(A, 5, code=None)
@@ -108,7 +112,7 @@ def test_the_buffer_is_shown_and_written(tmp_path, board):
         shown.write(AGAIN, 1)
         assert shown.buffer()[AGAIN] == 1
         state, error, entries, items, stack = shown.shown()
-        assert (state, error, entries, items) == (RUNNING, 0, 4, 4)
+        assert (state, error, entries, items) == (RUNNING, 0, 5, ITEM_COUNT)
         assert 0 < stack < STACK_LIMIT
 
 
@@ -143,5 +147,7 @@ def test_a_table_of_owen_kc1_is_loaded_where_none_is(tmp_path):
         assert refused.code != 0 and "exception 2" in refused.out + refused.err
         assert shown.shown()[:2] == [0, 0]
         shown.load(table_of(tmp_path, 9, "owen-kc1").read_bytes())
-        until(lambda: shown.buffer() == [0, 9, 60, 61], "the table runs")
+        until(lambda: shown.buffer() == [0, 9, 60, 61, 62, 1], "the table runs")
         assert shown.shown()[:2] == [RUNNING, 0]
+        shown.write(B, 0)
+        until(lambda: shown.buffer()[W:] == [62 - 8, 0], "the bit was written, and its neighbours stay")

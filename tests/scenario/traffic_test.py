@@ -77,8 +77,8 @@ def test_scenario_1_in_ascii(project, pair, tmp_path):
 def test_scenario_2_sends_the_ten_requests_of_the_source(project, pair, tmp_path):
     path = project(scenario_1(grouped=False, port=pair.a))
     with served(path, pair):
-        # On a slow machine every second one is a check of requests that look alike.
-        sent = requests_of(run_until(path, pair, tmp_path, 2 * len(UNGROUPED) + 2))
+        # On a slow machine some are repeated, or are checks of requests that look alike.
+        sent = requests_of(run_until(path, pair, tmp_path, 4 * len(UNGROUPED)))
     sent = list(dict.fromkeys(without_checks(sent)))
     assert sent == UNGROUPED, "these ten, first by ascending address, and nothing else"
 

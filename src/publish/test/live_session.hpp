@@ -62,7 +62,7 @@ public:
         EXPECT_EQ(name(status().last_failure->kind), name(kind)) << status().last_failure->text;
         return status().last_failure->kind == kind;
     }
-    bool delivers_all(Duration limit = 10s) {
+    bool delivers_all(Duration limit = 300s) {
         return run([this] { return source.cursor == source.count; }, limit);
     }
 

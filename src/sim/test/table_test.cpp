@@ -1,4 +1,6 @@
 // The executor of a request table and the poller of its project: the same frames at the same nanosecond.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -174,28 +176,48 @@ std::unique_ptr<TableSide> table_side(const model::Project& project, const plan:
     return TableSide::of_project(project, table::build(project, plan, options).value());
 }
 
-/// Runs both; how many frames the master sent, after comparing all.
-std::size_t compare(const model::Project& project, const plan::Plan& plan, TableSide& from_table,
-                    const Script& script, Duration end) {
+std::string text_of(const Record::Entry& entry) {
+    return fmt::format("{} at {} ns: {:02X}", entry.sender, entry.start.time_since_epoch().count(),
+                       fmt::join(entry.bytes, " "));
+}
+
+/// What differs first; empty: nothing. Properties shrink by it, so it is no expectation.
+struct Compared {
+    std::size_t sent = 0;  ///< frames of the master
+    std::string difference;
+};
+
+/// Runs both.
+Compared compare(const model::Project& project, const plan::Plan& plan, TableSide& from_table,
+                 const Script& script, Duration end) {
     PolledSide polled(project, plan);
     const auto a = frames(project, polled, script, end);
     const auto b = frames(project, from_table, script, end);
-    std::size_t sent = 0;
+    Compared result;
     for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-        sent += a[i].sender == 0 ? 1U : 0U;
-        EXPECT_TRUE(a[i] == b[i]) << "frame " << i << " at " << a[i].start.time_since_epoch().count()
-                                  << " and " << b[i].start.time_since_epoch().count() << " ns";
-        if (!(a[i] == b[i])) return sent;
+        result.sent += a[i].sender == 0 ? 1U : 0U;
+        if (a[i] == b[i]) continue;
+        result.difference = fmt::format("frame {}: {}; table: {}", i, text_of(a[i]), text_of(b[i]));
+        return result;
     }
-    EXPECT_EQ(a.size(), b.size());
+    if (a.size() != b.size()) result.difference = fmt::format("{} frames; table: {}", a.size(), b.size());
     for (const char* status : {"state", "status"})
-        EXPECT_EQ(polled.number(status), from_table.word(status)) << status;
-    return sent;
+        if (polled.number(status) != from_table.word(status))
+            result.difference +=
+                fmt::format(" {}: {}; table: {}", status, polled.number(status), from_table.word(status));
+    return result;
 }
 
-std::size_t compare(const model::Project& project, const Script& script, Duration end) {
+Compared compare(const model::Project& project, const Script& script, Duration end) {
     const auto plan = plan::make_plan(project);
     return compare(project, plan, *table_side(project, plan), script, end);
+}
+
+/// How many frames the master sent; there must be no difference.
+std::size_t sent_by_both(const model::Project& project, const Script& script, Duration end) {
+    const auto compared = compare(project, script, end);
+    EXPECT_EQ(compared.difference, "");
+    return compared.sent;
 }
 
 model::Variable variable(std::string name, DataType type, std::uint16_t number, Duration period,
@@ -256,11 +278,11 @@ model::Device floats(bool grouped) {
 }
 
 TEST(Table, Scenario1) {
-    EXPECT_EQ(compare(project({floats(true)}, model::PollOrder::address), {}, 1s), 10U);
+    EXPECT_EQ(sent_by_both(project({floats(true)}, model::PollOrder::address), {}, 1s), 10U);
 }
 
 TEST(Table, Scenario2) {
-    EXPECT_EQ(compare(project({floats(false)}, model::PollOrder::address), {}, 1s), 100U);
+    EXPECT_EQ(sent_by_both(project({floats(false)}, model::PollOrder::address), {}, 1s), 100U);
 }
 
 TEST(Table, Scenario3WithTriggers) {
@@ -273,7 +295,7 @@ TEST(Table, Scenario3WithTriggers) {
                         {34ms, Set{"read", true}},
                         {60ms, Set{"go", false}},
                         {70ms, Set{"go", true}}};
-    EXPECT_EQ(compare(project({node}), script, 1s), 30U + 3U);
+    EXPECT_EQ(sent_by_both(project({node}), script, 1s), 30U + 3U);
 }
 
 TEST(Table, SeveralPeriodsAndALineThatIsTooSlow) {
@@ -287,9 +309,9 @@ TEST(Table, SeveralPeriodsAndALineThatIsTooSlow) {
     }
     for (const auto order : {model::PollOrder::deadline, model::PollOrder::address}) {
         auto described = project(devices, order);
-        EXPECT_GT(compare(described, {}, 3s), 100U);
+        EXPECT_GT(sent_by_both(described, {}, 3s), 100U);
         described.lines[0].format = {9600, 8, wire::Parity::even, 1};
-        EXPECT_GT(compare(described, {}, 3s), 50U);
+        EXPECT_GT(sent_by_both(described, {}, 3s), 50U);
     }
 }
 
@@ -314,7 +336,41 @@ TEST(Table, WritesOnChangeAndByTrigger) {
                         {300ms, Set{"P", true}},
                         {301ms, Set{"A", std::int64_t{7}}},
                         {301ms, Set{"P", false}}};
-    EXPECT_GT(compare(project({node}), script, 1s), 10U);
+    EXPECT_GT(sent_by_both(project({node}), script, 1s), 10U);
+}
+
+// Between the two steps of a read-modify-write another device is due, its link is lost, or it is switched
+// off.
+TEST(Table, BitsOfARegister) {
+    for (const bool mask : {true, false}) {
+        auto node = device("D", 1);
+        auto other = device("E", 2);
+        other.variables = {variable("V", DataType::int16, 0, 20ms)};
+        node.fc22 = mask;
+        node.read_modify_write = !mask;
+        node.poll_enable = 2;
+        node.order.high_byte_first = false;
+        for (std::uint16_t i = 0; i < 3; ++i) {
+            auto& bit = node.variables.emplace_back(
+                variable("B" + std::to_string(i), DataType::boolean, 16 * 7 + i, 50ms));
+            bit.order = node.order;
+            bit.write = Function::write_single_register;
+            bit.write_on_change = true;
+            bit.status = 4;
+        }
+        const auto described = project({node, other});
+        EXPECT_GT(sent_by_both(described, {{100ms, Set{"B0", true}}, {100ms, Set{"B2", true}}}, 1s), 50U);
+        for (Duration then = 100ms; then < 130ms; then += 1ms) {
+            EXPECT_GT(sent_by_both(described, {{100ms, Set{"B1", true}}, {then, Set{"on", false}}}, 1s), 20U);
+            const Script lost{{100ms, Set{"B1", true}}, {then, Link{false}}, {200ms, Link{true}}};
+            EXPECT_GT(sent_by_both(described, lost, 1s), 20U);
+        }
+        const Script busy{{90ms, Behave{0, false, wire::ExceptionCode::server_device_busy}},
+                          {100ms, Set{"B0", true}},
+                          {150ms, Set{"B1", true}},
+                          {400ms, Behave{0, false, {}}}};
+        EXPECT_GT(sent_by_both(described, busy, 2s), 50U);
+    }
 }
 
 TEST(Table, DefaultsOfMembersThatWereNeitherSetNorRead) {
@@ -331,7 +387,7 @@ TEST(Table, DefaultsOfMembersThatWereNeitherSetNorRead) {
                         {80ms, Set{"go", false}},
                         {90ms, Set{"A", std::int64_t{7}}},
                         {100ms, Set{"go", true}}};
-    EXPECT_EQ(compare(project({node}), script, 1s), 4U);
+    EXPECT_EQ(sent_by_both(project({node}), script, 1s), 4U);
 }
 
 TEST(Table, ADeadDeviceAndOneThatComesBack) {
@@ -350,7 +406,7 @@ TEST(Table, ADeadDeviceAndOneThatComesBack) {
                         {21s, Behave{2, false, wire::ExceptionCode::gateway_target_failed_to_respond}},
                         {30s, Link{false}},
                         {31s, Link{true}}};
-    EXPECT_GT(compare(project(devices), script, 60s), 1000U);
+    EXPECT_GT(sent_by_both(project(devices), script, 60s), 1000U);
 }
 
 // At any moment: the transaction in flight ends, and nothing follows.
@@ -402,7 +458,7 @@ TEST(Table, AStatusAbove255OutlivesAnOutage) {
                         {2s, Behave{0, true, {}}},
                         {6s, Behave{0, false, {}}}};
     const auto described = project({node});
-    EXPECT_GT(compare(described, script, 30s), 100U);
+    EXPECT_GT(sent_by_both(described, script, 30s), 100U);
     const auto side = table_side(described, plan::make_plan(described));
     frames(described, *side, script, 30s);
     EXPECT_EQ(side->word("status"), 456);
@@ -432,7 +488,8 @@ Happening any_happening(const std::vector<std::string>& names, std::size_t devic
 model::Device any_device(int number) {
     auto made = device("D" + std::to_string(number), static_cast<std::uint8_t>(number));
     if (*rc::gen::arbitrary<bool>()) made.poll_enable = 2;
-    if (*rc::gen::arbitrary<bool>()) made.status = 3;
+    // One at most: which of two writes its status last, is no part of a table.
+    if (number == 1 && *rc::gen::arbitrary<bool>()) made.status = 3;
     made.attempts = static_cast<std::uint16_t>(*rc::gen::inRange(1, 4));
     return made;
 }
@@ -452,13 +509,19 @@ RC_GTEST_PROP(Table, AnyProjectAnyTrouble, ()) {
         made.strategy =
             *rc::gen::element(model::Strategy::single, model::Strategy::classic, model::Strategy::optimal);
         made.gaps = *rc::gen::element(model::Gaps::never, model::Gaps::always);
+        made.fc22 = *rc::gen::arbitrary<bool>();
+        made.read_modify_write = !made.fc22;
+        made.order.high_byte_first = *rc::gen::arbitrary<bool>();
         for (int v = *rc::gen::inRange(0, 6); v > 0; --v) {
             const bool coil = *rc::gen::inRange(0, 4) == 0;
-            auto& made_variable = made.variables.emplace_back(variable(
-                "V" + std::to_string(d) + std::to_string(v), coil ? DataType::boolean : DataType::int16,
-                static_cast<std::uint16_t>(*rc::gen::inRange(0, 12)),
-                std::chrono::milliseconds(*rc::gen::element(0, 30, 100, 300)),
-                coil ? Function::read_coils : Function::read_holding_registers));
+            const bool bit = !coil && *rc::gen::inRange(0, 3) == 0;
+            auto& made_variable = made.variables.emplace_back(
+                variable("V" + std::to_string(d) + std::to_string(v),
+                         coil || bit ? DataType::boolean : DataType::int16,
+                         static_cast<std::uint16_t>(*rc::gen::inRange(0, bit ? 32 : 12)),
+                         std::chrono::milliseconds(*rc::gen::element(0, 30, 100, 300)),
+                         coil ? Function::read_coils : Function::read_holding_registers));
+            made_variable.order = made.order;
             if (*rc::gen::arbitrary<bool>()) made_variable.read_trigger = 1;
             if (*rc::gen::arbitrary<bool>()) made_variable.status = 4;
             if (*rc::gen::arbitrary<bool>()) continue;
@@ -475,8 +538,7 @@ RC_GTEST_PROP(Table, AnyProjectAnyTrouble, ()) {
     const auto count = devices.size();
     const auto described =
         project(std::move(devices), *rc::gen::element(model::PollOrder::deadline, model::PollOrder::address));
-    compare(described, any_script(written, count), 6s);
-    RC_ASSERT(!::testing::Test::HasFailure());
+    RC_ASSERT(compare(described, any_script(written, count), 6s).difference == "");
 }
 
 // The same for the table of a controller, as far as it holds the project.
@@ -488,15 +550,21 @@ RC_GTEST_PROP(Table, AnyControllerAnyTrouble, ()) {
         made.strategy = *rc::gen::element(model::Strategy::single, model::Strategy::classic);
         made.poll_period = std::chrono::milliseconds(*rc::gen::element(0, 40, 100));
         made.response_timeout_set = true;
+        made.read_modify_write = true;
+        made.order.high_byte_first = *rc::gen::arbitrary<bool>();
         const Duration pause = std::max<Duration>(made.poll_period, 1ms);
         made.backoff = model::Backoff{.first = pause, .limit = pause};
         for (int v = *rc::gen::inRange(0, 6); v > 0; --v) {
-            const int kind = *rc::gen::inRange(0, 4);
-            const auto type = kind == 0 ? DataType::boolean : kind == 1 ? DataType::float32 : DataType::int16;
+            const int kind = *rc::gen::inRange(0, 5);  // 0: a coil, 4: a bit of a register
+            const auto type = kind % 4 == 0 ? DataType::boolean
+                              : kind == 1   ? DataType::float32
+                                            : DataType::int16;
             auto& made_variable = made.variables.emplace_back(
                 variable("V" + std::to_string(d) + std::to_string(v), type, static_cast<std::uint16_t>(3 * v),
                          *rc::gen::element(Duration(made.poll_period), Duration(30ms), Duration(300ms)),
                          kind == 0 ? Function::read_coils : Function::read_holding_registers));
+            if (kind == 4) made_variable.register_number = static_cast<std::uint16_t>(40 + v);
+            made_variable.order = made.order;
             if (*rc::gen::arbitrary<bool>()) made_variable.read_trigger = 1;
             if (*rc::gen::arbitrary<bool>()) made_variable.status = 4;
             if (type == DataType::float32 || *rc::gen::arbitrary<bool>()) continue;
@@ -517,9 +585,12 @@ RC_GTEST_PROP(Table, AnyControllerAnyTrouble, ()) {
     const auto view = table::OwenView::open(owen).value();
     table::Image image(table::expanded_size(view));
     RC_ASSERT(table::expand(view, image).has_value());
-    compare(described, plan, *TableSide::of_controller(described, std::move(image)),
-            any_script(written, count), 6s);
-    RC_ASSERT(!::testing::Test::HasFailure());
+    // A controller knows no response times, which a plan counts: near a whole load it may think otherwise of
+    // the order of late reads.
+    RC_PRE((plan.lines[0].utilization > 1) == (table::View::open(image)->line(0).utilization > 1));
+    const auto compared = compare(described, plan, *TableSide::of_controller(described, std::move(image)),
+                                  any_script(written, count), 6s);
+    RC_ASSERT(compared.difference == "");
 }
 
 }  // namespace table_test

@@ -26,9 +26,11 @@ struct ItemState {
     std::uint16_t status = 0;       ///< docs/specification.md, section 7: 0, exception 1..11, 100..105
     std::uint16_t last_result = 0;  ///< status of its last read or write that was sent
     Quality quality = Quality::never_read;
-    bool read = false;    ///< `read` of the memory has its words: as last read, else its default
-    bool wanted = false;  ///< `wanted` of the memory has its words
-    bool away = false;    ///< the status shown is that of its device
+    bool read : 1 = false;     ///< `read` of the memory has its words: as last read, else its default
+    bool wanted : 1 = false;   ///< `wanted` of the memory has its words
+    bool away : 1 = false;     ///< the status shown is that of its device
+    bool pending : 1 = false;  ///< a bit of a register: set since the last write on change
+    bool sending : 1 = false;  ///< likewise: part of the last write of its entry
 };
 
 /// The value buffer, shared by the executors of all lines of a table. The caller owns it; the words of
@@ -95,8 +97,7 @@ void initialise(const View& view, const Memory& memory);
 /// could be mistaken for that to a read, the poller may send another read. The executor waits, and repeats
 /// the read if its response is in doubt (LinePoller::Options::distinct_reads).
 ///
-/// Not supported: 0x16, 0x17, read-modify-write, rate limits of single entries, and more than one transaction
-/// at a time.
+/// Not supported: 0x17, rate limits of single entries, and more than one transaction at a time.
 ///
 /// Never allocates. One owner, one thread; view, memory and workspace must outlive it.
 class Executor final : public Engine {
@@ -142,6 +143,14 @@ public:
     [[nodiscard]] const bus::LineCounters& counters() const { return engine_.counters(); }
 
 private:
+    /// A read-modify-write. Nothing is sent between its steps, so that it is atomic on the line.
+    struct Modify {
+        enum class Step : std::uint8_t { none, reading, writing };  // writing: the write is to be sent
+        Step step = Step::none;
+        std::uint16_t old = 0;  // the register as read
+        std::uint32_t entry = 0;
+    };
+
     // executor.cpp
     /// Of a transaction, or of a job of the arbiter.
     [[nodiscard]] static std::uint32_t entry_of(bus::TransactionId id) {
@@ -191,6 +200,8 @@ private:
     [[nodiscard]] bus::PolledRead polled_read(std::uint32_t index, const EntryRecord& entry) const;
     void start_read(Instant t, std::uint32_t index, bool by_trigger);
     void start_write(Instant t, std::uint32_t index);
+    void continue_modify(Instant t);
+    void end_write(std::uint32_t index);
     void submit(Instant t, const EntryRecord& entry, bus::TransactionId id,
                 const wire::PreparedRequest& request);
 
@@ -198,6 +209,7 @@ private:
     bus::OutcomeStatus note_outcome(const bus::Outcome& outcome, std::uint32_t device);
     void on_read(const bus::Outcome& outcome, std::uint32_t index);
     void on_written(const bus::Outcome& outcome, std::uint32_t index);
+    void write_again(std::uint32_t index, const EntryRecord& entry);
     void note_delay(const bus::Outcome& outcome, DeviceState& state) const;
     void note_late(const bus::LateResponse& late);
     void note_surplus(const bus::SurplusFrame& frame);
@@ -208,18 +220,34 @@ private:
     void degrade(const EntryRecord& entry, Quality quality, StatusCode status, bool to_default);
     void degrade_item(std::uint32_t item, Quality quality, StatusCode status, bool to_default);
     void degrade_device(std::uint32_t device, StatusCode status, bool to_default);
-    void set_status(std::uint32_t index, const EntryRecord& entry, StatusCode status);
-    void note_result(const EntryRecord& entry, StatusCode status);
-    void put_statuses(const EntryRecord& entry, StatusCode status);
+    /// Of a read, and of a request that was refused: of all members. Of a write: of those that were sent.
+    enum class Of : std::uint8_t { all, sent };
+    [[nodiscard]] bool concerns(const EntryRecord& entry, std::uint32_t item, Of of) const;
+    void set_status(std::uint32_t index, const EntryRecord& entry, StatusCode status, Of of = Of::all);
+    void note_result(const EntryRecord& entry, StatusCode status, Of of);
+    void put_statuses(const EntryRecord& entry, StatusCode status, Of of = Of::all);
     void put_statuses_of_device(std::uint32_t device, StatusCode status);
     void restore_statuses(std::uint32_t device);
     void set_device_status(std::uint32_t device);
     void put_status(std::uint32_t item, StatusCode status);
 
+    // modify.cpp
+    [[nodiscard]] static bool modifies(const EntryRecord& entry) {
+        return (entry.flags & EntryRecord::kReadModifyWrite) != 0;
+    }
+    [[nodiscard]] static bool writes_bits(const EntryRecord& entry);
+    [[nodiscard]] bool any_wanted(const EntryRecord& entry) const;
+    [[nodiscard]] bool is_chosen(const EntryState& state, const EntryRecord& entry, std::uint32_t item) const;
+    [[nodiscard]] bool any_chosen(const EntryState& state, const EntryRecord& entry) const;
+    void choose_bits(const EntryState& state, const EntryRecord& entry);
+    [[nodiscard]] Result<wire::PreparedRequest> bits_request(const EntryRecord& entry) const;
+    [[nodiscard]] Result<wire::PreparedRequest> first_request(const EntryRecord& entry) const;
+    [[nodiscard]] bool take_register(const bus::Outcome& outcome, bool ok);
+
     // words.cpp
     [[nodiscard]] std::span<const std::uint16_t> value_to_write(const ItemRecord& item,
                                                                 std::uint32_t index) const;
-    [[nodiscard]] bool group_ready(const EntryRecord& entry) const;
+    [[nodiscard]] bool group_ready(const EntryState& state, const EntryRecord& entry) const;
     [[nodiscard]] Result<wire::PreparedRequest> write_request(const EntryRecord& entry) const;
     void ask(std::uint32_t index);
 
@@ -230,6 +258,7 @@ private:
     std::span<DeviceState> devices_;
     bus::TransactionEngineOf<1> engine_;
     bus::Arbiter arbiter_;
+    Modify modify_;
     std::uint64_t last_order_ = 0;
     Instant epoch_;  // origin of the release grid: the first link
     bool up_ = false;

@@ -78,6 +78,7 @@ public:
 private:
     friend Result<PreparedRequest> prepare(const Request& request);
     friend Result<PreparedRequest> prepare_write(Function, DataAddress, const Bits&, const Registers&);
+    friend Result<PreparedRequest> prepare(const MaskWriteRegisterRequest& request);
     PreparedRequest(const Pdu& pdu, const RequestShape& shape) : pdu_(pdu), shape_(shape) {}
 
     Pdu pdu_;
@@ -98,6 +99,7 @@ private:
 [[nodiscard]] Result<PreparedRequest> prepare_write(Function function, DataAddress start, const Bits& bits,
                                                     const Registers& registers);
 [[nodiscard]] Result<PreparedRead> prepare(const ReadRequest& request);
+[[nodiscard]] Result<PreparedRequest> prepare(const MaskWriteRegisterRequest& request);
 
 /// Recognises a response as a master does: whether `pdu` answers the request with that shape and those bytes.
 /// Of a request that could not be decoded, every response with its function does.
