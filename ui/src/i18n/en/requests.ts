@@ -22,7 +22,10 @@ export const requests = {
       ? `${of(grouped, 'request')}, one for each variable`
       : `${of(grouped, 'request')} instead of ${single}`,
   busy: 'Line busy',
-  busyWorst: (percent: string) => `${percent} in the worst case`,
+  busyHint: 'The share of the time that the polled requests take on the line, as `takt check` prints it.',
+  busyWorst: (percent: string) =>
+    `The proof takes the longest time of each request, and limited commands as often as they may be sent: ` +
+    `the line is busy ${percent} in the worst case.`,
   round: (time: string) => `a round takes ${time}`,
   estimate: 'Estimated: 5 ms of turnaround are assumed for devices that were not measured.',
   unmeasured: {

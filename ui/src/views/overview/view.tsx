@@ -11,7 +11,7 @@ import { values } from '../../store/live';
 import { draft, isChanged, loaded } from '../../store/project';
 import { half, select } from '../project/selection';
 import { plan } from '../requests/plan';
-import { isEstimated, LoadMeter, loadTone, TONES } from '../requests/summary';
+import { LoadMeter, loadText, loadTone, TONES } from '../requests/summary';
 import { percent } from '../requests/words';
 import { type DeviceAge, deviceAges } from './ages';
 import { counted, DeviceMap, mapped } from './device_map';
@@ -34,8 +34,7 @@ function LineLoad({ line }: { line: LineStatus }) {
   // The plan is that of the draft, which runs where nothing is edited.
   const planned = isChanged.value ? undefined : plan.value.find((its) => its.name === line.name);
   const word = t.value.devices.lineState[line.state as keyof typeof t.value.devices.lineState] ?? line.state;
-  const worst = planned && !isEstimated(planned) ? planned.worst_utilization : 0;
-  const text = percent(line.load);
+  const text = texts.now(percent(line.load));
   return (
     <li>
       <p>
@@ -45,18 +44,17 @@ function LineLoad({ line }: { line: LineStatus }) {
         <span class="spring" />
         <b>{text}</b>
         {planned && (
-          <span class="muted">
-            {texts.planned(`${isEstimated(planned) ? '≈ ' : ''}${percent(planned.utilization)}`)}
+          <span class="muted" title={t.value.requests.busyHint}>
+            {texts.planned(loadText(planned))}
           </span>
         )}
       </p>
       <LoadMeter
         label={`${t.value.requests.busy}: ${line.name}`}
         load={line.load}
-        worst={worst}
         tone={planned ? loadTone(planned) : 'good'}
         text={text}
-        title={worst > 0 ? t.value.requests.busyWorst(percent(worst)) : text}
+        title={text}
       />
       {planned && planned.verdict !== 'holds' && (
         <p class="small">

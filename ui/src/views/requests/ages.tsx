@@ -5,6 +5,7 @@ import { type Column, Grid } from '../../widgets/grid';
 import { lightVariable, lit, revealVariable } from '../project/selection';
 import { type Age, fullness } from './figures';
 import { lineNumber } from './plan';
+import { isEstimated } from './summary';
 import { microseconds, percent, requestWords } from './words';
 
 function Bar({ age }: { age: Age }) {
@@ -36,7 +37,8 @@ function columns(line: PlannedLine): Column<Age>[] {
     {
       key: 'age',
       title: texts.columns.age,
-      width: '128px',
+      width: '140px',
+      foldedWidth: '128px',
       align: 'right',
       cell: (its) => (
         <span class={its.unknown ? 'muted' : its.holds ? '' : 'bad'}>
@@ -93,7 +95,9 @@ export function Ages({ line, ages }: { line: PlannedLine; ages: Age[] }) {
         }}
         empty={texts.none}
       />
-      <p class="request-details muted small">{texts.legend}</p>
+      <p class="request-details muted small">
+        {texts.legend} {!isEstimated(line) && t.value.requests.busyWorst(percent(line.worst_utilization))}
+      </p>
     </>
   );
 }

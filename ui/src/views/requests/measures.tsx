@@ -24,7 +24,8 @@ function apply(measure: Measure): void {
 
 const valueText = (text: string) => (/^\d/.test(text) ? durationText(text) : wordText(text));
 
-function Changes({ measure }: { measure: Measure }) {
+/** What the measure changes, and what the proof then has. */
+function Changes({ measure, estimated }: { measure: Measure; estimated: boolean }) {
   const texts = t.value.requests.measures;
   return (
     <details>
@@ -40,6 +41,12 @@ function Changes({ measure }: { measure: Measure }) {
         {measure.changes.length > MOST_SHOWN && (
           <li class="muted">{t.value.requests.details.more(measure.changes.length - MOST_SHOWN)}</li>
         )}
+        {/* The load before would count the time-outs of devices that were not measured. */}
+        <li class="muted">
+          {estimated
+            ? texts.afterOnly(`≈ ${percent(measure.utilization_after)}`)
+            : texts.after(percent(measure.utilization_before), percent(measure.utilization_after))}
+        </li>
       </ul>
     </details>
   );
@@ -53,10 +60,10 @@ export function Measures({ line }: { line: PlannedLine }) {
     return line.verdict !== 'holds' && seekingMeasures.value ? (
       <p class="measures muted">{texts.searching}</p>
     ) : null;
-  // The load before would count the time-outs of devices that were not measured.
   const estimated = isEstimated(line);
   const calm = line.verdict === 'holds';
-  const time = (us: number | null) => (us === null ? texts.unbounded : microseconds(us));
+  const time = (us: number | null) =>
+    us === null ? texts.unbounded : `${estimated ? '≈ ' : ''}${microseconds(us)}`;
   return (
     <details class={`measures ${calm ? 'calm' : ''}`} open={!calm}>
       <summary>{calm ? texts.titleFaults(line.measures.length) : texts.title}</summary>
@@ -69,13 +76,9 @@ export function Measures({ line }: { line: PlannedLine }) {
               <div>
                 <b>{withUnits(its.text)}</b>
                 <span class="muted small">
-                  {estimated
-                    ? texts.afterOnly(percent(its.utilization_after))
-                    : texts.after(percent(its.utilization_before), percent(its.utilization_after))}
-                  {'; '}
                   {texts.response(its.variable, time(its.response_before_us), time(its.response_after_us))}
                 </span>
-                <Changes measure={its} />
+                <Changes measure={its} estimated={estimated} />
               </div>
               <button
                 type="button"

@@ -36,19 +36,15 @@ export function loadTone(line: PlannedLine): 'bad' | 'warn' | 'good' {
   if (line.utilization > 1) return 'bad';
   return line.verdict !== 'holds' && line.utilization > 0.8 ? 'warn' : 'good';
 }
-/** Without a turnaround the load is an estimate, and there is no worst case. */
+/** Without a turnaround the load is an estimate. */
 export const isEstimated = (line: PlannedLine) => line.devices.some((its) => its.turnaround_us === null);
+/** "34.4 %", "≈ 6.0 %" */
+export const loadText = (line: PlannedLine, share = line.utilization) =>
+  `${isEstimated(line) ? '≈ ' : ''}${percent(share)}`;
 
 /** Parts of the line's time; the whole bar is all of it, or what is more than that. */
-export function LoadMeter(props: {
-  label: string;
-  load: number;
-  worst: number;
-  tone: string;
-  text: string;
-  title: string;
-}) {
-  const scale = Math.max(1, props.load, props.worst);
+export function LoadMeter(props: { label: string; load: number; tone: string; text: string; title: string }) {
+  const scale = Math.max(1, props.load);
   const width = (share: number) => `${Math.min(100, (share / scale) * 100)}%`;
   return (
     <div
@@ -61,7 +57,6 @@ export function LoadMeter(props: {
       aria-valuetext={props.text}
       title={props.title}
     >
-      <span class="worst" style={{ width: width(props.worst) }} />
       <span class={`now ${props.tone}`} style={{ width: width(props.load) }} />
       {scale > 1 && <span class="full" style={{ left: width(1) }} />}
     </div>
@@ -71,19 +66,17 @@ export function LoadMeter(props: {
 export function Utilisation({ line }: { line: PlannedLine }) {
   const texts = t.value.requests;
   const estimated = isEstimated(line);
-  const worst = estimated ? 0 : line.worst_utilization;
   const tone = loadTone(line);
-  const text = `${estimated ? '≈ ' : ''}${percent(line.utilization)}`;
+  const text = loadText(line);
   return (
     <div class="utilisation">
       <span class="muted">{texts.busy}</span>
       <LoadMeter
         label={texts.busy}
         load={line.utilization}
-        worst={worst}
         tone={`${tone} ${estimated ? 'estimate' : ''}`}
         text={text}
-        title={estimated ? texts.estimate : texts.busyWorst(percent(worst))}
+        title={estimated ? texts.estimate : texts.busyHint}
       />
       <b class={tone === 'bad' ? 'bad' : ''}>{text}</b>
     </div>
@@ -132,7 +125,7 @@ export function Strategies({ line }: { line: PlannedLine }) {
                 style={{ width: `${(cost.utilization / scale) * 100}%` }}
               />
             </div>
-            <span class={`figure ${bad ? 'bad' : ''}`}>{percent(cost.utilization)}</span>
+            <span class={`figure ${bad ? 'bad' : ''}`}>{loadText(line, cost.utilization)}</span>
             {current === name ? (
               <span class="muted small in-use">{texts.current}</span>
             ) : (

@@ -29,7 +29,8 @@ export function whenWords(its: PlannedRequest): string {
   if (its.write_on_change) parts.push(texts.onChange);
   return parts.join('; ') || texts.command;
 }
-export const percent = (share: number) => `${formatNumber(share * 100, share < 0.1 ? 1 : 0)} %`;
+/** With the digits of `takt check`. */
+export const percent = (share: number) => `${(share * 100).toFixed(1)} %`;
 export const microseconds = (us: number) => formatDuration(us / 1000);
 /** Selects a request of a line, also after the plan was computed again. */
 export function requestKey(its: PlannedRequest): string {
