@@ -1,6 +1,7 @@
 import { effect, signal } from '@preact/signals';
 import type { ComponentType } from 'preact';
 import { LANGUAGES, type Language, language, setLanguage, t } from './i18n';
+import { keepFocus } from './shell/focus';
 import { ProblemsDialog } from './shell/problems';
 import { VIEWS, type View, view, isViewNamed, show } from './shell/route';
 import { theme, toggleTheme } from './shell/theme';
@@ -115,7 +116,9 @@ function onKeyDown(event: KeyboardEvent): void {
   if (!run) return;
   const editor = (event.target as Element).closest?.('dialog, .cell-editor');
   if (!editor || run === askToSave) event.preventDefault();
-  if (!editor) run();
+  if (editor) return;
+  run();
+  keepFocus();
 }
 addEventListener('keydown', onKeyDown);
 

@@ -1,6 +1,7 @@
 import type { ComponentChildren } from 'preact';
 import { useEffect, useRef } from 'preact/hooks';
 import { t } from '../i18n';
+import { keepFocus } from './focus';
 
 /** A modal dialog. Escape and Cancel call onClose; the form's default button calls onAccept. */
 export function Dialog(props: {
@@ -20,7 +21,10 @@ export function Dialog(props: {
     const dialog = element.current;
     dialog?.showModal();
     // An element that is only removed does not give the focus back.
-    return () => dialog?.close();
+    return () => {
+      dialog?.close();
+      keepFocus();
+    };
   }, []);
   const disabled = props.acceptDisabled || Boolean(props.refusal);
   const button = useRef<HTMLButtonElement>(null);

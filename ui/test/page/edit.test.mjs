@@ -374,12 +374,22 @@ test('an empty project begins with an example, which runs after saving', async (
   await dialog.getByLabel('Port', { exact: true }).fill('/dev/ttyS7');
   assert.ok(await accept.isEnabled());
   await dialog.getByLabel('Connection').selectOption('simulated');
+  // The button that was pressed is gone: the one that acts next has the focus.
+  const next = page.getByRole('button', { name: 'Save…' }).and(page.locator(':focus'));
   await accept.click();
   await page.getByRole('treeitem', { name: /^Simulated/ }).waitFor();
+  await next.waitFor();
+  // A button that can be pressed no more leaves the focus to the tree.
+  const tree = page.getByRole('tree').and(page.locator(':focus'));
   await undo.click();
-  await page.getByRole('button', { name: 'Example' }).click();
-  await page.getByRole('button', { name: 'Save…' }).click();
-  await page.getByRole('dialog').getByRole('button', { name: 'Save and apply' }).click();
+  await tree.waitFor();
+  await page.getByRole('button', { name: 'Example' }).press('Enter');
+  await next.waitFor();
+  await page.keyboard.press('Enter');
+  await page.getByRole('button', { name: 'Save and apply' }).and(page.locator(':focus')).waitFor();
+  await page.keyboard.press('Enter');
+  await page.getByRole('dialog').waitFor({ state: 'detached' });
+  await tree.waitFor();
   await page.locator('nav a[href="#/live"]').click();
   const row = page.locator('[role="row"]', { hasText: 'Supply temperature' });
   await row.locator('.value', { hasText: /\d/ }).waitFor();
@@ -417,6 +427,32 @@ ${variables.join('')}`);
   await page.locator('nav a[href="#/live"]').click();
   await page.locator('[role="row"]', { hasText: 'V9' }).locator('.value', { hasText: /\d/ }).waitFor();
   assert.deepEqual(await page.locator('main .bad, .health .bad').allInnerTexts(), []);
+});
+
+test('measures of a line that was not measured are estimates', async () => {
+  plant = await startWith(`takt: 1
+lines:
+  - name: bus
+    transport: simulated
+    baud: 1200
+    devices:
+      - name: Meter
+        address: 1
+        poll_period: 100ms
+        variables:
+          - {name: A, type: int16, register: 0, read: 0x03}
+          - {name: B, type: int16, register: 500, read: 0x03}
+`);
+  const page = await open('#/project');
+  await page.getByText('Searching for measures').waitFor({ state: 'detached' });
+  const measures = page.locator('details.measures');
+  await measures.getByText(/rest on an assumed one/).waitFor();
+  await measures.locator('.measure summary').first().click();
+  const loads = await measures.getByText(/in the worst case/).allInnerTexts();
+  assert.ok(loads.length > 0);
+  for (const load of loads) assert.match(load, /≈ [\d.]+ %$/);
+  await page.locator('.utilisation').getByText(/^≈ \d/).waitFor();
+  await page.locator('.strategy.current').getByText(/^≈ \d/).waitFor();
 });
 
 const LISTED = [

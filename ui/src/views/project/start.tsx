@@ -1,6 +1,6 @@
 // An empty project: where its lines, devices and variables can come from.
 import { computed } from '@preact/signals';
-import { useState } from 'preact/hooks';
+import { useEffect, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { listAt } from '../../store/document';
 import { mayEdit, status } from '../../store/info';
@@ -49,6 +49,11 @@ export function Start() {
   const texts = t.value.project.start;
   // The first device that is added leaves the others that were found in sight.
   const [began] = useState(isEmpty.peek());
+  // The button that filled the project is gone, and the focus with it: saving is next.
+  useEffect(() => {
+    if (began && !isEmpty.value && document.activeElement?.matches('body, .tree'))
+      document.querySelector<HTMLElement>('[aria-keyshortcuts="Control+S"]')?.focus();
+  }, [isEmpty.value]);
   const finds = began && (search.value?.devices.length ?? 0) > 0;
   if ((!isEmpty.value && !finds) || !mayEdit.value) return null;
   const ways = [

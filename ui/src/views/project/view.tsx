@@ -1,5 +1,6 @@
 // The project: its tree and the settings of what is selected; beside them what they do to the bus.
 import { t } from '../../i18n';
+import { keepFocus } from '../../shell/focus';
 import { narrow } from '../../shell/narrow';
 import { info, mayEdit } from '../../store/info';
 import { canRedo, canUndo, isChanged, isUnreadable, loaded, redo, revert, undo } from '../../store/project';
@@ -7,7 +8,7 @@ import { Icon, type IconName } from '../../widgets/icon';
 import { Split } from '../../widgets/split';
 import { RequestsPane } from '../requests/pane';
 import { shownLine } from '../requests/plan';
-import { percent } from '../requests/words';
+import { loadText } from '../requests/summary';
 import { Details } from './details';
 import { ImportDialog } from './import_dialog';
 import { importing } from './importing';
@@ -30,7 +31,10 @@ function Step(props: { icon: IconName; name: string; keys: string; disabled: boo
       aria-label={props.name}
       aria-keyshortcuts={props.keys.replace('Ctrl', 'Control')}
       disabled={props.disabled}
-      onClick={props.onClick}
+      onClick={() => {
+        props.onClick();
+        keepFocus();
+      }}
     >
       <Icon name={props.icon} />
     </button>
@@ -83,7 +87,7 @@ function Unreadable() {
 function effectTitle(): string {
   const line = shownLine.value;
   const name = t.value.project.effect;
-  return line ? `${name}: ${line.request_count}, ${percent(line.utilization)}` : name;
+  return line ? `${name}: ${line.request_count}, ${loadText(line)}` : name;
 }
 
 export function ProjectView() {
