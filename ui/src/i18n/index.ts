@@ -63,8 +63,10 @@ export function formatDuration(ms: number): string {
   if (ms < 1) return `${formatNumber(ms, 3)} ${u.ms}`;
   if (ms < 1000) return `${formatNumber(ms, ms < 100 ? 1 : 0)} ${u.ms}`;
   if (ms < 60_000) return `${formatNumber(ms / 1000, 1)} ${u.s}`;
-  if (ms < 3_600_000) return `${Math.floor(ms / 60_000)} ${u.min} ${Math.floor((ms % 60_000) / 1000)} ${u.s}`;
-  return `${Math.floor(ms / 3_600_000)} ${u.h} ${Math.floor((ms % 3_600_000) / 60_000)} ${u.min}`;
+  const parts = (whole: number, large: string, rest: number, small: string) =>
+    `${whole} ${large}${rest > 0 ? ` ${rest} ${small}` : ''}`;
+  if (ms < 3_600_000) return parts(Math.floor(ms / 60_000), u.min, Math.floor((ms % 60_000) / 1000), u.s);
+  return parts(Math.floor(ms / 3_600_000), u.h, Math.floor((ms % 3_600_000) / 60_000), u.min);
 }
 /** Texts of the program have the units of its tables: "12.6 ms" in each language. */
 export const withUnits = (text: string): string =>

@@ -13,6 +13,8 @@ export interface Column<Row> {
   folds?: 'text' | 'figure' | 'hidden';
   /** The line that it folds into; 2 if it is not given. */
   line?: 3;
+  /** How many columns of the first line it takes where it folds; 1 if it is not given. */
+  spans?: 2;
   /** In a very narrow grid its text has two lines. */
   wraps?: boolean;
   /** In the first line of a narrow grid. */
@@ -160,10 +162,12 @@ export function Grid<Row>(props: GridProps<Row>) {
     if (column.folds === 'hidden') return { display: 'none' };
     const gridRow = lineOf(column);
     const figures = props.columns.filter((its) => its.folds === 'figure' && lineOf(its) === gridRow);
-    const after = figures.indexOf(column) - figures.length; // from the end
+    const width = (its: Column<Row>[]) => its.reduce((sum, one) => sum + (one.spans ?? 1), 0);
+    const end = -1 - width(figures.slice(figures.indexOf(column) + 1));
     return {
       gridRow,
-      gridColumn: column.folds === 'text' ? `1 / ${-1 - figures.length}` : `${after - 1} / ${after}`,
+      gridColumn:
+        column.folds === 'text' ? `1 / ${-1 - width(figures)}` : `${end - (column.spans ?? 1)} / ${end}`,
     };
   };
   const line = folded ? { ...template, height: `${rowHeight.current}px` } : template;

@@ -180,6 +180,39 @@ export async function openPage(context, url, errors, viewport) {
   return page;
 }
 
+/**
+ * Runs in the page: texts that are cut off, by their own box or by one around it. Bytes, values of a response
+ * and the variables of a request may be longer than any box.
+ */
+export function cutTexts() {
+  const found = new Set();
+  const hides = (element) => ['hidden', 'clip'].includes(getComputedStyle(element).overflowX);
+  const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (texts.nextNode()) {
+    const { currentNode: text } = texts;
+    const its = text.parentElement;
+    if (
+      !text.data.trim() ||
+      text.data.length > 60 ||
+      !its.checkVisibility() ||
+      its.closest('svg, select, .visually-hidden, code, .bar')
+    )
+      continue;
+    const range = document.createRange();
+    range.selectNodeContents(text);
+    const { left, right, bottom } = range.getBoundingClientRect();
+    for (let box = its; box; box = box.parentElement) {
+      const style = getComputedStyle(box);
+      if (['auto', 'scroll'].includes(style.overflowX)) break;
+      if (style.display === 'inline' || !hides(box)) continue;
+      const edge = box.getBoundingClientRect();
+      if (right > edge.right + 1 || left < edge.left - 1 || bottom > edge.bottom + 3)
+        found.add(`${text.data} in ${its.closest('[aria-label]')?.ariaLabel}`);
+    }
+  }
+  return [...found];
+}
+
 /** Closes the pages of a test, and forgets what they stored in the browser. */
 export async function closePages(context) {
   for (const page of context.pages()) {

@@ -4,7 +4,7 @@ import { once } from 'node:events';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:net';
 import { after, afterEach, before, beforeEach, test } from 'node:test';
-import { browser, closePages, newContext, openPage, Plant, serve, toast } from './program.mjs';
+import { browser, closePages, cutTexts, newContext, openPage, Plant, serve, toast } from './program.mjs';
 
 let plant; // of all tests that save nothing
 let chromium;
@@ -268,11 +268,13 @@ function answer(request) {
 }
 
 test('a response that does not come is a red row, and a device with findings is not green', async (t) => {
+  let polls = 0;
   const silent = createServer((socket) => {
-    // Unit 10 answers after its time-out.
-    socket.on('data', (request) =>
-      setTimeout(() => socket.write(answer(request)), request[6] === 10 ? 300 : 0),
-    );
+    socket.on('data', (request) => {
+      if (request[6] === 11 && ++polls % 3 === 0) return; // unit 11 omits each third response
+      // Unit 10 answers after its time-out.
+      setTimeout(() => socket.write(answer(request)), request[6] === 10 ? 300 : 0);
+    });
     socket.on('error', () => {});
   }).listen(0, '127.0.0.1');
   await once(silent, 'listening');
@@ -308,17 +310,26 @@ lines:
         poll_period: 100ms
         response_timeout: 150ms
         variables: [{name: E, type: uint16, register: 0, read: 0x03}]
+      - name: Heating controller
+        address: 11
+        poll_period: 100ms
+        response_timeout: 50ms
+        variables: [{name: F, type: uint16, register: 0, read: 0x03}]
 `,
     ),
   );
   t.after(() => own.stop());
   t.after(() => silent.close());
   const page = await open('#/traffic', own);
+  // Only the rows of a filter stay in sight.
+  const filter = page.getByLabel('Filter words and bytes');
+  await filter.fill('No response within 200');
   const row = page.locator('[role="row"]', { hasText: /No response within 200 ms/ }).first();
   await row.locator('.bad').waitFor();
   assert.match(await row.textContent(), /Mute/);
   // A response of another unit, and one that is late, are one red row each, with its bytes.
   for (const words of [/Surplus response/, /Late by [\d.]+ m?s/]) {
+    await filter.fill(words.source.slice(0, 7));
     const response = page.locator('[role="row"]', { hasText: words }).first();
     await response.locator('.bad').waitFor();
     assert.match(await response.locator('code').first().textContent(), /^[\dA-F]{2} [\dA-F ]+$/);
@@ -329,8 +340,15 @@ lines:
   await device.getByText('answering, with findings').waitFor();
   assert.equal(await device.locator('.dot.warn').count(), 1);
   await page.locator('[role="row"]', { hasText: 'Wrong' }).getByText('answers do not fit').waitFor();
+  // A device that fails often has its finding: since when, how often, the next step.
+  const often = page.locator('[role="row"]', { hasText: 'Heating controller' });
+  await often.getByText('answering, with findings').waitFor();
+  await often.getByText('Heating controller').click();
+  const finding = page.locator('aside .reasons li', { hasText: 'Heating controller does not answer each' });
+  await finding.getByText(/^for \d.* · \d+ of \d+ requests$/).waitFor();
+  await finding.getByText(/^Check the unit address and the power supply/).waitFor();
   await page.locator('nav a[href="#/overview"]').click();
-  await page.locator('.overview .states', { hasText: 'answering, with findings: 1' }).waitFor();
+  await page.locator('.overview .states', { hasText: 'answering, with findings: 2' }).waitFor();
   await page.getByRole('link', { name: 'Half: answering, with findings' }).waitFor();
   await page.getByText('Wrong: a response of unit 1 came, unit 9 was asked').first().waitFor();
   // A variable that was never read has no value: its default is none.
@@ -339,6 +357,48 @@ lines:
   await page.getByRole('row', { name: /^Half B 42/ }).waitFor();
   assert.equal(await value('B').count(), 1);
   assert.equal(await value('C').count(), 0);
+  // Each word of a state and of a reason is there, in the longest language and on the narrowest screen.
+  for (const language of ['ru', 'uk'])
+    for (const [width, height] of [
+      [1440, 900],
+      [768, 1024],
+      [390, 844],
+    ]) {
+      const other = await openPage(context, `${own.url}?lang=${language}&theme=light#/live`, errors, {
+        width,
+        height,
+      });
+      for (const view of ['live', 'devices', 'traffic']) {
+        await other.locator(`nav a[href="#/${view}"]`).click();
+        await other.locator('[role="row"]', { hasText: 'Heating controller' }).first().waitFor();
+        assert.deepEqual(await other.evaluate(cutTexts), [], `${view} ${language} ${width}`);
+      }
+      await other.close();
+    }
+});
+
+test('a line without a connection is named where its values and frames are missed', async (t) => {
+  const own = await Plant.start((file) =>
+    writeFileSync(
+      file,
+      `takt: 1
+lines:
+  - name: net
+    transport: tcp
+    host: 127.0.0.1
+    tcp_port: 1
+    framing: tcp
+    devices:
+      - {name: Meter, address: 1, variables: [{name: A, type: uint16, register: 0, read: 0x03}]}
+`,
+    ),
+  );
+  t.after(() => own.stop());
+  const page = await open('#/traffic', own);
+  await page.locator('.grid .empty').getByText('net: 127.0.0.1:1: cannot be opened').waitFor();
+  await page.locator('nav a[href="#/devices"]').click();
+  await page.locator('[role="row"]', { hasText: 'Meter' }).getByText('Meter').click();
+  await page.locator('aside .reasons').getByText('net: 127.0.0.1:1: cannot be opened').waitFor();
 });
 
 test('the times of a request and of its line are drawn', async () => {
@@ -482,6 +542,12 @@ test('the overview opens first, on one screen, and leads to devices, values and 
   await age.waitFor();
   assert.match(await age.textContent(), /\d+ m?s \/ [\d.,]+ m?s/);
   assert.ok(await page.evaluate(onOneScreen));
+  // The planned load is that of `takt check`; the worst case is a figure of the proof.
+  await overview.locator('.loads').getByText('planned 34.4 %').waitFor();
+  await overview
+    .locator('.loads')
+    .getByText(/^now [\d.]+ %$/)
+    .waitFor();
   await overview.getByRole('link', { name: 'Pump: answering' }).click();
   await page.locator('aside h2', { hasText: 'Pump' }).waitFor();
   await page.goBack();
@@ -490,6 +556,13 @@ test('the overview opens first, on one screen, and leads to devices, values and 
   await page.goBack();
   await overview.getByRole('button', { name: 'Requests' }).click();
   await page.getByText('6 requests instead of 16').waitFor();
+  await page.locator('.utilisation').getByText('34.4 %', { exact: true }).waitFor();
+  assert.doesNotMatch(await page.locator('.summary').innerHTML(), /worst case|34\.8/);
+  await page.getByRole('tab', { name: 'Ages' }).click();
+  await page
+    .locator('.plan-panel')
+    .getByText(/busy 34\.8 % in the worst case/)
+    .waitFor();
 });
 
 test('300 devices are on one screen, coloured by state', async (t) => {

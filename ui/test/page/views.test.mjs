@@ -5,7 +5,7 @@ import { mkdirSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { after, afterEach, before, test } from 'node:test';
-import { browser, closePages, newContext, openPage, Plant } from './program.mjs';
+import { browser, closePages, cutTexts, newContext, openPage, Plant } from './program.mjs';
 
 const SHOTS = process.env.TAKT_SCREENSHOTS;
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
@@ -114,7 +114,7 @@ const cutTables = () =>
     .map((its) => `${its.ariaLabel}: ${its.scrollWidth} of ${its.clientWidth} pixels`);
 
 /** Runs in the page: the words of headings that are broken, and the row that the end of a table cuts. */
-function cutTexts() {
+function brokenTexts() {
   const found = [];
   for (const cell of document.querySelectorAll('.grid .head > div')) {
     const texts = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT);
@@ -140,6 +140,7 @@ async function screen(page, name, rules) {
   const wide = await page.evaluate(() => document.documentElement.scrollWidth);
   assert.ok(wide <= width, `${name} is ${wide} pixels wide`);
   assert.deepEqual(await page.evaluate(cutTables), [], name);
+  assert.deepEqual(await page.evaluate(brokenTexts), [], name);
   assert.deepEqual(await page.evaluate(cutTexts), [], name);
   if (SHOTS) await page.screenshot({ path: join(SHOTS, `${name}.png`) });
   if (rules.colours || rules.others) assert.deepEqual(await page.evaluate(audit, rules), [], name);

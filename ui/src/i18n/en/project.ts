@@ -48,7 +48,7 @@ export const project = {
   findings: 'Findings',
   findingsHint: 'Choose a finding to go to its field.',
   cannotSave: 'Correct the wrong values first. Each one has an icon with an exclamation mark.',
-  notSet: (text: string) => (text ? `Default: ${text}` : 'Default'),
+  notSet: (text: string) => (text ? `${text} (default)` : 'Default'),
   defaultIs: (text: string) => `default ${text}`,
   none: '< none chosen >',
   days: 'd',

@@ -57,7 +57,7 @@ export const devices: Translated<typeof source> = {
   lateness: 'Опоздавшие ответы',
   latenessText: (n: string, of: string, longest: string) =>
     `${n} из ${of} запросов, самый поздний через ${longest}`,
-  turnaroundLearnt: 'Планировщик использует изученное время реакции.',
+  turnaroundLearnt: 'Планировщик использует изученное время ответа.',
   learnt: {
     title: 'Изученные промежутки',
     answers: 'отвечает',
@@ -106,7 +106,7 @@ export const devices: Translated<typeof source> = {
     addsRegisters: '«Добавить в проект» добавит устройство с этими регистрами.',
   },
   details: 'Подробности',
-  measured: 'Время реакции',
+  measured: 'Время ответа',
   measuredText: (longest: string, p999: string | null, n: string) =>
     `наибольшее ${longest}${p999 === null ? '' : `, 99.9 % не дольше ${p999}`}, обменов: ${n}`,
   later: (later: number, n: string) => `дольше длились ${later} из таких ответов, всего их ${n}`,

@@ -55,7 +55,7 @@ export const project: Translated<typeof source> = {
   findings: 'Замечания',
   findingsHint: 'Выберите замечание, чтобы перейти к его полю.',
   cannotSave: 'Сначала исправьте неверные значения: они отмечены значком с восклицательным знаком.',
-  notSet: (text) => (text ? `По умолчанию: ${text}` : 'По умолчанию'),
+  notSet: (text) => (text ? `${text} (по умолчанию)` : 'По умолчанию'),
   defaultIs: (text) => `по умолчанию ${text}`,
   none: '< не выбрана >',
   days: 'сут',

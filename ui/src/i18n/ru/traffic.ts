@@ -42,7 +42,7 @@ export const traffic: Translated<typeof source> = {
   parts: {
     title: 'На что уходит время',
     wire: 'Передача по линии',
-    turnaround: 'Задержка ответа устройств',
+    turnaround: 'Время ответа устройств',
     host: 'Опоздания программы',
   },
   broken: (longer: number, late: number) =>

@@ -57,7 +57,7 @@ export const devices: Translated<typeof source> = {
   lateness: 'Запізнілі відповіді',
   latenessText: (n: string, of: string, longest: string) =>
     `${n} із ${of} запитів, найпізніша через ${longest}`,
-  turnaroundLearnt: 'Планувальник використовує вивчений час реакції.',
+  turnaroundLearnt: 'Планувальник використовує вивчений час відповіді.',
   learnt: {
     title: 'Вивчені проміжки',
     answers: 'відповідає',
@@ -106,7 +106,7 @@ export const devices: Translated<typeof source> = {
     addsRegisters: '«Додати до проєкту» додасть пристрій із цими регістрами.',
   },
   details: 'Подробиці',
-  measured: 'Час реакції',
+  measured: 'Час відповіді',
   measuredText: (longest: string, p999: string | null, n: string) =>
     `найдовший ${longest}${p999 === null ? '' : `, 99.9 % не довше ${p999}`}, обмінів: ${n}`,
   later: (later: number, n: string) => `довше тривали ${later} з таких відповідей, усього їх ${n}`,

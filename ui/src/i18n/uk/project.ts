@@ -53,7 +53,7 @@ export const project: Translated<typeof source> = {
   findings: 'Зауваження',
   findingsHint: 'Виберіть зауваження, щоб перейти до його поля.',
   cannotSave: 'Спершу виправте хибні значення: їх позначено значком зі знаком оклику.',
-  notSet: (text) => (text ? `За замовчуванням: ${text}` : 'За замовчуванням'),
+  notSet: (text) => (text ? `${text} (за замовчуванням)` : 'За замовчуванням'),
   defaultIs: (text) => `за замовчуванням ${text}`,
   none: '< не вибрано >',
   days: 'діб',

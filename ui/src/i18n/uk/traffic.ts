@@ -42,7 +42,7 @@ export const traffic: Translated<typeof source> = {
   parts: {
     title: 'На що йде час',
     wire: 'Передача лінією',
-    turnaround: 'Затримка відповіді пристроїв',
+    turnaround: 'Час відповіді пристроїв',
     host: 'Запізнення програми',
   },
   broken: (longer: number, late: number) =>

@@ -96,7 +96,9 @@ export function Details({ line, device }: { line: LineStatus; device: DeviceStat
       <dt>{texts.findings}</dt>
       <dd>
         <ProblemList
-          problems={problems.filter((its) => its.line === line.name && its.device === device.name)}
+          problems={problems.filter(
+            (its) => its.line === line.name && (its.device ?? device.name) === device.name,
+          )}
         />
       </dd>
     </dl>

@@ -31,11 +31,11 @@ const current = computed(() => {
 
 /** On a narrow screen: three lines for each device. The address is in its details. */
 const NARROW: Record<string, Partial<Column<DeviceStatus>> | null> = {
-  device: { width: 'minmax(88px, 1fr)' },
+  device: { width: 'minmax(92px, 1fr)' },
   address: null,
   state: { width: 'minmax(126px, 1.4fr)', foldedWidth: 'minmax(126px, 1.4fr)' },
   values: { folds: 'text' },
-  response: { width: '74px' },
+  response: { width: '68px' },
   sent: { width: '82px', foldedWidth: '82px' },
   failed: { folds: 'figure' },
   exceptions: { folds: 'figure' },
@@ -62,7 +62,12 @@ function columns(line: LineStatus): Column<DeviceStatus>[] {
     ),
   });
   return [
-    { key: 'device', title: texts.device, width: 'minmax(100px, 1fr)', cell: (its) => <b>{its.name}</b> },
+    {
+      key: 'device',
+      title: texts.device,
+      width: 'minmax(100px, 1fr)',
+      cell: (its) => <b class="text">{its.name}</b>,
+    },
     { key: 'address', title: texts.address, width: '64px', align: 'right', cell: (its) => its.address },
     {
       key: 'state',

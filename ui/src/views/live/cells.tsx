@@ -57,13 +57,23 @@ const DOTS = { good: 'good', uncertain: 'warn', bad: 'bad', never_read: '' } as 
 export function QualityCell({ row }: { row: Row }) {
   const { quality, reason, cause } = row.value;
   const word = t.value.quality[quality];
-  const words = [reason, cause].filter((its): its is string => Boolean(its));
-  const why = words.map(t.value.devices.cause).join(', ');
+  const words = [reason, cause].filter((its): its is string => Boolean(its)).map(t.value.devices.cause);
+  // In a narrow table the dot says that the value is bad, and there is space for the last reason only.
   return (
-    <span class="quality" title={why || word}>
-      <i class={`dot ${DOTS[quality]}`} /> <span class="word">{word}</span>
-      {why && <span class="muted">{why}</span>}
-    </span>
+    <>
+      <span class="quality" title={words.join(', ') || word}>
+        <i class={`dot ${DOTS[quality]}`} /> <span class="word">{word}</span>
+        {words.length > 0 && (
+          <span class="muted">
+            {words.length > 1 && <span class="first">{words[0]}, </span>}
+            {words.at(-1)}
+          </span>
+        )}
+      </span>
+      <span class="folded-age">
+        <AgeCell row={row} />
+      </span>
+    </>
   );
 }
 

@@ -147,23 +147,28 @@ function columns(): Column<Row>[] {
     {
       key: 'device',
       title: texts.device,
-      width: 'minmax(90px, 0.7fr)',
+      width: 'minmax(142px, 0.4fr)',
       sortable: true,
       folds: 'text',
-      cell: (row) => row.peek().device ?? <span class="muted">{t.value.live.local}</span>,
+      cell: (row) => (
+        <span class={`text ${row.peek().device ? '' : 'muted'}`}>
+          {row.peek().device ?? t.value.live.local}
+        </span>
+      ),
     },
     {
       key: 'name',
       title: texts.name,
-      width: 'minmax(150px, 1.2fr)',
-      foldedWidth: 'minmax(115px, 1.2fr)',
+      width: 'minmax(166px, 0.4fr)',
+      foldedWidth: 'minmax(134px, 1.2fr)',
       sortable: true,
       cell: (row) => <span class={`text ${typeClass(row.peek().type)}`}>{row.peek().name}</span>,
     },
     {
       key: 'value',
       title: texts.value,
-      width: 'minmax(132px, 0.9fr)',
+      width: 'minmax(120px, 0.3fr)',
+      foldedWidth: 'minmax(114px, 0.5fr)',
       align: 'right',
       cell: (row) => (
         <>
@@ -172,20 +177,21 @@ function columns(): Column<Row>[] {
         </>
       ),
     },
-    { key: 'unit', title: texts.unit, width: '78px', folds: 'hidden', cell: (row) => row.peek().unit },
+    { key: 'unit', title: texts.unit, width: '80px', folds: 'hidden', cell: (row) => row.peek().unit },
     {
       key: 'quality',
       title: texts.quality,
-      width: 'minmax(132px, 1.2fr)',
+      width: 'minmax(132px, 2.6fr)',
       sortable: true,
       folds: 'figure',
+      spans: 2, // and the age at its end
       cell: (row) => <QualityCell row={row} />,
     },
     {
       key: 'age',
       title: texts.age,
-      width: '90px',
-      folds: 'figure',
+      width: '84px',
+      folds: 'hidden',
       align: 'right',
       cell: (row) => <AgeCell row={row} />,
     },

@@ -30,14 +30,14 @@ const FIGURE = { folds: 'figure' } as const;
 
 const name = column('name', 'text', 'minmax(136px, 1.4fr)', {
   main: true,
-  foldedWidth: 'minmax(86px, 1.2fr)',
+  foldedWidth: 'minmax(82px, 1.2fr)',
 });
 const type = column('type', 'type', 'minmax(126px, 0.8fr)', {
   main: true,
-  foldedWidth: 'minmax(88px, 1fr)',
+  foldedWidth: 'minmax(93px, 1.2fr)',
 });
 const comment = column('comment', 'text', 'minmax(120px, 1fr)', { main: true, folds: 'text' });
-const register = column('register', 'number', '84px', { main: true, right: true, foldedWidth: '66px' });
+const register = column('register', 'number', '84px', { main: true, right: true, foldedWidth: '64px' });
 const bit = column('bit', 'number', '52px', { main: true, right: true, ...FIGURE });
 const used = column('used', 'boolean', '112px', { usual: true, ...FIGURE });
 const retain = column('retain', 'boolean', '128px', FIGURE);

@@ -18,7 +18,7 @@ const keyOf = (line: string, its: RequestCounters) =>
 
 function name(its: RequestCounters): string {
   const code = its.function ?? its.write_function;
-  const range = its.quantity > 1 ? `${its.start}..${its.start + its.quantity - 1}` : `${its.start}`;
+  const range = its.quantity > 1 ? `${its.start}…${its.start + its.quantity - 1}` : `${its.start}`;
   const write = its.function === null ? ` (${t.value.traffic.write})` : '';
   return `${code === null ? '' : hex(code)} ${range}${write}`;
 }
@@ -68,14 +68,14 @@ function columns(): Column<Row>[] {
       key: 'device',
       title: texts.device,
       width: 'minmax(90px, 1fr)',
-      foldedWidth: 'minmax(80px, 1fr)',
+      foldedWidth: 'minmax(78px, 1fr)',
       cell: (row) => <span class="text">{row.device}</span>,
     },
     {
       key: 'request',
       title: texts.request,
       width: 'minmax(150px, 1.4fr)',
-      foldedWidth: 'minmax(84px, 1.4fr)',
+      foldedWidth: 'minmax(80px, 1.4fr)',
       cell: (row) => <span class="text">{name(row)}</span>,
     },
     count('sent', false, '96px', { foldedWidth: '72px' }),
@@ -85,7 +85,7 @@ function columns(): Column<Row>[] {
     count('exceptions', true, '98px', FIGURE),
     us('mean', texts.mean, (row) => row.mean_us, HIDDEN),
     us('p50', 'p50', (row) => row.p50_us, HIDDEN),
-    us('p99', 'p99', (row) => row.p99_us, { foldedWidth: '58px' }),
+    us('p99', 'p99', (row) => row.p99_us, { foldedWidth: '66px' }),
     us('longest', texts.longest, (row) => row.longest_us, { foldedWidth: '76px' }),
     us('planned', texts.planned, (row) => row.planned_us, HIDDEN),
     {

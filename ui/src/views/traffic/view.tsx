@@ -2,12 +2,18 @@ import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { openUrl } from '../../api/client';
 import { formatClock, t } from '../../i18n';
+import { status } from '../../store/info';
 import { type Column, Grid } from '../../widgets/grid';
 import { Icon } from '../../widgets/icon';
 import * as frames from './frames';
 import { Requests } from './requests';
 import { frameWords } from './words';
 import '../../style/traffic.css';
+
+/** No frame comes through a line without a connection: that line's problem. */
+const noFrames = () =>
+  status.value?.problems.find((its) => its.line && !its.device && its.severity === 'error')?.text ??
+  t.value.traffic.waiting;
 
 const TABS = ['frames', 'requests'] as const;
 const tab = signal<(typeof TABS)[number]>('frames');
@@ -37,15 +43,15 @@ function columns(): Column<frames.NumberedFrame>[] {
     {
       key: 'device',
       title: texts.columns.device,
-      width: 'minmax(100px, 0.4fr)',
+      width: '140px',
       foldedWidth: 'minmax(90px, 1fr)',
-      cell: (its) => its.device ?? its.line,
+      cell: (its) => <span class="text">{its.device ?? its.line}</span>,
     },
     { key: 'unit', title: texts.columns.unit, width: '72px', align: 'right', cell: (its) => its.unit || '' },
     {
       key: 'words',
       title: texts.columns.words,
-      width: 'minmax(330px, 3.2fr)',
+      width: 'minmax(330px, 1fr)',
       folds: 'text',
       wraps: true,
       cell: (its) => (
@@ -57,7 +63,7 @@ function columns(): Column<frames.NumberedFrame>[] {
     {
       key: 'raw',
       title: texts.columns.raw,
-      width: 'minmax(220px, 1fr)',
+      width: '224px',
       folds: 'hidden',
       cell: (its) => its.raw && <code title={its.raw}>{its.raw}</code>,
     },
@@ -139,7 +145,7 @@ function Frames() {
         columns={columns()}
         rows={frames.shownFrames.value}
         rowKey={(its) => its.number}
-        empty={texts.waiting}
+        empty={noFrames()}
       />
     </>
   );
