@@ -26,8 +26,13 @@ std::size_t done_percent(const Done& done) {
 std::string rough_time(Duration time) {
     const auto seconds = std::max<std::int64_t>(time / 1s, 0);
     if (seconds < 60) return fmt::format("{} s", seconds);
-    if (seconds < 3600) return fmt::format("{} min {} s", seconds / 60, seconds % 60);
-    return fmt::format("{} h {} min", seconds / 3600, seconds / 60 % 60);
+    const auto parts = [](std::int64_t whole, const char* large, std::int64_t rest, const char* small) {
+        auto text = fmt::format("{} {}", whole, large);
+        if (rest > 0) text += fmt::format(" {} {}", rest, small);
+        return text;
+    };
+    if (seconds < 3600) return parts(seconds / 60, "min", seconds % 60, "s");
+    return parts(seconds / 3600, "h", seconds / 60 % 60, "min");
 }
 
 std::string progress_bar(std::size_t done, std::size_t total, std::size_t width) {

@@ -73,7 +73,7 @@ TEST(Problems, ARefusedRequestNamesRangeVariableExceptionAndRemedy) {
     EXPECT_EQ(found[0].since, 240s);
     EXPECT_EQ(text_of(snapshot),
               "  warning: Котёл: 0x01 3: the device answers with exception 2: illegal data address, "
-              "3837 of 3837 requests, for 4 min 0 s: Pump\n"
+              "3837 of 3837 requests, for 4 min: Pump\n"
               "    The device does not have these addresses. Check start and quantity; addresses on the wire "
               "start at zero.\n");
     EXPECT_EQ(health_word(snapshot, found), "degraded");

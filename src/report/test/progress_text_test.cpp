@@ -15,8 +15,8 @@ TEST(ProgressText, RoughTimes) {
     const struct {
         Duration time;
         const char* text;
-    } cases[] = {{-5s, "0 s"},        {0s, "0 s"},          {59999ms, "59 s"},      {60s, "1 min 0 s"},
-                 {185s, "3 min 5 s"}, {3600s, "1 h 0 min"}, {130min, "2 h 10 min"}, {100h, "100 h 0 min"}};
+    } cases[] = {{-5s, "0 s"},        {0s, "0 s"},    {59999ms, "59 s"},      {60s, "1 min"},
+                 {185s, "3 min 5 s"}, {3600s, "1 h"}, {130min, "2 h 10 min"}, {100h, "100 h"}};
     for (const auto& [time, text] : cases) EXPECT_EQ(rough_time(time), text);
 }
 
