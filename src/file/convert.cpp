@@ -238,15 +238,15 @@ private:
         if (added) {
             devices_.push_back(
                 {.settings = unnamed ? table->settings : mapping_of(surroundings_.device), .line = line});
-            if (const auto* const cell = row.find(kDeviceColumn))
-                set(devices_.back().settings, "name", *cell);
+            const auto* const cell = row.find(kDeviceColumn);
+            if (cell != nullptr) set(devices_.back().settings, "name", *cell);
             if (const auto* const settings = unnamed ? nullptr : claim(name, {})) {
                 for (const auto& [key, value] : settings->entries)
                     set(devices_.back().settings, key.text, value);
                 if (const auto* const address = settings->find("address"))
                     addresses_.emplace(name, address->text);
             }
-            locations_.push_back(row.location);
+            locations_.push_back(cell != nullptr ? cell->location : row.location);
         }
         auto& device = devices_[at->second];
         if (device.line != line)
@@ -266,9 +266,15 @@ private:
 
     void check_addresses() {
         if (devices_.size() < 2) return;
-        for (const auto& [name, at] : index_)
-            if (!addresses_.contains(name) && !name.starts_with('\n'))
-                reporter_.error("file.convert.no_address", locations_[at], {.value = name});
+        std::set<std::string> taken;
+        for (const auto& [name, address] : addresses_) taken.insert(address);
+        for (const auto& [name, at] : index_) {
+            if (addresses_.contains(name) || name.starts_with('\n')) continue;
+            reporter_.error("file.convert.no_address", locations_[at], {.value = name});
+            // The default may be that of another device, which would be a second finding about the cell.
+            for (int free = 1; !taken.insert(text_of(devices_[at].settings, "address")).second; ++free)
+                set(devices_[at].settings, "address", scalar(std::to_string(free)));
+        }
     }
 
     // The settings of a device are the same in all its rows.
@@ -311,7 +317,7 @@ private:
     RowLines lines_{surroundings_, reporter_, disagreements_};
     std::vector<Settings> settings_;
     std::vector<Device> devices_;
-    std::vector<SourceLocation> locations_;         // first row of each device
+    std::vector<SourceLocation> locations_;         // first cell or row of each device
     std::map<std::string, std::size_t> index_;      // of devices_ by name
     std::map<std::string, std::string> addresses_;  // by name
     Node locals_ = collection(Node::Kind::list);

@@ -67,6 +67,7 @@ public:
             list.items.push_back(*std::move(node));
         }
         report_cut_comments();
+        if (contents.kind == TableKind::variables) drop_rows_without_device(list);
         if (contents.kind != TableKind::devices) settle_addresses(list, options_, shape(), reporter_);
         return contents;
     }
@@ -120,9 +121,29 @@ private:
     }
 
     [[nodiscard]] TableShape shape() const {
-        const auto kind = this->kind();
-        return {.unaddressed = kind == TableKind::served || kind == TableKind::list,
+        const auto any = [this](auto... keys) { return (has(keys) || ...); };
+        const bool addressed = !has("name") || any("read", "write", "area", "coil", "reference");
+        return {.unaddressed = kind() == TableKind::served || !addressed,
                 .functions = has("read") && has("write")};
+    }
+
+    // Spreadsheets write the value of merged cells in the first row only. Rows of one device need none.
+    void drop_rows_without_device(Node& list) {
+        const auto device_of = [](const Node& row) {
+            const auto name = text_of(row, kDeviceColumn);
+            return name.empty() ? text_of(row, kUnitAddressColumn) : name;
+        };
+        std::set<std::string> devices;
+        for (const auto& row : list.items) devices.insert(device_of(row));
+        if (!devices.erase("") || devices.size() < (has(kDeviceColumn) ? 1 : 2)) return;
+        const auto& column =
+            columns_[first_columns_.find(has(kDeviceColumn) ? kDeviceColumn : kUnitAddressColumn)->second -
+                     1];
+        std::erase_if(list.items, [&](const Node& row) {
+            if (!device_of(row).empty()) return false;
+            reporter_.error("file.csv.no_device", row.location, {.value = column.heading});
+            return true;
+        });
     }
 
     // Without its address a device would get that of another table, or the next free one.

@@ -358,7 +358,7 @@ private:
         return true;
     }
 
-    // Adds name and address of the line of the tree above a window.
+    // Adds name and address of the line of the tree above a window, also in the place of empty ones.
     void complete(Part& window, const std::set<std::string_view>& known) {
         const auto device = *std::exchange(device_, std::nullopt);
         for (std::size_t i = 0; i < device.names.cells.size(); ++i) {
@@ -370,8 +370,11 @@ private:
                 continue;
             }
             for (std::size_t j = 0; j < window.names.cells.size(); ++j)
-                if (const auto& own = window.values.cells[j];
-                    key_of(window.names.cells[j]) == key && own.text != value.text) {
+                if (auto& own = window.values.cells[j]; key_of(window.names.cells[j]) != key) {
+                    continue;
+                } else if (own.text.empty()) {
+                    own = value;
+                } else if (own.text != value.text) {
                     reporter_.error("file.csv.tree_differs", source_.location(value.offset),
                                     {.value = value.text, .arguments = {{"window", own.text}}});
                     failed_ = true;

@@ -102,9 +102,10 @@ void settle_default(Node& row, bool decimal_comma) {
     if (type == "string") return;
     if (means_nothing(cell->text) && type != "bool") return erase_cell(row, "default");
     if (type == "bool")
-        replace_text(*cell, cell->text == "0" || cell->text == "1" ? std::nullopt : boolean_word(cell->text));
-    else if (decimal_comma)
-        replace_text(*cell, number_word(cell->text));
+        return replace_text(*cell,
+                            cell->text == "0" || cell->text == "1" ? std::nullopt : boolean_word(cell->text));
+    replace_text(*cell, ungrouped_word(cell->text));
+    if (decimal_comma) replace_text(*cell, number_word(cell->text));
 }
 
 // The first digit of the references in a row's area; 0 if the row does not name its area.

@@ -271,6 +271,40 @@ TEST(IdeTables, ADeviceWithAnEmptyAddressIsAnError) {
     EXPECT_EQ(of("Имя;Таймаут ответа, мс\nD;100\n"), Findings{}) << "without a cell the next one is taken";
 }
 
+TEST(IdeTables, AnEmptyAddressBelowATreeIsThatOfTheTree) {
+    const auto loaded =
+        plant_of({{"t", "RS485, Слот 1, Master\nКотёл, 16\nИмя;\nАдрес;\nПериод опроса, мс;100\n" +
+                            std::string(kShort)}});
+    EXPECT_EQ(errors_of(loaded), Findings{});
+    const auto checked = model::interpret(loaded.document);
+    const auto& device = checked.project.lines.at(0).devices.at(0);
+    EXPECT_EQ(device.address, UnitId{16});
+    EXPECT_EQ(device.name, "Котёл");
+}
+
+// Spreadsheets write the value of merged cells in the first row only.
+TEST(IdeTables, EachRowOfSeveralDevicesNamesItsDevice) {
+    const auto of = [](const std::string& columns, const std::string& rows) {
+        const auto loaded = plant_of({{"t", "Имя;Тип;Функция чтения;Регистр;" + columns + "\n" + rows}});
+        Findings findings;
+        for (const auto& its : loaded.findings)
+            if (its.severity == model::Severity::error)
+                findings.push_back(its.code + " " + std::to_string(its.location.line) + " " + its.value);
+        for (const auto& its : model::interpret(loaded.document).findings)
+            if (its.severity == model::Severity::error) findings.push_back(its.code);
+        return findings;
+    };
+    const std::string address = "Адрес устройства";
+    EXPECT_EQ(of(address, "A;int;3;1;16\nB;int;3;2;\nC;int;3;3;17\nD;int;3;4;\n"),
+              (Findings{"file.csv.no_device 3 Адрес устройства", "file.csv.no_device 5 Адрес устройства"}));
+    EXPECT_EQ(of("Прибор;" + address, "A;int;3;1;P;16\nB;int;3;2;;\nC;int;3;3;Q;17\n"),
+              Findings{"file.csv.no_device 3 Прибор"});
+    EXPECT_EQ(of("Прибор;" + address, "A;int;3;1;P;16\nB;int;3;2;P;\nC;int;3;3;Q;\n"),
+              Findings{"file.convert.no_address 4 Q"});
+    EXPECT_EQ(of(address, "A;int;3;1;16\nB;int;3;2;\n"), Findings{}) << "one device";
+    EXPECT_EQ(of(address, "A;int;3;1;\nB;int;3;2;\n"), Findings{}) << "the default device";
+}
+
 // They are settings of a device that the table does not belong to.
 TEST(IdeTables, AWindowBelowATableIsNoVariable) {
     const auto of = [](const std::string& text) { return errors_of(plant_of({{"t", text}})); };
@@ -317,6 +351,39 @@ TEST(IdeTables, NumbersMayHaveBlanksBetweenTheirDigits) {
     EXPECT_EQ(variables[1].period, std::chrono::seconds(1));
     const auto wrong = plant_of({{"t", "name;type;read;register\nA;int16;3;1 00\n"}});
     EXPECT_FALSE(model::interpret(wrong.document).findings.empty());
+}
+
+TEST(IdeTables, DefaultsOfNumbersMayHaveBlanksBetweenTheirDigits) {
+    const auto of = [](const std::string& type_and_default) {
+        const auto loaded =
+            plant_of({{"t", "Имя;Тип;Функция чтения;Регистр;Длина строки;Значение по умолчанию\nA;" +
+                                type_and_default}});
+        const auto& device = loaded.document.root.find("lines")->items[0].find("devices")->items[0];
+        return device.find("variables")->items[0].find("default")->text;
+    };
+    EXPECT_EQ(of("Целочисленное;3;0;;1 000\n"), "1000");
+    EXPECT_EQ(of("int32;3;0;;-1\u00A0000 000\n"), "-1000000");
+    EXPECT_EQ(of("С плавающей запятой;3;0;;-1\u2009000\u202F000,5\n"), "-1000000.5");
+    EXPECT_EQ(of("string;3;0;8;1 000\n"), "1 000") << "a text is as it was typed";
+    EXPECT_EQ(of("Целочисленное;3;0;;1 00\n"), "1 00");
+    const auto locals =
+        load_table_text("t.csv", "Имя;Тип;Энергонезависимость;По умолчанию\nA;int;Да;1 000\n");
+    EXPECT_EQ(locals.document.root.items[0].find("default")->text, "1000");
+}
+
+// The column of devices is no reason to ask for functions: without them the list of an IDE has defaults.
+TEST(IdeTables, AListOfSeveralDevicesHasTheAreasOfAList) {
+    for (const std::string column : {"Адрес устройства", "Unit address", "Адреса пристрою", "Slave ID"}) {
+        const auto loaded =
+            plant_of({{"t", "Имя;Тип;Регистр;" + column + "\nA;Целочисленное;1;16\nB;Булевское;2;17\n"}});
+        EXPECT_EQ(errors_of(loaded), Findings{}) << column;
+        EXPECT_EQ(locations_and_codes(loaded), Findings{"1/2:1 csv.area_assumed"}) << column;
+        const auto checked = model::interpret(loaded.document);
+        const auto& devices = checked.project.lines.at(0).devices;
+        ASSERT_EQ(devices.size(), 2U);
+        EXPECT_EQ(devices[0].variables.at(0).area, wire::Area::holding_register);
+        EXPECT_EQ(devices[1].variables.at(0).area, wire::Area::coil);
+    }
 }
 
 // A row without functions in a table with one of them has no traffic only beside the other one.
