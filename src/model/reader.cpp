@@ -48,18 +48,36 @@ std::string condition(const Field& field, std::size_t word, Context context) {
     return field.fits(word, context) ? "profile: " + std::string(name(Profile::owen_kc1)) : transport;
 }
 
-/// The object that has this key: one that encloses `object`, the innermost first, or else the first other
-/// one; the project at last.
-std::optional<Object> owner_of(std::string_view key, Object object) {
-    std::optional<Object> owner;
+bool may_hold(const Field& field, const Node* value) {
+    if (value == nullptr) return true;
+    if (value->kind == Node::Kind::mapping) return field.kind == Kind::mapping || field.object;
+    const bool list = value->kind == Node::Kind::list;
+    if (field.kind == Kind::ranges) return true;
+    return list ? field.kind == Kind::list : field.kind != Kind::list && field.kind != Kind::mapping;
+}
+
+/// `lines[].host`: the key that a key of `object` with this value means in another object. That is one that
+/// encloses `object`, the innermost first, else one inside it, else any other one; the project at last. Of
+/// equally near ones the first that has the word itself. Empty if there is none.
+std::string owner_of(std::string_view word, const Node* value, Object object) {
+    std::string owner;
     std::size_t best = 0;
+    const auto here = location(object);
     for (const auto candidate : kObjects) {
-        if (find_field(candidate, key) == nullptr) continue;
+        const bool has = find_field(candidate, word) != nullptr;
+        const auto key = has ? word : synonym_elsewhere(candidate, word);
+        if (candidate == object || key.empty() || !may_hold(*find_field(candidate, key), value)) continue;
         const auto where = location(candidate);
-        const bool encloses = !where.empty() && location(object).starts_with(std::string(where) + '.');
-        const std::size_t rank = encloses ? where.size() + 1 : where.empty() ? 0 : 1;
-        if (owner && rank <= best) continue;
-        owner = candidate;
+        const auto holds = [](std::string_view outer, std::string_view inner) {
+            return !outer.empty() && inner.starts_with(std::string(outer) + '.');
+        };
+        const std::size_t nearness = holds(where, here)   ? where.size() + 3
+                                     : holds(here, where) ? 3
+                                     : where.empty()      ? 1
+                                                          : 2;
+        const std::size_t rank = 2 * nearness + (has ? 1 : 0);
+        if (rank <= best) continue;
+        owner.assign(where).append(where.empty() ? "" : ".").append(key);
         best = rank;
     }
     return owner;
@@ -144,7 +162,8 @@ void Reader::check_key(const Node& key) {
     const auto near = nearest(key.text, known);
     const bool own = typing_distance(key.text, near) <= kSurelyATypo;
     // `tag: Level` without a name is the name, although it is near to `tags`.
-    const auto other = synonym(object_, key.text);
+    auto other = synonym(object_, key.text);
+    if (other == "host" && find_field(object_, other)->kind == Kind::mapping) other = {};  // in the project
     const bool lacks_it = !other.empty() && find_field(object_, other)->required && value(other) == nullptr;
     const auto meant = own && !lacks_it ? std::string_view() : other;
     const auto guess = meant.empty() ? near : meant;
@@ -158,14 +177,14 @@ void Reader::check_key(const Node& key) {
     if (is_cell(key)) findings_.remember_column(key.location, typo ? guess : std::string_view());
     // `timeout` may mean this object's `response_timeout`, even if another object has the key `timeout`.
     const bool part = guess.find(key.text) != std::string_view::npos;
-    if (!typo && !part && object_ != Object::firmware)
-        if (const auto owner = owner_of(key.text, object_)) {
-            const auto where =
-                std::string(location(*owner)) + (*owner == Object::project ? "" : ".") + key.text;
-            findings_.add(Rule::key_elsewhere, key.location, path_of(key.text), key.text, std::move(list),
-                          {{"location", where}});
-            return;
-        }
+    auto owner =
+        typo || object_ == Object::firmware ? std::string() : owner_of(key.text, value(key.text), object_);
+    const bool encloses = location(object_).starts_with(owner.substr(0, owner.rfind('.') + 1));
+    if (!owner.empty() && (encloses || !part || !owner.ends_with('.' + key.text))) {
+        findings_.add(Rule::key_elsewhere, key.location, path_of(key.text), key.text, std::move(list),
+                      {{"location", std::move(owner)}});
+        return;
+    }
     if (!typo && is_unlike(key.text, guess)) {
         findings_.add(Rule::key_unlike, key.location, path_of(key.text), key.text, std::move(list));
         return;
@@ -251,6 +270,12 @@ const Node* Reader::list(std::string_view key) {
 const Node* Reader::mapping(std::string_view key) {
     const Node* const found = value(key);
     if (found == nullptr || found->kind == Node::Kind::mapping) return found;
+    // `host: 10.0.0.5` beside the lines is that of a line.
+    if (auto owner = owner_of(key, found, object_); object_ == Object::project && !owner.empty()) {
+        findings_.add(Rule::key_elsewhere, found->location, path_of(key), std::string(key), allowed_text(key),
+                      {{"location", std::move(owner)}});
+        return nullptr;
+    }
     report(Rule::field_not_a_group, key, allowed_text(key), {{"key", std::string(key)}});
     return nullptr;
 }

@@ -12,19 +12,20 @@ namespace {
 struct Synonym {
     std::string_view word;
     std::string_view key;
+    bool anywhere = false;  ///< means the key also in an object that lacks it
 };
 
 // A word may mean different keys in different objects; the first one that the object has counts.
 constexpr Synonym kSynonyms[] = {
-    {"slave", "address"},
-    {"slave_id", "address"},
-    {"slaveid", "address"},
-    {"slave_address", "address"},
+    {"slave", "address", true},
+    {"slave_id", "address", true},
+    {"slaveid", "address", true},
+    {"slave_address", "address", true},
     {"unit", "address"},
-    {"unit_id", "address"},
+    {"unit_id", "address", true},
     {"id", "address"},
     {"station", "address"},
-    {"node_id", "address"},
+    {"node_id", "address", true},
     {"адрес", "address"},
     {"адреса", "address"},
     {"max", "limit"},
@@ -32,23 +33,23 @@ constexpr Synonym kSynonyms[] = {
     {"max_delay", "limit"},
     {"min", "first"},
     {"initial", "first"},
-    {"speed", "baud"},
-    {"baudrate", "baud"},
-    {"baud_rate", "baud"},
-    {"bitrate", "baud"},
-    {"скорость", "baud"},
-    {"швидкість", "baud"},
-    {"ip", "host"},
-    {"ip_address", "host"},
-    {"hostname", "host"},
+    {"speed", "baud", true},
+    {"baudrate", "baud", true},
+    {"baud_rate", "baud", true},
+    {"bitrate", "baud", true},
+    {"скорость", "baud", true},
+    {"швидкість", "baud", true},
+    {"ip", "host", true},
+    {"ip_address", "host", true},
+    {"hostname", "host", true},
     {"server", "host"},
-    {"connect", "host"},
-    {"хост", "host"},
-    {"serial_port", "port"},
-    {"tty", "port"},
-    {"com", "port"},
+    {"connect", "host", true},
+    {"хост", "host", true},
+    {"serial_port", "port", true},
+    {"tty", "port", true},
+    {"com", "port", true},
     {"device", "port"},
-    {"порт", "port"},
+    {"порт", "port", true},
     {"interval", "poll_period"},
     {"interval", "period"},
     {"poll_interval", "poll_period"},
@@ -60,7 +61,7 @@ constexpr Synonym kSynonyms[] = {
     {"период", "period"},
     {"період", "poll_period"},
     {"період", "period"},
-    {"retries", "attempts"},
+    {"retries", "attempts", true},
     {"retry", "attempts"},
     {"попытки", "attempts"},
     {"спроби", "attempts"},
@@ -95,9 +96,9 @@ constexpr Synonym kSynonyms[] = {
     {"gain", "scale"},
     {"коэффициент", "scale"},
     {"коефіцієнт", "scale"},
-    {"bytesize", "data_bits"},
-    {"databits", "data_bits"},
-    {"stopbits", "stop_bits"},
+    {"bytesize", "data_bits", true},
+    {"databits", "data_bits", true},
+    {"stopbits", "stop_bits", true},
     {"protocol", "framing"},
     {"mode", "framing"},
     {"протокол", "framing"},
@@ -127,14 +128,19 @@ constexpr Synonym kSynonyms[] = {
     {"url", "brokers"},
     {"uri", "brokers"},
     {"host", "brokers"},
-    {"host", "listen"},
+    {"host", "listen", true},
     {"ip", "listen"},
-    {"bind", "listen"},
+    {"bind", "listen", true},
     {"interface", "listen"},
-    {"start", "items"},
+    {"connect", "brokers"},
+    {"start", "items", true},
+    {"start", "register", true},
+    {"start_address", "register", true},
     {"first", "items"},
     {"count", "items"},
+    {"count", "length"},
     {"quantity", "items"},
+    {"quantity", "length"},
     {"broker_url", "brokers"},
     {"брокер", "brokers"},
     {"username", "user"},
@@ -269,12 +275,19 @@ std::string_view synonym(Object object, std::string_view word) {
     constexpr std::size_t kLonger = 5;
     constexpr std::size_t kOneMistake = 2;  // of typing_distance()
     const std::string wanted = in_lower_case(word);
-    for (const auto& [other, key] : kSynonyms)
+    for (const auto& [other, key, anywhere] : kSynonyms)
         if (other == wanted && find_field(object, key) != nullptr) return key;
-    for (const auto& [other, key] : kSynonyms)
+    for (const auto& [other, key, anywhere] : kSynonyms)
         if (other.size() >= kLonger && typing_distance(other, wanted) <= kOneMistake &&
             find_field(object, key) != nullptr)
             return key;
+    return {};
+}
+
+std::string_view synonym_elsewhere(Object other, std::string_view word) {
+    const std::string wanted = in_lower_case(word);
+    for (const auto& [its, key, anywhere] : kSynonyms)
+        if (anywhere && its == wanted && find_field(other, key) != nullptr) return key;
     return {};
 }
 

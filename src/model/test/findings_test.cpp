@@ -101,6 +101,7 @@ TEST(Findings, NameTheNearest) {
               "{servers: [{name: S, listen: *, units: [{address: 1, banks: [{area: coil, start: 1}]}]}]}"},
          "items"},
         {{.line = "{connect: plc}"}, "host"},
+        {{.variable = "{start: 0, register: ~}"}, "register"},
         {{.device = "{strategy: optimal, readable: {coils: [1]}}"}, "coil"},
         {{.device = "{strategy: optimal, write_single: onyl}"}, "only"},
     };
@@ -111,11 +112,56 @@ TEST(Findings, NameTheNearest) {
     }
     EXPECT_EQ(interpret(document({.project = "{locals: []}", .device = "{status: s}"})).findings.at(0).code,
               "local.undeclared");
-    const auto elsewhere = interpret(document({.device = "{baud: 9600}"}));
-    EXPECT_EQ(elsewhere.findings.at(0).code, "key.elsewhere");
-    EXPECT_EQ(argument(elsewhere.findings[0], "location"), "lines[].baud");
-    const auto host = interpret(document({.device = "{host: plc}"}));
-    EXPECT_EQ(argument(host.findings.at(0), "location"), "lines[].host") << "that of the line of the device";
+}
+
+// One table of words serves every object: `connect` means the host of a line wherever it stands.
+TEST(Findings, NameTheObjectOfAKey) {
+    const auto in_server = [](const std::string& server, const std::string& unit = "",
+                              const std::string& bank = "") {
+        return "{servers: [{name: S, listen: *" + server + ", units: [{address: 1, banks: [{area: coil, " +
+               "items: [0..9]" + bank + "}]" + unit + "}]}]}";
+    };
+    struct Case {
+        std::string project = "{}";
+        std::string line = "{}";
+        std::string device = "{}";
+        std::string variable = "{}";
+        std::string_view location;
+    };
+    const Case cases[] = {
+        {.device = "{baud: 9600}", .location = "lines[].baud"},
+        {.device = "{speed: 9600}", .location = "lines[].baud"},
+        {.device = "{host: plc}", .location = "lines[].host"},
+        {.device = "{connect: tcp://plc}", .location = "lines[].host"},
+        {.device = "{start: 0}", .location = "lines[].devices[].variables[].register"},
+        {.device = "{listen: 127.0.0.1}", .location = "servers[].listen"},
+        {.variable = "{connect: plc}", .location = "lines[].host"},
+        {.variable = "{host: plc}", .location = "lines[].host"},
+        {.variable = "{listen: 127.0.0.1}", .location = "servers[].listen"},
+        {.line = "{start: 0}", .location = "lines[].devices[].variables[].register"},
+        {.line = "{listen: 127.0.0.1}", .location = "servers[].listen"},
+        {.project = "{connect: plc}", .location = "lines[].host"},
+        {.project = "{host: plc}", .location = "lines[].host"},
+        {.project = "{listen: 127.0.0.1}", .location = "servers[].listen"},
+        {.project = "{start: 0}", .location = "lines[].devices[].variables[].register"},
+        {.project = "{start: [{write: abc}]}", .location = "instruments[].start"},
+        {.project = "{locals: [{name: B, type: int, connect: plc}]}", .location = "lines[].host"},
+        {.project = in_server(", connect: plc"), .location = "lines[].host"},
+        {.project = in_server(", start: 0"), .location = "servers[].units[].banks[].items"},
+        {.project = in_server("", ", connect: plc"), .location = "lines[].host"},
+        {.project = in_server("", ", host: 127.0.0.1"), .location = "servers[].listen"},
+        {.project = in_server("", ", listen: 127.0.0.1"), .location = "servers[].listen"},
+        {.project = in_server("", ", start: 0"), .location = "servers[].units[].banks[].items"},
+        {.project = in_server("", "", ", listen: 127.0.0.1"), .location = "servers[].listen"},
+    };
+    for (const auto& [project, line, device, variable, location] : cases) {
+        const auto checked =
+            interpret(document({.project = project, .line = line, .device = device, .variable = variable}));
+        ASSERT_FALSE(checked.findings.empty()) << location;
+        const auto& finding = checked.findings[0];
+        EXPECT_EQ(finding.code, "key.elsewhere") << finding.path;
+        EXPECT_EQ(argument(finding, "location"), location) << finding.path;
+    }
 }
 
 TEST(Findings, PointToWhatWasThereFirst) {

@@ -13,6 +13,10 @@ namespace takt::model {
 /// none is known.
 [[nodiscard]] std::string_view synonym(Object object, std::string_view word);
 
+/// The key of `other` that a word means in any object: `connect` in a device is the `host` of its line. Empty
+/// if the word is none of these.
+[[nodiscard]] std::string_view synonym_elsewhere(Object other, std::string_view word);
+
 /// The word of `words` that a value of other tools means for `key`: `E` is the `even` of `parity`, `dword`
 /// the `uint32` of `type`. ASCII letters in any case. Empty if none is known.
 [[nodiscard]] std::string_view value_synonym(std::string_view key, std::span<const std::string_view> words,
