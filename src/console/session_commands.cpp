@@ -60,7 +60,9 @@ Answer refused(const Texts& texts, const host::Configuration& configuration, con
         for (std::uint32_t id = 0; id < configuration.slots().size(); ++id)
             names.push_back(configuration.info({id}).name);
         const auto nearest = model::nearest(command.name, names);
-        if (nearest.empty() || model::is_unlike(command.name, nearest)) return answer(texts.describe(error));
+        if (nearest.empty() || model::is_unlike(command.name, nearest))
+            return answer(texts("console.name_unlike",
+                                {{"name", command.name}, {"count", std::to_string(names.size())}}));
         return answer(
             texts("console.name_unknown", {{"name", command.name}, {"nearest", std::string(nearest)}}));
     }

@@ -7,6 +7,9 @@
 #include <charconv>
 #include <optional>
 #include <utility>
+#include <vector>
+
+#include "takt/model/nearest.hpp"
 
 namespace takt::line {
 namespace {
@@ -33,6 +36,19 @@ std::unexpected<Error> wrong(std::string_view part, std::string_view right = {})
     if (part.size() > kShown) subject += "…";
     if (!right.empty()) subject.append(" → ").append(right);
     return fail(Code::syntax, subject);
+}
+
+// One of `words`, which a comma and a blank separate.
+std::unexpected<Error> wrong_word(std::string_view part, std::string_view value, std::string_view words) {
+    std::vector<std::string_view> all;
+    for (auto rest = words; !rest.empty();) {
+        const auto end = std::min(rest.find(", "), rest.size());
+        all.push_back(rest.substr(0, end));
+        rest.remove_prefix(std::min(end + 2, rest.size()));
+    }
+    const auto nearest = model::nearest(value, all);
+    if (value.empty() || model::is_unlike(value, nearest)) return wrong(part, words);
+    return wrong(part, std::string(nearest).append(" → ").append(words));
 }
 
 Result<std::uint32_t> parse_number(std::string_view name, std::string_view text, std::uint32_t least,
@@ -108,7 +124,7 @@ Result<void> apply_parameter(Target& target, std::string_view key, std::string_v
         else if (value == "odd")
             target.format.parity = Parity::odd;
         else
-            return wrong(std::string("parity=").append(value), "none, even, odd");
+            return wrong_word(std::string("parity=").append(value), value, "none, even, odd");
     } else if (key == "rs485") {
         using model::Rs485;
         if (value == "auto")
@@ -120,9 +136,9 @@ Result<void> apply_parameter(Target& target, std::string_view key, std::string_v
         else if (value == "none")
             target.rs485 = Rs485::none;
         else
-            return wrong(std::string("rs485=").append(value), "auto, kernel, rts, none");
+            return wrong_word(std::string("rs485=").append(value), value, "auto, kernel, rts, none");
     } else {
-        return wrong(key, kKeys);
+        return wrong_word(key, key, kKeys);
     }
     return {};
 }
@@ -150,11 +166,15 @@ Result<Target> parse_serial_target(Target target, std::string_view rest) {
     return target;
 }
 
-Result<Target> parse_network_target(Target target, std::string_view rest) {
+Result<Target> parse_network_target(Target target, std::string_view scheme, std::string_view rest) {
     target.format.baud = 0;
     if (rest.ends_with('/')) rest.remove_suffix(1);
     const auto beyond = rest.find_first_of("/?#@");
-    if (beyond != std::string_view::npos) return wrong(rest.substr(beyond));
+    if (beyond != std::string_view::npos) {
+        const auto part = rest.substr(beyond);
+        const auto host = part[0] == '@' ? part.substr(1) : rest.substr(0, beyond);
+        return wrong(part, std::string(scheme).append("://").append(host));
+    }
     TAKT_TRY(const HostPort address, split_host_port(rest, 1));
     if (!is_host(address.host) && !is_ipv6(address.host)) return wrong(rest, "host:502");
     target.port = address.host;
@@ -190,14 +210,15 @@ Result<Target> parse_target(std::string_view url) {
     const auto colon = url.find("://");
     if (colon == std::string_view::npos) return wrong(url, suggestion(url));
     const auto scheme = std::ranges::find(kSchemes, url.substr(0, colon), &Scheme::name);
-    if (scheme == kSchemes.end()) return wrong(url.substr(0, colon), kSchemeNames);
+    if (scheme == kSchemes.end()) return wrong_word(url.substr(0, colon), url.substr(0, colon), kSchemeNames);
     Target target;
     target.transport = scheme->transport;
     target.framing = scheme->framing;
     target.tcp_port = scheme->tcp_port;
     const auto rest = url.substr(colon + 3);
-    return scheme->transport == model::Transport::serial ? parse_serial_target(std::move(target), rest)
-                                                         : parse_network_target(std::move(target), rest);
+    return scheme->transport == model::Transport::serial
+               ? parse_serial_target(std::move(target), rest)
+               : parse_network_target(std::move(target), scheme->name, rest);
 }
 
 Result<ListenAddress> parse_listen(std::string_view text) {

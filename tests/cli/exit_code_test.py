@@ -93,6 +93,8 @@ def test_a_new_project_whose_start_fails_leaves_no_file(tmp_path):
 def test_an_unknown_option_is_named_with_the_nearest_one():
     assert "`--forr`" in (err := refused(takt("run", "plant.yaml", "--forr", "3s",
                                               code=2)).err) and "`--for`" in err
+    for place in ["--lagn", "ru", "check", "plant.yaml"], ["check", "plant.yaml", "--lagn"], ["--lagn"]:
+        assert "`--lang`" in refused(takt(*place, code=2)).err
 
 
 @pytest.mark.parametrize("command", [["run", "--for", "1s"], ["serve", "--for", "1s"]], ids=lambda c: c[0])

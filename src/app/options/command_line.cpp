@@ -121,22 +121,45 @@ void put_into_words(CLI::Option& option, const Texts& texts) {
 
 OptionError unknown_option_of(const CLI::App& command, const std::string& text) {
     std::vector<std::string> names;
-    for (const auto* option : command.get_options())
-        for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+    for (const auto* app = &command; app != nullptr; app = app->get_parent())
+        for (const auto* option : app->get_options())
+            for (const auto& name : option->get_lnames()) names.push_back("--" + name);
     const std::vector<std::string_view> candidates(names.begin(), names.end());
     return unknown_option(text, candidates);
 }
 
-/// Of arguments that no command takes: the first unknown option, or all of them.
-OptionError extras_error(const CLI::App& app) {
+bool is_option(const CLI::App* command, const std::string& name) {
+    for (; command != nullptr; command = command->get_parent())
+        if (command->get_option_no_throw(name) != nullptr) return true;
+    return false;
+}
+
+const CLI::App& chosen_command(const CLI::App& app) {
     const CLI::App* command = &app;
     while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+    return *command;
+}
+
+/// The error about the first argument that is an unknown long option. The parser takes the value behind it
+/// for an argument of the command, and reports that value.
+std::optional<OptionError> find_unknown_option(const CLI::App& app, const std::vector<std::string>& given) {
+    const auto& command = chosen_command(app);
+    for (const auto& argument : given) {
+        if (argument == "--") break;
+        const auto name = argument.substr(0, argument.find('='));
+        if (name.starts_with("--") && !is_option(&command, name)) return unknown_option_of(command, name);
+    }
+    return std::nullopt;
+}
+
+/// Of arguments that no command takes: the first unknown option, or all of them.
+OptionError extras_error(const CLI::App& app) {
     const auto extras = app.remaining(true);
     const auto unknown = std::ranges::find_if(extras, [](const std::string& extra) {
         return extra.size() > 1 && extra[0] == '-' && !is_digit(extra[1]);
     });
     if (unknown == extras.end()) return {"app.option.extra", {{"value", CLI::detail::join(extras, " ")}}};
-    return unknown_option_of(*command, unknown->substr(0, unknown->find('=')));
+    return unknown_option_of(chosen_command(app), unknown->substr(0, unknown->find('=')));
 }
 
 /// An option of `app` or of a chosen command below it that has more values than it takes; nullptr: none.
@@ -360,6 +383,11 @@ std::vector<std::string> CommandLine::commands() const {
 
 CommandLine::Parsed CommandLine::parse(std::vector<std::string> arguments,
                                        const std::function<Texts()>& texts) {
+    const auto given = arguments;
+    const auto invalid = [&](OptionError error) {
+        if (auto unknown = find_unknown_option(*app_, given)) error = *std::move(unknown);
+        return Parsed{Asked::nothing_valid, {}, std::move(error), {}};
+    };
     try {
         std::ranges::reverse(arguments);
         app_->parse(arguments);
@@ -369,15 +397,16 @@ CommandLine::Parsed CommandLine::parse(std::vector<std::string> arguments,
         app_->exit(asked, text, text);
         return {Asked::text, text.str(), {}, {}};
     } catch (const Rejected& rejected) {
-        return {Asked::nothing_valid, {}, rejected.error(), {}};
+        return invalid(rejected.error());
     } catch (const CLI::ExtrasError&) {
-        return {Asked::nothing_valid, {}, extras_error(*app_), {}};
+        return invalid(extras_error(*app_));
     } catch (const CLI::ArgumentMismatch& mismatch) {
         const auto* const option = find_excess(*app_);
-        return {Asked::nothing_valid, {}, option ? excess_error(*option) : option_error(mismatch.what()), {}};
+        return invalid(option ? excess_error(*option) : option_error(mismatch.what()));
     } catch (const CLI::ParseError& failure) {
         auto error = option_error(failure.what());
-        if (error.code != "app.option.no_command") return {Asked::nothing_valid, {}, std::move(error), {}};
+        if (error.code != "app.option.no_command" || find_unknown_option(*app_, given))
+            return invalid(std::move(error));
         put_into_words(*app_, texts());
         return {Asked::nothing_valid, app_->help(), std::move(error), {}};
     }

@@ -87,10 +87,15 @@ OptionError word_error(std::string_view option, std::string_view value, std::str
 }
 
 OptionError unknown_option(const std::string& name, std::span<const std::string_view> options) {
-    const auto nearest = model::nearest(name, options);
-    if (!model::is_unlike(name, nearest))
-        return {"app.option.unknown", {{"value", name}, {"nearest", std::string(nearest)}}};
-    auto key = name.substr(std::min(name.find_first_not_of('-'), name.size()));
+    const auto word_of = [](std::string_view option) {
+        return option.substr(std::min(option.find_first_not_of('-'), option.size()));
+    };
+    std::vector<std::string_view> words;
+    for (const auto option : options) words.push_back(word_of(option));
+    const auto nearest = model::nearest(word_of(name), words);
+    if (!model::is_unlike(word_of(name), nearest))
+        return {"app.option.unknown", {{"value", name}, {"nearest", "--" + std::string(nearest)}}};
+    std::string key(word_of(name));
     std::ranges::replace(key, '-', '_');
     const bool known = std::ranges::any_of(
         model::kObjects, [&](model::Object object) { return model::find_field(object, key) != nullptr; });

@@ -461,6 +461,14 @@ TEST(Options, ArgumentsThatNoCommandTakesAreNamed) {
     EXPECT_EQ(parse("run p.yaml --forr 3s").error, unknown("--forr", "--for"));
     EXPECT_EQ(parse("run p.yaml --forr=3s").error, unknown("--forr", "--for"));
     EXPECT_EQ(parse("table build p.yaml --outptu t -o t").error, unknown("--outptu", "--output"));
+    // its value is not reported in the place of an argument
+    for (const std::string line :
+         {"read --unt 5 tcp://h holding 0", "--unt 5 read tcp://h holding 0", "read --unt",
+          "read tcp://h --unt=5 holding 0", "read tcp://h wrong 0 --unt 5"})
+        EXPECT_EQ(parse(line).error, unknown("--unt", "--unit")) << line;
+    EXPECT_EQ(parse("run p.yaml -x").error, (OptionError{"app.option.unknown.unlike", {{"value", "-x"}}}));
+    EXPECT_EQ(parse("run p.yaml --variables").error,
+              (OptionError{"app.option.unknown.key", {{"value", "--variables"}, {"key", "variables"}}}));
     EXPECT_EQ(parse("plan p.yaml --strategy clasic").error,
               (OptionError{"app.option.unknown.key", {{"value", "--strategy"}, {"key", "strategy"}}}));
     EXPECT_EQ(parse("plan p.yaml --xyzzy").error,

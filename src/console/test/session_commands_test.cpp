@@ -48,7 +48,10 @@ TEST_F(SessionCommandsTest, WritesAndReadsBack) {
 }
 
 TEST_F(SessionCommandsTest, AnswersWhatIsNoVariableOrNoValue) {
-    EXPECT_TRUE(answer("get Nothing").starts_with("error not_found "));
+    for (const std::string line : {"get Xyz", "write Xyz 1", "set Xyz 1"})
+        EXPECT_EQ(answer(line),
+                  "error not_found Xyz: no such name among 3; `list` shows all, `values PATTERN` those that "
+                  "match\n");
     EXPECT_EQ(answer("get Levl"), "error not_found Levl: no such name, nearest: Level; `list` shows all\n");
     EXPECT_EQ(answer("write levl 1"),
               "error not_found levl: no such name, nearest: Level; `list` shows all\n");
@@ -139,7 +142,9 @@ TEST(SessionCommands, FollowAnotherProject) {
     rig.run(300ms);
     commands.take_outcomes();
     ASSERT_EQ(after.lines.size(), 2U);
-    EXPECT_EQ(after.lines[0], "error not_found Level: not found\n");
+    EXPECT_EQ(
+        after.lines[0],
+        "error not_found Level: no such name among 3; `list` shows all, `values PATTERN` those that match\n");
     EXPECT_TRUE(after.lines[1].starts_with("ok Depth ")) << after.lines[1];
 }
 
