@@ -1,5 +1,6 @@
 #include "takt/model/firmware.hpp"
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
 
@@ -27,6 +28,7 @@ Firmware read_firmware(Reader& reader) {
     read(reader, "uart_clock_ppm", made.uart_clock_ppm);
     read(reader, "oversampling", made.oversampling);
     read(reader, "divider_steps", made.divider_steps);
+    made.timer_clock = std::min(made.timer_clock, made.core_clock);
     read(reader, "timer_clock", made.timer_clock);
     made.timer_clock_ppm = made.uart_clock_ppm;
     read(reader, "timer_clock_ppm", made.timer_clock_ppm);

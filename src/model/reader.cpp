@@ -92,6 +92,20 @@ std::string with_point(std::string_view text) {
     return std::string(text.substr(0, comma)) + '.' + std::string(text.substr(comma + 1));
 }
 
+/// `4ms, 4us`: at most two durations of the range that a number without unit may mean.
+std::string with_units(const std::string& number, const Range& range) {
+    constexpr std::array<std::string_view, 5> kUnits{"ms", "s", "us", "min", "h"};
+    std::string texts;
+    int count = 0;
+    for (const auto unit : kUnits) {
+        const auto text = number + std::string(unit);
+        const auto meant = parse_duration(text);
+        if (!meant || meant->count() < range.least || meant->count() > range.greatest || count == 2) continue;
+        texts.append(count++ == 0 ? "" : ", ").append(text);
+    }
+    return texts.empty() ? number + "ms" : texts;
+}
+
 bool begins_with_letter(std::string_view text) {
     return !text.empty() && ((text[0] >= 'a' && text[0] <= 'z') || (text[0] >= 'A' && text[0] <= 'Z'));
 }
@@ -271,7 +285,8 @@ const Node* Reader::mapping(std::string_view key) {
     const Node* const found = value(key);
     if (found == nullptr || found->kind == Node::Kind::mapping) return found;
     // `host: 10.0.0.5` beside the lines is that of a line.
-    if (auto owner = owner_of(key, found, object_); object_ == Object::project && !owner.empty()) {
+    const bool word = object_ == Object::project && !parse_duration(scalar_text(found));
+    if (auto owner = owner_of(key, found, object_); word && !owner.empty()) {
         findings_.add(Rule::key_elsewhere, found->location, path_of(key), std::string(key), allowed_text(key),
                       {{"location", std::move(owner)}});
         return nullptr;
@@ -315,7 +330,11 @@ void Reader::report_scalar(ScalarError error, const Field& field, Rule malformed
         }
         std::unreachable();
     }();
-    report(rule, field.key, allowed(field, context_));
+    Arguments arguments;
+    if (rule == Rule::duration_no_unit)
+        arguments.emplace_back("meant",
+                               with_units(std::string(scalar_text(value(field.key))), field.range(context_)));
+    report(rule, field.key, allowed(field, context_), std::move(arguments));
 }
 
 std::optional<std::int64_t> Reader::in_range(const Field& field, std::int64_t value) {

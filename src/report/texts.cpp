@@ -24,6 +24,15 @@ Texts::Arguments finding_arguments(const model::Finding& finding) {
     return arguments;
 }
 
+// The code of the text for the finding's argument `variant`; without such a text `code`.
+std::string variant_of(const model::Finding& finding, const std::string& code) {
+    for (const auto& [name, text] : finding.arguments)
+        if (const auto variant = code + '.' + text;
+            name == "variant" && text::has(text::Language::english, variant))
+            return variant;
+    return code;
+}
+
 }  // namespace
 
 std::string Texts::operator()(std::string_view code, const Arguments& arguments) const {
@@ -31,22 +40,19 @@ std::string Texts::operator()(std::string_view code, const Arguments& arguments)
 }
 
 std::string Texts::message(const model::Finding& finding) const {
-    return filled_message(language_, finding.code, finding_arguments(finding));
+    return filled_message(language_, variant_of(finding, finding.code), finding_arguments(finding));
 }
 
 std::string Texts::advice(const model::Finding& finding) const {
     const std::string with_allowed = finding.code + ".advice_allowed";
     if (!finding.allowed.empty() && text::has(text::Language::english, with_allowed))
         return filled_message(language_, with_allowed, finding_arguments(finding));
-    const std::string code = finding.code + ".advice";
+    const std::string code = variant_of(finding, finding.code + ".advice");
     if (!text::has(text::Language::english, code)) return {};
     auto arguments = finding_arguments(finding);
-    std::string variant;
-    for (auto& [name, text] : arguments) {
+    for (auto& [name, text] : arguments)
         if (name == "remedies") text = remedies(text, finding.arguments);
-        if (name == "variant") variant = '.' + text;
-    }
-    return filled_message(language_, code + variant, arguments);
+    return filled_message(language_, code, arguments);
 }
 
 std::string Texts::remedies(std::string_view words, const Arguments& arguments) const {

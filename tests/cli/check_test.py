@@ -350,3 +350,17 @@ def test_firmware_with_a_mistake(project):
     (finding, ) = findings(path, "--firmware")
     assert (finding["path"], finding["value"], finding["allowed"]) == ("timer_bits", "7", "8..64")
     assert takt("check", "--firmware", path.parent / "none.yaml", code=2).err
+
+
+@pytest.mark.parametrize("language", ["en", "ru", "uk"])
+def test_firmware_of_another_form(project, language):
+    """The texts about such a file speak of the microcontroller, not of a project."""
+    for text in "", "# nothing\n", "- core_clock: 14000000\n", "core clock\n":
+        path = project(text)
+        code = 1 if text.startswith(("-", "core")) else None
+        shown = takt("--lang", language, "check", "--firmware", path, code=code).out
+        assert "active_ua_per_mhz" in shown and "takt: 1" not in shown and "- name" not in shown, shown
+    shown = takt("--lang", language, "check", "--firmware", path.parent / "none.yaml", code=2)
+    assert not any(word in shown.out for word in ("project", "проект", "проєкт")), shown.out
+    unitless = EFM32ZG.read_text(encoding="utf-8").replace("wakeup_time: 2us", "wakeup_time: 4")
+    assert "4ms, 4us" in takt("--lang", language, "check", "--firmware", project(unitless), code=1).out

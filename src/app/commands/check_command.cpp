@@ -35,6 +35,7 @@ ExitCode check_firmware(const Texts& texts, const CheckOptions& options) {
         loaded.findings.insert(loaded.findings.end(), checked.findings.begin(), checked.findings.end());
         if (!loaded.has_errors()) firmware = checked.firmware;
     }
+    for (auto& finding : loaded.findings) finding.arguments.emplace_back("variant", "firmware");
     const auto estimate = firmware ? std::optional(plan::estimate(*firmware)) : std::nullopt;
     if (options.json) {
         auto object = report::check_json(texts, loaded);

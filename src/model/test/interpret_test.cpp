@@ -422,6 +422,16 @@ TEST(Interpret, Firmware) {
     EXPECT_EQ(checked.firmware.format, (wire::CharacterFormat{19200, 8, wire::Parity::even, 1}));
     EXPECT_EQ(checked.firmware.wakeup_time, 2us);
     EXPECT_FALSE(checked.firmware.battery_mah);
+    EXPECT_EQ(checked.firmware.timer_clock, 1'000'000U);
+    const auto slow = interpret_firmware({{"board.yaml"}, changed(base, flow("{core_clock: 500000}"))});
+    EXPECT_EQ(slow.firmware.timer_clock, 500'000U) << "no timer is faster than the core";
+    const auto unitless = [&](const std::string& number) {
+        const auto root = changed(base, flow("{wakeup_time: " + number + "}"));
+        return interpret_firmware({{"board.yaml"}, root}).findings.at(0).arguments.at(0).second;
+    };
+    EXPECT_EQ(unitless("4"), "4ms, 4us") << "4s is out of range";
+    EXPECT_EQ(unitless("40"), "40us");
+    EXPECT_EQ(unitless("4000000"), "4000000ms");
     const Case cases[] = {
         {"{sleep_na: ~}", "field.missing sleep_na= [0..100000000]"},
         {"{core_clock: 999}", "field.out_of_range core_clock=999 [1000..1000000000]"},
