@@ -33,9 +33,13 @@ OutcomeClass LinePoller::Run::note_outcome(const bus::Outcome& outcome, std::siz
     --device.in_flight;
     if (writes(kind_of(outcome.id))) device.writing = false;
     count_outcome(index, outcome);
-    if (request)
+    if (request) {
         request->traffic.count(outcome, engine_.silence(),
                                writes(kind_of(outcome.id)) ? request->write_cost : request->read_cost);
+        const bool refused = outcome.status == bus::Status::exception;
+        if (refused ? request->traffic.counters.answered > 0 : outcome.status == bus::Status::ok)
+            device.statistics.refusals.ended(outcome.ended_at, !refused);
+    }
     note_busy(outcome);
     const OutcomeClass outcome_class = classify(outcome);
     const Instant t = outcome.ended_at;

@@ -37,12 +37,11 @@ std::uint8_t most_frequent_exception(const bus::TransactionCounters& counters) {
     return static_cast<std::uint8_t>(std::ranges::max_element(codes) - codes.begin());
 }
 
-/// ": Level, Speed and 3 more"
-std::string names_text(const Texts& texts, const file::Json::Array& names) {
+/// "Level, Speed and 3 more"
+std::string names_text(const Texts& texts, const std::vector<std::string>& names) {
     constexpr std::size_t kMost = 4;
     std::string text;
-    for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
-        text += (i == 0 ? ": " : ", ") + std::get<std::string>(names[i].value());
+    for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) text += (i == 0 ? "" : ", ") + names[i];
     if (names.size() > kMost)
         text += texts("problem.more_names", {{"count", std::to_string(names.size() - kMost)}});
     return text;
@@ -94,7 +93,7 @@ private:
         name_values_of_links();
         find_refused();
         if (fails_often(device())) {
-            found_.push_back(failing_often());
+            if (!refused_by_gateway()) found_.push_back(failing_often());
         } else if (device().state == DeviceState::not_answering) {
             found_.push_back(answers_late() ? too_late() : unanswering());
             name_values([](Reason) { return true; });
@@ -404,33 +403,75 @@ private:
             if (plan()->requests[r].device == device_) visit(plan()->requests[r], line().requests[r]);
     }
 
+    /// Requests that are refused often, but not always, are one problem of the device.
     void find_refused() {
+        std::vector<std::string> requests;
+        std::vector<std::size_t> variables;
+        bus::TransactionCounters sum;
         for_each_request([&](const plan::Request& request, const poll::RequestStatistics& statistics) {
-            if (statistics.counters.exceptions == 0) return;
-            const auto code = most_frequent_exception(statistics.counters);
+            const auto& counters = statistics.counters;
+            if (counters.exceptions == 0) return;
+            const auto code = most_frequent_exception(counters);
             if (fails_with(code)) return;  // the problem of the device
-            const Error failure{Code::modbus_exception, {}, {code}};
-            Problem problem = of_device(note, refused);
-            problem.request = request_text(request);
-            problem.since = since_good(request.variables);
+            if (refuses_often() && counters.answered > 0 &&
+                counters.exceptions * kFewestInRequests >= counters.sent) {
+                requests.push_back(request_text(request));
+                variables.insert(variables.end(), request.variables.begin(), request.variables.end());
+                for (std::size_t i = 0; i < counters.exceptions_by_code.size(); ++i)
+                    sum.exceptions_by_code[i] += counters.exceptions_by_code[i];
+                return;
+            }
+            Problem problem = refusal(request_text(request), code);
             problem.variables = name_values(request.variables, &value::is_exception);
-            if (problem.variables.empty())
-                problem.since.reset();
-            else
+            if (!problem.variables.empty()) {
                 problem.severity = warning;
-            problem.count = statistics.counters.exceptions;
-            problem.of = statistics.counters.sent;
-            problem.text = texts_("problem.refused", {{"device", settings().name},
-                                                      {"request", problem.request},
-                                                      {"what", text::what(texts_.language(), failure)}});
-            problem.advice = text::advice(texts_.language(), failure);
+                problem.since = since_good(request.variables);
+            }
+            problem.count = counters.exceptions;
+            problem.of = counters.sent;
             found_.push_back(std::move(problem));
         });
+        if (requests.empty()) return;
+        const auto& share = device().refusals;
+        Problem problem = refusal(names_text(texts_, requests), most_frequent_exception(sum));
+        problem.severity = warning;
+        problem.variables = name_values(variables, [&](Reason reason) {
+            return value::is_exception(reason) || refused_by_gateway();
+        });
+        problem.since = before_snapshot(share.since());
+        problem.count = share.failed();
+        problem.of = share.transactions();
+        problem.advice += (problem.advice.empty() ? "" : " ") + texts_("problem.advice.refused_often");
+        found_.push_back(std::move(problem));
+    }
+
+    [[nodiscard]] Problem refusal(std::string requests, std::uint8_t exception) const {
+        const Error failure{Code::modbus_exception, {}, {exception}};
+        Problem problem = of_device(note, refused);
+        problem.text = texts_("problem.refused", {{"device", settings().name},
+                                                  {"request", requests},
+                                                  {"what", text::what(texts_.language(), failure)}});
+        problem.request = std::move(requests);
+        problem.advice = text::advice(texts_.language(), failure);
+        return problem;
+    }
+
+    [[nodiscard]] bool refuses_often() const {
+        return device().refusals.state() == poll::FailureShare::State::failing;
+    }
+
+    /// Most of what makes the device fail often are the exceptions of a gateway, which find_refused() lists.
+    [[nodiscard]] bool refused_by_gateway() const {
+        const auto& counters = device().counters;
+        const std::uint64_t exceptions =
+            std::uint64_t{counters.exceptions_by_code[10]} + counters.exceptions_by_code[11];
+        return fails_often(device()) && refuses_often() &&
+               exceptions > counters.timeouts + counters.checksums + counters.unexpected;
     }
 
     [[nodiscard]] bool fails_with(std::uint8_t exception) const {
-        return device().state == DeviceState::not_answering && value::is_exception(device().failure) &&
-               value::status_code(device().failure) % 256 == exception;
+        return device().state == DeviceState::not_answering && !fails_often(device()) &&
+               value::is_exception(device().failure) && value::status_code(device().failure) % 256 == exception;
     }
 
     void find_late() {
@@ -523,11 +564,16 @@ std::string problem_line(const Texts& texts, const file::Json& problem) {
     const auto count = number_member(problem, "count");
     const auto of = number_member(problem, "of");
     if (count && of)
-        text += texts("problem.count_of",
-                      {{"count", count_member(problem, "count")}, {"of", count_member(problem, "of")}});
+        text += texts("problem.count_of", {{"count", count_member(problem, "count")},
+                                           {"of", count_member(problem, "of")},
+                                           {"percent", percent_text(*of > 0 ? *count / *of : 0)}});
     if (const auto since = time_member(problem, "since_ms"))
         text += texts("problem.since", {{"age", age_text(*since)}});
-    return text::escape_line(text + names_text(texts, array_member(problem, "variables")));
+    std::vector<std::string> names;
+    for (const auto& name : array_member(problem, "variables"))
+        names.push_back(std::get<std::string>(name.value()));
+    if (!names.empty()) text += ": " + names_text(texts, names);
+    return text::escape_line(text);
 }
 
 std::string problems_text(const Texts& texts, const file::Json& problems, std::size_t most) {

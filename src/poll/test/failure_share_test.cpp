@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <string_view>
 
 namespace takt::poll {
@@ -10,16 +11,16 @@ namespace failure_share_test {
 using namespace std::chrono_literals;
 using enum FailureShare::State;
 
-/// A transaction each 100 ms.
 class Device {
 public:
     /// @param pattern  '-' failed, '+' answered
     void run(std::string_view pattern, int times = 1) {
         for (int i = 0; i < times; ++i)
-            for (const char c : pattern) share.ended(t += 100ms, c == '+');
+            for (const char c : pattern) share.ended(t += period, c == '+');
     }
-    FailureShare share;
+    FailureShare share{FailureShare::Of::silence};
     Instant t{1h};
+    Duration period = 100ms;
 };
 
 TEST(FailureShare, ADeviceThatAnswersSomeRequestsStaysFailing) {
@@ -69,6 +70,30 @@ TEST(FailureShare, ADeviceThatStopsAnsweringIsSilent) {
     EXPECT_EQ(device.share.state(), failing);
     device.run("-", 20);
     EXPECT_EQ(device.share.state(), steady);
+}
+
+// At each share of failures and each period there is one time of the begin.
+TEST(FailureShare, ARandomMixtureIsSteady) {
+    std::minstd_rand random(39);
+    for (const int percent : {30, 45, 60, 75, 90})
+        for (const auto period : {50ms, 1000ms, 10000ms}) {
+            Device device;
+            device.share = FailureShare(FailureShare::Of::refusal);
+            device.period = period;
+            const auto run = [&] {
+                device.run(std::uniform_int_distribution(1, 100)(random) > percent ? "+" : "-");
+            };
+            for (int i = 0; i < 200; ++i) run();
+            const auto since = device.share.since();
+            ASSERT_TRUE(since) << percent << " %";
+            for (int i = 0; i < 10000; ++i) {
+                run();
+                ASSERT_EQ(device.share.since(), since) << percent << " % each " << period.count() << " ms";
+            }
+            const auto share = static_cast<double>(device.share.failed()) /
+                               static_cast<double>(device.share.transactions());
+            EXPECT_NEAR(100 * share, percent, 2);
+        }
 }
 
 }  // namespace failure_share_test

@@ -73,7 +73,7 @@ TEST(Problems, ARefusedRequestNamesRangeVariableExceptionAndRemedy) {
     EXPECT_EQ(found[0].since, 240s);
     EXPECT_EQ(text_of(snapshot),
               "  warning: Котёл: 0x01 3: the device answers with exception 2: illegal data address, "
-              "3837 of 3837 requests, for 4 min: Pump\n"
+              "3837 of 3837 requests (100.0 %), for 4 min: Pump\n"
               "    The device does not have these addresses. Check start and quantity; addresses on the wire "
               "start at zero.\n");
     EXPECT_EQ(health_word(snapshot, found), "degraded");
@@ -81,6 +81,65 @@ TEST(Problems, ARefusedRequestNamesRangeVariableExceptionAndRemedy) {
     snapshot.values[slot_of("Pump").value].quality = Quality::good;
     EXPECT_EQ(problems(snapshot)[0].severity, Severity::note) << "it answers again";
     EXPECT_EQ(health_word(snapshot, problems(snapshot)), "ok");
+}
+
+// A device that refuses some of its requests at random has one problem with one time, whichever values are
+// good at the moment. What it always refuses is a problem of its own.
+TEST(Problems, ADeviceThatRefusesOftenIsOneProblem) {
+    auto snapshot = healthy();
+    auto& line = snapshot.lines[0];
+    auto& device = line.devices[0];
+    for (int i = 0; i < 40; ++i) device.refusals.ended(snapshot.t - 60s, i % 5 > 2);
+    for (auto& request : line.requests) {
+        request.counters.sent = 50;
+        request.counters.answered = 20;
+        request.counters.exceptions = request.counters.exceptions_by_code[4] = 30;
+    }
+    const auto check = [&](const std::vector<std::string>& bad) {
+        for (auto& slot : snapshot.values) slot = {.quality = Quality::good, .good_at = snapshot.t - 100ms};
+        for (const auto& name : bad) fail(snapshot, name, value::exception_reason(4));
+        const auto found = problems(snapshot);
+        ASSERT_EQ(found.size(), 1U);
+        EXPECT_EQ(found[0].kind, Kind::refused);
+        EXPECT_EQ(found[0].severity, Severity::warning);
+        EXPECT_EQ(found[0].since, 60s);
+        EXPECT_EQ(found[0].variables, bad);
+        expect_contains(found[0].text, "exception 4");
+        expect_contains(text_of(snapshot), "(60.0 %)");
+        expect_contains(found[0].request, "0x01 3");
+        expect_contains(found[0].advice, "less often");
+        EXPECT_EQ(health_word(snapshot, found), "degraded");
+    };
+    check({});
+    check({"Pump"});
+    check({"Pump", "Level"});
+
+    auto& always = line.requests[request_of(snapshot, "Pump")].counters;
+    always.answered = 0;
+    const auto found = problems(snapshot);
+    ASSERT_EQ(found.size(), 2U);
+    EXPECT_EQ(found[0].request, "0x01 3");
+    EXPECT_EQ(found[0].since, 4s);
+    EXPECT_FALSE(found[1].request.contains("0x01 3"));
+
+    // Those of a gateway: the device does not answer in between.
+    always.answered = 20;
+    for (int i = 0; i < 40; ++i) device.share.ended(snapshot.t - 60s, i % 2 == 0);
+    device.counters.exceptions = device.counters.exceptions_by_code[11] = 100;
+    device.counters.timeouts = 3;
+    for (const auto state : {poll::DeviceState::answering, poll::DeviceState::not_answering}) {
+        device.state = state;
+        device.failure = state == poll::DeviceState::answering ? Reason::ok : value::exception_reason(11);
+        for (auto& request : line.requests) {
+            request.counters.exceptions_by_code[4] = 0;
+            request.counters.exceptions_by_code[11] = 30;
+        }
+        fail(snapshot, "Level", Reason::not_answering);
+        const auto of_gateway = problems(snapshot);
+        ASSERT_EQ(of_gateway.size(), 1U);
+        EXPECT_EQ(of_gateway[0].severity, Severity::warning);
+        expect_contains(of_gateway[0].text, "exception 11");
+    }
 }
 
 // All its responses come after the time-out: it is no dead device.

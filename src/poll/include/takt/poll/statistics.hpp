@@ -82,7 +82,8 @@ struct DeviceCondition {
     /// and ends with the next answer. Before the link could be opened for the first time it is down too.
     AvailabilityMeter availability;
     value::Reason failure = value::Reason::ok;  ///< of its last transaction; ok: it was answered
-    FailureShare share;                         ///< whether it fails often, though it answers
+    /// Whether it fails often, though it answers.
+    FailureShare share{FailureShare::Of::silence};
 };
 
 /// What was counted and measured of the transactions with a device.
@@ -100,6 +101,8 @@ struct DeviceTraffic {
     };
     std::uint64_t foreign = 0;  ///< of the time-outs of `counters`
     std::optional<Misdirected> last_foreign;
+    /// Whether it answers often with exceptions: requests that it has answered otherwise, too.
+    FailureShare refusals{FailureShare::Of::refusal};
     std::uint64_t verified = 0;  ///< writes that were read back as written
     std::uint64_t differed = 0;  ///< and those that were not
     Duration recent_time{};      ///< mean of about the last eight times of `counters`
