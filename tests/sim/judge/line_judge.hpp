@@ -391,13 +391,13 @@ private:
     bool answers_ = false;      // on this connection
     bool heard_on_ = false;     // something
     Instant closed_at_ = Instant::min();
-    std::set<std::size_t> closes_;           // devices that met a close since one answered
-    bool relayed_open_ = false;              // a relayed request is in flight
-    std::optional<std::size_t> relayed_to_;  // the device of the last one
-    Instant epoch_ = Instant::min();         // the first link
-    std::deque<Transaction> transactions_;   // the last ones
-    ByteVector received_;                    // since the last request; of a stream, what is left of it
-    Instant busy_until_ = Instant::min();    // end of the last character
+    std::set<std::uint8_t> closes_;           // units that met a close since one answered
+    bool relayed_open_ = false;               // a relayed request is in flight
+    std::optional<std::uint8_t> relayed_to_;  // the unit of the last one
+    Instant epoch_ = Instant::min();          // the first link
+    std::deque<Transaction> transactions_;    // the last ones
+    ByteVector received_;                     // since the last request; of a stream, what is left of it
+    Instant busy_until_ = Instant::min();     // end of the last character
     Instant last_start_ = Instant::min();
     Instant written_until_ = Instant::min();  // latest end of what commands, triggers and writes sent
     Instant relayed_end_ = Instant::min();    // of the last one

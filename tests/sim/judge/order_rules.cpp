@@ -134,6 +134,9 @@ std::optional<std::string> LineJudge::doubt_read(Transaction& transaction) {
     }
     if (transaction.is_its_read()) devices_[transaction.device].last_read = transaction.start;
     if (transaction.purpose == Purpose::probe) {
+        // It serves what is due: after closes the device keeps its periods when it returns.
+        auto& served_until = requests_[*transaction.request].served_until;
+        served_until = std::max(served_until, transaction.chosen);
         if (device.may_be_dead()) return std::nullopt;
         return "no probe, the device answers";
     }

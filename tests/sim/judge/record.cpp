@@ -174,12 +174,6 @@ void LineJudge::on_link(Instant t, bool up) {
     for (Transaction& transaction : transactions_) {
         if (transaction.over) continue;
         transaction.cut = true;
-        if (transaction.request && transaction.is_its_read()) {
-            RequestState& request = requests_[*transaction.request];
-            // A probe serves what is due; where the device does not answer, that is of no account.
-            if (transaction.purpose == Purpose::probe)
-                request.served_until = std::max(request.served_until, transaction.start);
-        }
         transaction.close = Close::of_several;
         settle(transaction, t);
     }
@@ -290,8 +284,8 @@ void LineJudge::on_relayed(Instant t, std::span<const std::uint8_t> bytes) {
     if (adapter_.echoes) echo_.assign(bytes.begin(), bytes.end());
     if (one_at_a_time()) received_.clear();
     if (asked) ledger_.on_sent(t, *asked);
-    relayed_to_ = asked ? device_of(asked->unit) : std::nullopt;
-    if (const auto device = relayed_to_) {
+    relayed_to_ = asked ? std::optional(asked->unit) : std::nullopt;
+    if (const auto device = asked ? device_of(asked->unit) : std::nullopt) {
         // An exception that may belong to an earlier request of the device, too, holds the device back.
         const auto& model = *devices_[*device].model;
         note_trouble(devices_[*device],
@@ -308,7 +302,9 @@ void LineJudge::on_relayed_end(const bus::Outcome& outcome) {
     relayed_end_ = outcome.ended_at;
     relayed_open_ = false;
     const auto device = device_of(outcome.unit.value);
-    if (!device || outcome.status == bus::Status::ok || outcome.status == bus::Status::exception) return;
+    const bool answered = outcome.status == bus::Status::ok || outcome.status == bus::Status::exception;
+    if (answered) closes_.clear();
+    if (!device || answered) return;
     note_excess(
         {.t = outcome.ended_at, .length = {}, .device = device, .hold = 2 * hold_of(devices_[*device])});
 }

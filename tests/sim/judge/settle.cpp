@@ -81,7 +81,7 @@ void LineJudge::settle_closed(Instant t) {
         each->close = each->deadline <= t ? Close::perhaps_own : attribute(*each, t);
     for (auto* const each : waiting) {
         ++recoveries_[each->close == Close::of_several ? "closed_with_several" : "closed_alone"];
-        if (each->close != Close::of_several) closes_.insert(each->device);
+        if (each->close != Close::of_several) closes_.insert(devices_[each->device].model->address.value);
         settle(*each, t);
     }
     if (relayed_open_ && relayed_to_) closes_.insert(*relayed_to_);
@@ -91,7 +91,9 @@ void LineJudge::settle_closed(Instant t) {
 bool LineJudge::all_met_closes() const {
     if (closes_.empty() || (closes_.size() < 2 && !line_.relayed)) return false;
     for (std::size_t d = 0; d < devices_.size(); ++d)
-        if (devices_[d].enabled && !devices_[d].may_be_dead() && !closes_.contains(d)) return false;
+        if (devices_[d].enabled && !devices_[d].may_be_dead() &&
+            !closes_.contains(devices_[d].model->address.value))
+            return false;
     return true;
 }
 

@@ -491,7 +491,7 @@ void LineJudge::look(Instant t, const value::Store& store, std::uint32_t first_s
             continue;
         }
         variables_[v].batch = slot.batch;
-        check_age(t, v);
+        check_age(t - Duration(1), v);  // it was shown until this instant: it may have become stale in time
         check_sample(t, v, slot);
     }
     if (sweep) check_advance(t);
