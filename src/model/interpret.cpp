@@ -48,7 +48,8 @@ void interpret_lines(Interpretation& state, Reader& reader) {
     const Node* const list = reader.list("lines");
     if (list == nullptr) return;
     if (list->items.empty())
-        reader.report(Rule::lines_none, "lines", {}, {{"file", state.describe({{}, ""})}});
+        reader.report(Rule::lines_none, "lines", {},
+                      {{"file", state.describe({{}, ""})}, {"web", "127.0.0.1:8080"}});
     for (std::size_t i = 0; i < list->items.size(); ++i) {
         const auto& item = list->items[i];
         const auto path = indexed("lines", i);

@@ -10,6 +10,7 @@
 #include "takt/model/service.hpp"
 #include "takt/table/bytes.hpp"
 #include "takt/table/format.hpp"
+#include "takt/table/restore.hpp"
 
 namespace takt::table {
 namespace {
@@ -282,6 +283,7 @@ Image write_owen(const OwenTable& table) {
 
 Result<OwenTable> read_owen(Bytes image) {
     TAKT_TRY(const OwenView view, OwenView::open(image));
+    TAKT_CHECK(restored(view));  // what cannot run is not shown either
     const OwenHeader& header = view.header();
     OwenTable table{.version = header.version, .places = header.places};
     for (std::size_t i = 0; i < header.masters; ++i) table.masters.push_back(view.master(i));

@@ -77,6 +77,9 @@ def test_a_new_project_is_created_once(tmp_path):
     empty = takt("check", path, "--json").json["findings"][0]
     assert empty["code"] == "lines.none"
     assert f"`takt run {path} --web 127.0.0.1:8080 --allow-write`" in empty["advice"]
+    # The page of the run, not another one.
+    note = takt("run", path, "--web", "127.0.0.1:0", "--allow-write", "--for", "100ms").err
+    assert f"`takt run {path} --web 127.0.0.1:0 --allow-write`" in note
     before = path.read_bytes()
     assert "exists already" in takt("run", "--new", path, code=2).err
     assert path.read_bytes() == before

@@ -104,13 +104,24 @@ ExitCode run_table(const Texts& texts, const RunOptions& options) {
     return run_restored(texts, {table::project_of(*view), table::plan_of(*view)}, options);
 }
 
-constexpr std::string_view kEmptyProject =
-    "takt: 1\n"
-    "# Lines and devices are added on the page (takt run FILE --web 127.0.0.1:8080 --allow-write), or here.\n"
-    "lines: []\n";
+/// Where the page of a run is served, as it is written on the command line; empty: nowhere.
+std::string page_address(const RunOptions& options) {
+    const auto& address = options.web.address;
+    return address ? model::host_and_port(address->host, address->port) : std::string();
+}
 
-bool create_project(const Texts& texts, const std::string& file) {
-    const auto written = file::write_file(file, kEmptyProject, false);
+std::string empty_project(const RunOptions& options) {
+    const auto page = page_address(options);
+    return "takt: 1\n"
+           "# Lines and devices are added on the page (takt run FILE --web " +
+           (page.empty() ? "127.0.0.1:8080" : page) +
+           " --allow-write), or here.\n"
+           "lines: []\n";
+}
+
+bool create_project(const Texts& texts, const RunOptions& options) {
+    const auto& file = options.file;
+    const auto written = file::write_file(file, empty_project(options), false);
     if (written) return true;
     const auto& error = written.error();
     const bool exists = error.code == Code::cannot_open && error.numbers[0] == EEXIST;
@@ -119,14 +130,15 @@ bool create_project(const Texts& texts, const std::string& file) {
 }
 
 // A start that failed, as with a port in use, leaves no file behind: `--new` would refuse it.
-void remove_if_empty(const std::string& path) {
-    if (const auto text = file::read_file(path, kEmptyProject.size()); text && *text == kEmptyProject)
-        std::filesystem::remove(path);
+void remove_if_empty(const RunOptions& options) {
+    const auto empty = empty_project(options);
+    if (const auto text = file::read_file(options.file, empty.size()); text && *text == empty)
+        std::filesystem::remove(options.file);
 }
 
 std::optional<host::LoadedProject> load(const Texts& texts, const RunOptions& options, std::string& learnt) {
-    if (options.create && !create_project(texts, options.file)) return std::nullopt;
-    auto loaded = load_to_run(texts, options.file, &learnt);
+    if (options.create && !create_project(texts, options)) return std::nullopt;
+    auto loaded = load_to_run(texts, options.file, &learnt, page_address(options));
     if (!loaded && !std::filesystem::exists(options.file))
         print_status(texts("app.run.create", {{"file", options.file}}) + '\n');
     return loaded;
@@ -160,7 +172,7 @@ ExitCode run(const CommonOptions& common, const RunOptions& options) {
         if (line < lines.size() && DemoPlant::fits(lines[line])) plant.show(devices);
     };
     const ExitCode code = run_project(texts, loaded->project, proof.plan, learning, show_plant);
-    if (options.create && code == ExitCode::cannot_open) remove_if_empty(options.file);
+    if (options.create && code == ExitCode::cannot_open) remove_if_empty(options);
     return code;
 }
 

@@ -231,6 +231,24 @@ TEST(Owen, IsRestored) {
     EXPECT_EQ(restore(foreign).plan.lines[0].requests.size(), plan.lines[0].requests.size() - 1);
 }
 
+// `table show` prints no table that `run` refuses.
+TEST(Owen, ATableThatContradictsItselfIsNotRead) {
+    auto node = device("Node", 3);
+    node.variables = {variable("A", DataType::int16, 0, Function::read_holding_registers),
+                      variable("B", DataType::float32, 9, Function::read_holding_registers)};
+    const auto described = project({node});
+    auto table = build_owen(described, plan::make_plan(described)).table;
+    ASSERT_EQ(table.entries.size(), 2U);
+    ASSERT_TRUE(read_owen(write_owen(table)));
+    table.entries[1].data = table.entries[0].data;
+    const auto image = write_owen(table);
+    const auto run = restored(OwenView::open(image).value());
+    ASSERT_FALSE(run);
+    const auto shown = read_owen(image);
+    ASSERT_FALSE(shown);
+    EXPECT_EQ(shown.error(), run.error());
+}
+
 TEST(Owen, EveryRefusalHasItsWords) {
     for (const auto code : owen_codes())
         for (const auto language : text::kLanguages) {
