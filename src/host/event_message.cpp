@@ -148,6 +148,25 @@ EventMessage event_message(const Configuration& configuration, const NoiseFound&
     return message;
 }
 
+EventMessage event_message(const Configuration& configuration, const DeviceStateChanged& changed) {
+    using Shown = DeviceStateChanged::Shown;
+    if (changed.shown == Shown::counted) return {};
+    const auto& line = configuration.project().lines[changed.line];
+    EventMessage message{.code = "app.device_state",
+                         .arguments = owner_arguments(line, line.devices[changed.device])};
+    const auto now = "app.state." + std::string(poll::name(changed.state));
+    auto& arguments = message.arguments;
+    arguments.push_back({.name = "count", .text = std::to_string(changed.changes)});
+    arguments.push_back({.name = "seconds", .text = std::to_string(changed.in / std::chrono::seconds(1))});
+    arguments.push_back({.name = "now", .text = now, .is_code = true});
+    arguments.push_back({.name = "state",
+                         .text = changed.shown == Shown::each    ? now
+                                 : changed.shown == Shown::often ? "app.state_often"
+                                                                 : "app.state_steady",
+                         .is_code = true});
+    return message;
+}
+
 EventMessage event_message(const Configuration& configuration, const SurplusFound& found) {
     const auto& line = configuration.project().lines[found.line];
     return {.code = "app.surplus", .arguments = owner_arguments(line, line.devices[found.device])};

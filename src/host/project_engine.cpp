@@ -99,6 +99,7 @@ ProjectEngine::ProjectEngine(HostLink& link, ConfigurationPtr configuration, con
                 ? std::make_shared<const plan::LinePlan>(master_.line(i).plan())
                 : std::shared_ptr<const plan::LinePlan>(configuration_, &configuration_->plan().lines[i]);
         lines_[i].plan_revision = master_.line(i).plan_revision();
+        lines_[i].changes.resize(configuration_->project().lines[i].devices.size());
     }
 }
 
@@ -233,6 +234,7 @@ void ProjectEngine::on_tick(Instant t) {
     guests_.settle(t);
     update_services(t);
     failures_.on_tick(t);
+    end_changes(t);
     if (retention_) retention_->on_tick(t);
     if (learner_) learner_->on_tick(t);
     // A driver whose line is not open has no wake-ups; commands expire all the same.
@@ -302,6 +304,7 @@ void ProjectEngine::take_over(Instant t, ProjectEngine& old,
     }
     old.end_writes(t);
     old.failures_.finish(t);
+    old.end_changes(t, true);
     old.commands_.finish(t);
     old.guests_.finish(t);
     old.commands_.abandon_kept();
@@ -317,6 +320,7 @@ void ProjectEngine::end_writes(Instant t) {
 void ProjectEngine::finish(Instant t) {
     end_writes(t);
     failures_.finish(t);
+    end_changes(t, true);
     commands_.finish(t);
     guests_.finish(t);
     if (learner_) learner_->finish(t);
@@ -332,16 +336,41 @@ RequestKey ProjectEngine::key_of(std::size_t line, std::size_t request) const {
 
 void ProjectEngine::on_device_state(Instant t, std::size_t line, std::size_t device,
                                     poll::DeviceState state) {
-    const auto& of_line = configuration_->project().lines[line];
-    const auto code = "app.state." + std::string(poll::name(state));
-    log_.message(state == poll::DeviceState::not_answering ? LogLevel::warning : LogLevel::info,
-                 "log.device_state",
-                 std::array{LogArgument{.name = "line", .text = of_line.name},
-                            LogArgument{.name = "device", .text = of_line.devices[device].name},
-                            LogArgument{.name = "state", .text = code, .is_code = true}});
-    if (state == poll::DeviceState::unknown) return;  // it will be asked at once
-    publish_event(t, DeviceStateChanged{line, device, state});
+    DeviceStateChanged changed{line, device, state};
+    if (state != poll::DeviceState::unknown) {  // else it will be asked at once
+        auto& filter = lines_[line].changes[device];
+        end_changes(t, line, device);
+        changed.shown = filter.changed(t);
+        changed.changes = filter.count();
+        changed.in = filter.in();
+    }
+    publish_state(t, changed);
+    if (state == poll::DeviceState::unknown) return;
     if (state != poll::DeviceState::answering) commands_.on_device_unavailable(line, device);
+}
+
+void ProjectEngine::publish_state(Instant t, const DeviceStateChanged& changed) {
+    using Shown = DeviceStateChanged::Shown;
+    if (log_.enabled() && changed.shown != Shown::counted) {
+        auto message = event_message(*configuration_, changed);
+        message.code = "log.device_state";
+        const bool not_answering = changed.state == poll::DeviceState::not_answering;
+        const bool trouble = changed.shown == Shown::each ? not_answering : changed.shown == Shown::often;
+        write_log(trouble ? LogLevel::warning : LogLevel::info, message);
+    }
+    if (changed.state != poll::DeviceState::unknown) publish_event(t, changed);
+}
+
+void ProjectEngine::end_changes(Instant t, std::size_t line, std::size_t device, bool finish) {
+    auto& filter = lines_[line].changes[device];
+    if (filter.ended(t, finish))
+        publish_state(t, {line, device, master_.line(line).device(device).state,
+                          DeviceStateChanged::Shown::steady, filter.count(), filter.in()});
+}
+
+void ProjectEngine::end_changes(Instant t, bool finish) {
+    for (std::size_t i = 0; i < lines_.size(); ++i)
+        for (std::size_t d = 0; d < lines_[i].changes.size(); ++d) end_changes(t, i, d, finish);
 }
 
 void ProjectEngine::on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "change_filter.hpp"
 #include "command_executor.hpp"
 #include "failure_log.hpp"
 #include "host_link.hpp"
@@ -125,6 +126,7 @@ private:
         std::shared_ptr<const plan::LinePlan> plan;       // that runs
         std::shared_ptr<const plan::LinePlan> next_plan;  // that was given to the poller
         std::uint64_t plan_revision = 0;                  // of the poller, when `plan` was taken over
+        std::vector<ChangeFilter> changes;                // by device
     };
 
     void on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) override;
@@ -154,6 +156,9 @@ private:
     }
     void write_log(LogLevel level, const EventMessage& message) const;
 
+    void publish_state(Instant t, const DeviceStateChanged& changed);
+    void end_changes(Instant t, std::size_t line, std::size_t device, bool finish = false);
+    void end_changes(Instant t, bool finish = false);
     [[nodiscard]] poll::Master::Options master_options(const Options& options);
     class RunFacts;
     [[nodiscard]] bool first_cycle_is_over() const;

@@ -50,8 +50,7 @@ public:
         return line;
     }
     std::string operator()(const host::DeviceStateChanged& changed) const {
-        return configuration_.project().lines[changed.line].devices[changed.device].name + ": " +
-               texts_(fmt::format("app.state.{}", poll::name(changed.state)));
+        return filled(host::event_message(configuration_, changed));
     }
     std::string operator()(const host::LinkChanged& changed) const {
         return texts_(changed.up ? "app.link_up" : "app.link_down",
@@ -129,11 +128,18 @@ public:
         return object;
     }
     file::Json operator()(const host::DeviceStateChanged& changed) const {
+        using Shown = host::DeviceStateChanged::Shown;
+        if (changed.shown == Shown::counted) return {};
         const auto& line = configuration_.project().lines[changed.line];
         auto object = begin("device");
         object.set("line", line.name);
         object.set("device", line.devices[changed.device].name);
         object.set("state", poll::name(changed.state));
+        if (changed.shown == Shown::each) return object;
+        object.set("changes_often", changed.shown == Shown::often);
+        object.set("changes", changed.changes);
+        object.set("in_ms", milliseconds(changed.in));
+        object.set("text", TextOf(texts_, configuration_)(changed));
         return object;
     }
     file::Json operator()(const host::LinkChanged& changed) const {

@@ -29,7 +29,10 @@ std::string_view severity_of(const host::Event& event) {
     if (const auto* const link = std::get_if<host::LinkChanged>(&event.body))
         return link->up ? "info" : "warning";
     if (const auto* const device = std::get_if<host::DeviceStateChanged>(&event.body))
-        return device->state == poll::DeviceState::not_answering ? "warning" : "info";
+        return device->state == poll::DeviceState::not_answering ||
+                       device->shown == host::DeviceStateChanged::Shown::often
+                   ? "warning"
+                   : "info";
     if (const auto* const overrun = std::get_if<host::PeriodOverrun>(&event.body))
         return overrun->overrun ? "warning" : "info";
     if (std::holds_alternative<host::GapLearnt>(event.body)) return "info";

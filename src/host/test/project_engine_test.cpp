@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <set>
 
 #include "projects.hpp"
@@ -44,6 +45,41 @@ TEST(ProjectEngine, PublishesLinksDevicesAndValues) {
     EXPECT_TRUE(link);
     EXPECT_EQ(answering, 2U);
     EXPECT_EQ(named, (std::set<std::string>{"Level", "Limit", "Setpoint", "Speed"}));
+}
+
+// The first changes are shown, then one event that there are many, and one when they end. None is lost: each
+// is published, for those that follow the state.
+TEST(ProjectEngine, AFlappingDeviceDoesNotFillTheEvents) {
+    Rig rig(kPlant);
+    const auto session = rig.open({.from_beginning = true});
+    using Shown = DeviceStateChanged::Shown;
+    std::map<Shown, std::vector<DeviceStateChanged>> seen;
+    const auto run = [&](Duration length) {
+        rig.run(length);
+        for (const auto& event : take_events(*session))
+            if (const auto* changed = std::get_if<DeviceStateChanged>(&event.body);
+                changed && changed->device == 0)
+                seen[changed->shown].push_back(*changed);
+    };
+    run(1s);
+    for (int i = 0; i < 20; ++i) {
+        rig.devices(0).find(UnitId{1})->behaviour.dead = true;
+        run(3s);
+        rig.devices(0).find(UnitId{1})->behaviour.dead = false;
+        run(3s);
+    }
+    EXPECT_EQ(seen[Shown::each].size(), 5U);
+    ASSERT_EQ(seen[Shown::often].size(), 1U);
+    EXPECT_EQ(seen[Shown::often][0].changes, 6U);
+    EXPECT_EQ(seen[Shown::counted].size(), 41U - 6U);
+    EXPECT_TRUE(seen[Shown::steady].empty());
+    run(40s);
+    ASSERT_EQ(seen[Shown::steady].size(), 1U);
+    EXPECT_EQ(seen[Shown::steady][0].changes, 41U);
+    EXPECT_EQ(seen[Shown::steady][0].state, poll::DeviceState::answering);
+    rig.devices(0).find(UnitId{1})->behaviour.dead = true;
+    run(3s);
+    EXPECT_EQ(seen[Shown::each].size(), 6U) << "it is shown again";
 }
 
 TEST(ProjectEngine, ATriggerActsEachTimeItIsPulled) {

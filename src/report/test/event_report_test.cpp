@@ -125,6 +125,22 @@ TEST(EventReport, StatesOfDevices) {
     }
 }
 
+TEST(EventReport, ADeviceThatChangesOften) {
+    using Shown = host::DeviceStateChanged::Shown;
+    host::DeviceStateChanged body{
+        .state = poll::DeviceState::answering, .shown = Shown::often, .changes = 6, .in = 12s};
+    EXPECT_EQ(text_of(body, english()),
+              "Котёл: changes often: 6 changes in 12 s; the next ones are only counted");
+    expect_contains(members_of(body, "device"), R"("changes_often":true,"changes":6,"in_ms":12000.0)");
+    body.shown = Shown::counted;
+    EXPECT_EQ(text_of(body, english()), "");
+    EXPECT_TRUE(json_of(body).is_null());
+    body.shown = Shown::steady;
+    EXPECT_EQ(text_of(body, english()), "Котёл: answering; it changed 6 times in 12 s and is steady now");
+    expect_contains(members_of(body, "device"), R"("changes_often":false)");
+    for (const auto language : kLanguages) expect_complete(text_of(body, Texts(language)));
+}
+
 TEST(EventReport, Links) {
     const host::LinkChanged down{.up = false, .why = kNoPort};
     EXPECT_EQ(members_of(host::LinkChanged{.up = true}, "link"), R"(,"line":"main","up":true})");

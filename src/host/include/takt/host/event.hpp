@@ -46,6 +46,16 @@ struct DeviceStateChanged {
     std::size_t line = 0;
     std::size_t device = 0;
     poll::DeviceState state = poll::DeviceState::unknown;
+    /// A device that stops and begins to answer again and again does not fill the lists of events.
+    enum class Shown : std::uint8_t {
+        each,     ///< the change has a message
+        often,    ///< the message says that the device changes often
+        counted,  ///< no message
+        steady,   ///< no change: the device, which has changed often, has this state for some time
+    };
+    Shown shown = Shown::each;
+    std::uint64_t changes = 0;  ///< not `each`: up to now
+    Duration in{};              ///< from the first of them to the last
 };
 
 /// A port or a connection was opened, was lost, or could not be opened.

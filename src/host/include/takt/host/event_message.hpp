@@ -32,6 +32,9 @@ struct EventMessage {
 [[nodiscard]] EventMessage event_message(const Configuration& configuration, const DelaysFound& found);
 [[nodiscard]] EventMessage event_message(const Configuration& configuration, const NoiseFound& found);
 [[nodiscard]] EventMessage event_message(const Configuration& configuration, const SurplusFound& found);
+/// Needs no `where`. @returns an empty message if the change is only counted
+[[nodiscard]] EventMessage event_message(const Configuration& configuration,
+                                         const DeviceStateChanged& changed);
 /// @returns an empty message if VerifyFailed reports the write
 [[nodiscard]] EventMessage event_message(const Configuration& configuration, const Outcome& outcome);
 
