@@ -44,9 +44,14 @@ class Frame:
         assert len(self.bytes) == int(match["length"]), f"the length does not fit: {text!r}"
 
 
+INCIDENT = re.compile(r"^\[[^]]+\] TRA : .*?::(?:.*?:)?\(.*?\) (?:connected|disconnected"
+                      r"|no response within \d+ ms|late response: late by \d+ ms"
+                      r"|surplus response(?:: .+ was asked)?)$")
+
+
 def traffic(text):
-    """The frames of a traffic log."""
-    return [Frame(line) for line in text.splitlines()]
+    """The frames of a traffic log, without the lines about what happens besides frames."""
+    return [Frame(line) for line in text.splitlines() if not INCIDENT.match(line)]
 
 
 def without_checks(requests):

@@ -22,6 +22,7 @@ ExitCode exit_code(const Error& error) {
         case Code::modbus_exception: return ExitCode::exception;
         case Code::bad_checksum:
         case Code::unexpected_reply:
+        case Code::misdirected:
         case Code::not_modbus:
         case Code::malformed:
         case Code::too_short:

@@ -26,8 +26,18 @@ std::string_view name(Code code) {
         case Code::bad_checksum: return "bad_checksum";
         case Code::unexpected_reply: return "unexpected_reply";
         case Code::not_modbus: return "not_modbus";
+        case Code::misdirected: return "misdirected";
     }
     return "unknown";
+}
+
+std::string_view name(Mismatch::Part part) {
+    switch (part) {
+        case Mismatch::Part::unit: return "unit";
+        case Mismatch::Part::function: return "function";
+        case Mismatch::Part::transaction: break;
+    }
+    return "transaction";
 }
 
 }  // namespace takt

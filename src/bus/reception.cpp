@@ -200,21 +200,20 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
         return;
     }
     const bool late = settle_late(t, frame.unit, frame_shape(frame.pdu), frame.transaction) != Lateness::none;
-    if (!late) {
-        note_foreign(frame);
-        note_surplus(t, frame.unit, frame.pdu);
-    }
+    if (!late) note_surplus(t, frame.unit, frame.pdu, note_foreign(frame));
     pass_over(late);
 }
 
-void TransactionCore::note_surplus(Instant t, UnitId unit, Bytes pdu) {
-    notify(t, unit, wire::Incident::surplus_response);
+void TransactionCore::note_surplus(Instant t, UnitId unit, Bytes pdu,
+                                   const std::optional<Mismatch>& instead) {
+    notify(t, unit, wire::Incident::surplus_response, {}, instead);
     if (numbered()) return;
     if (surplus_.size() == kMostSurplus) surplus_.drop_front(1);
     surplus_.push_back({unit, frame_shape(pdu), frame_hash(pdu), t});
 }
 
-void TransactionCore::note_foreign(const wire::Frame& frame) {
+// @returns what it came instead of; of several requests the last one
+std::optional<Mismatch> TransactionCore::note_foreign(const wire::Frame& frame) {
     const auto has_its_id = [&](const Slot& slot) {
         return numbered() && slot.awaits_response() && slot.wire_id == frame.transaction;
     };
@@ -223,9 +222,14 @@ void TransactionCore::note_foreign(const wire::Frame& frame) {
         return slot.awaits_response() && answers_function(frame, slot.request) &&
                (numbered() || slot.unit != frame.unit);
     };
-    for (auto& slot : slots_)
-        if (known_id ? has_its_id(slot) : answers(slot))
-            slot.foreign = {frame.unit, frame.transaction, wire::requested_function(frame.pdu[0])};
+    const ForeignResponse came{frame.unit, frame.transaction, wire::requested_function(frame.pdu[0])};
+    std::optional<Mismatch> instead;
+    for (auto& slot : slots_) {
+        if (!(known_id ? has_its_id(slot) : answers(slot))) continue;
+        slot.foreign = came;
+        instead = wire::mismatch(came, {slot.unit, slot.wire_id, slot.request.function});
+    }
+    return instead;
 }
 
 // A frame that answers no request in flight, or one that another followed.

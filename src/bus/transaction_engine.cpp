@@ -262,8 +262,9 @@ void TransactionCore::link_down(Instant t, Status of_one_that_waits) {
     notify(t, UnitId{0}, wire::Incident::disconnected);
 }
 
-void TransactionCore::notify(Instant t, UnitId unit, wire::Incident incident, Duration after) {
-    if (observer_) observer_->on_incident(t, unit, incident, after);
+void TransactionCore::notify(Instant t, UnitId unit, wire::Incident incident, Duration after,
+                             const std::optional<Mismatch>& instead) {
+    if (observer_) observer_->on_incident(t, unit, incident, after, instead);
 }
 
 void TransactionCore::cancel_all(Instant t) {

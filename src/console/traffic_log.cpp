@@ -78,26 +78,28 @@ LineTraffic::LineTraffic(TrafficLog& log, const model::Line& line, Side side)
 void LineTraffic::on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) {
     const bool sent = direction == wire::Direction::sent;
     const bool request = sent == (side_ == Side::master);
-    std::string words;
-    if (request) {
-        auto decoded = wire::decode_request(pdu);
-        words = wire::describe_request(unit, pdu, decoded);
-        last_request_ = decoded ? std::optional(*std::move(decoded)) : std::nullopt;
-        last_unit_ = unit;
-    } else {
-        words = wire::describe_response(unit, pdu,
-                                        last_request_ && last_unit_ == unit ? &*last_request_ : nullptr);
-    }
+    const auto words = request ? words_.request(unit, pdu) : words_.response(unit, pdu);
     const std::string bytes =
         ascii_ ? std::string(raw.begin(), raw.end() - (raw.size() > 2 ? 2 : 0)) : wire::hex(raw);
-    const std::string& name = devices_[unit.value];
-    log_.put(fmt::format("[{}] TRA : {}::{}:({}) {}: [{:04}] {} | {}", iso_time(t), line_,
-                         name.empty() ? fmt::format("unit {}", unit.value) : name, port_, sent ? "Tx" : "Rx",
-                         raw.size(), bytes, words));
+    log_.put(fmt::format("[{}] TRA : {}::{}:({}) {}: [{:04}] {} | {}", iso_time(t), line_, name_of(unit),
+                         port_, sent ? "Tx" : "Rx", raw.size(), bytes, words));
+}
+
+std::string LineTraffic::name_of(UnitId unit) const {
+    const auto& name = devices_[unit.value];
+    return name.empty() ? fmt::format("unit {}", unit.value) : name;
 }
 
 void LineTraffic::on_fault(Instant t, wire::FrameFault fault, Bytes /*raw*/) {
     log_.put(fmt::format("[{}] TRA : {}::({}) dropped: {}", iso_time(t), line_, port_, wire::name(fault)));
+}
+
+void LineTraffic::on_incident(Instant t, UnitId unit, wire::Incident incident, Duration after,
+                              const std::optional<Mismatch>& instead) {
+    const bool of_line = incident == wire::Incident::connected || incident == wire::Incident::disconnected;
+    log_.put(fmt::format("[{}] TRA : {}::{}({}) {}", iso_time(t), line_,
+                         of_line ? std::string() : name_of(unit) + ':', port_,
+                         wire::describe_incident(incident, after, instead)));
 }
 
 line::TrafficFactory traffic_factory(TrafficLog* log, LineTraffic::Side side) {
@@ -106,7 +108,6 @@ line::TrafficFactory traffic_factory(TrafficLog* log, LineTraffic::Side side) {
 }
 
 void TapLog::put(const host::TrafficRecord& record, const LineOf& line_of) {
-    if (record.incident) return;  // the log has frames only
     const Key key{record.generation, record.source.kind, record.source.index};
     auto source = sources_.find(key);
     if (source == sources_.end()) {
@@ -116,6 +117,9 @@ void TapLog::put(const host::TrafficRecord& record, const LineOf& line_of) {
         const auto side = of_line ? LineTraffic::Side::master : LineTraffic::Side::slave;
         source = sources_.try_emplace(key, log_, *line, side).first;
     }
+    if (record.incident)
+        return source->second.on_incident(record.t, record.unit, *record.incident, record.after,
+                                          record.instead);
     if (record.fault) return source->second.on_fault(record.t, *record.fault, record.raw);
     source->second.on_frame(record.t, record.direction, record.unit, record.pdu, record.raw);
 }

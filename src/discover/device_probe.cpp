@@ -111,7 +111,9 @@ private:
 
     /// Nothing: the connection failed, and the read is worth another attempt.
     static std::optional<ProbeReply> reply_to(const Error& error) {
-        if (error.code == Code::timed_out || error.code == Code::bad_checksum) return ProbeReply::silent;
+        if (error.code == Code::timed_out || error.code == Code::misdirected ||
+            error.code == Code::bad_checksum)
+            return ProbeReply::silent;
         if (error.code == Code::unexpected_reply || error.code == Code::closed_by_peer)
             return ProbeReply::refused;
         return std::nullopt;

@@ -99,14 +99,11 @@ void FailureLog::write(const Kind& kind, Duration time, std::uint64_t repeated) 
     if (failed.status == bus::Status::exception)
         append_exception_words(words, failed.exception, "why");
     else if (failed.foreign) {
-        const bool other_unit = failed.foreign->unit != failed.unit;
-        const bool other_function = failed.foreign->function != failed.request.function;
-        words.push_back({.name = "other", .text = number(failed.foreign->unit.value)});
-        words.push_back({.name = "why",
-                         .text = other_unit       ? "log.why.other_unit"
-                                 : other_function ? "log.why.other_function"
-                                                  : "log.why.other_transaction",
-                         .is_code = true});
+        const auto [part, came, asked] =
+            wire::mismatch(*failed.foreign, {failed.unit, 0, failed.request.function});
+        words.push_back({.name = "other", .text = number(came)});
+        words.push_back(
+            {.name = "why", .text = "log.why.other_" + std::string(takt::name(part)), .is_code = true});
     } else
         words.push_back(
             {.name = "why", .text = "log.why." + std::string(bus::name(failed.status)), .is_code = true});

@@ -152,6 +152,11 @@ void fields(Archive& archive, value::SlotId& slot) {
 }
 
 template <class Archive>
+void fields(Archive& archive, Mismatch& mismatch) {
+    all(archive, mismatch.part, mismatch.came, mismatch.asked);
+}
+
+template <class Archive>
 void fields(Archive& archive, Error& error) {
     fields(archive, error.code);
     if constexpr (Archive::kReads)
@@ -327,7 +332,7 @@ void encode(const TrafficView& frame, std::vector<std::uint64_t>& record) {
     WordWriter writer(record);
     auto numbers = frame;  // members are visited as if they were written
     all(writer, numbers.generation, numbers.source.kind, numbers.source.index, numbers.t, numbers.direction,
-        numbers.unit.value, numbers.fault, numbers.incident, numbers.after);
+        numbers.unit.value, numbers.fault, numbers.incident, numbers.after, numbers.instead);
     writer.bytes(frame.peer);
     for (const auto bytes : {frame.pdu, frame.raw})
         writer.bytes({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
@@ -337,7 +342,8 @@ TrafficRecord decode_traffic(std::span<const std::uint64_t> record) {
     RecordReader reader(record);
     TrafficRecord result;
     all(reader, result.generation, result.source.kind, result.source.index, result.t, result.direction,
-        result.unit.value, result.fault, result.incident, result.after, result.peer, result.pdu, result.raw);
+        result.unit.value, result.fault, result.incident, result.after, result.instead, result.peer,
+        result.pdu, result.raw);
     return result;
 }
 

@@ -29,6 +29,7 @@ struct TrafficView {
     std::optional<wire::FrameFault> fault = {};
     std::optional<wire::Incident> incident = {};
     Duration after{};
+    std::optional<Mismatch> instead = {};
     std::string_view peer;
     Bytes pdu;
     Bytes raw;

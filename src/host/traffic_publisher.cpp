@@ -14,8 +14,14 @@ void TrafficPublisher::on_fault(Instant t, wire::FrameFault fault, Bytes raw) {
     put({.t = t, .direction = wire::Direction::received, .fault = fault, .raw = raw});
 }
 
-void TrafficPublisher::on_incident(Instant t, UnitId unit, wire::Incident incident, Duration after) {
-    put({.t = t, .direction = wire::Direction::received, .unit = unit, .incident = incident, .after = after});
+void TrafficPublisher::on_incident(Instant t, UnitId unit, wire::Incident incident, Duration after,
+                                   const std::optional<Mismatch>& instead) {
+    put({.t = t,
+         .direction = wire::Direction::received,
+         .unit = unit,
+         .incident = incident,
+         .after = after,
+         .instead = instead});
 }
 
 void TrafficPublisher::put(TrafficView view) {

@@ -23,7 +23,8 @@ public:
     }
     void on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) override;
     void on_fault(Instant t, wire::FrameFault fault, Bytes raw) override;
-    void on_incident(Instant t, UnitId unit, wire::Incident incident, Duration after) override;
+    void on_incident(Instant t, UnitId unit, wire::Incident incident, Duration after,
+                     const std::optional<Mismatch>& instead) override;
     void on_peer(std::string_view peer) override { peer_.assign(peer); }
 
     void set_generation(std::uint32_t generation) { generation_ = generation; }

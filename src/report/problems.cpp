@@ -219,20 +219,18 @@ private:
     /// Responses came that do not belong to the requests: what the last one has instead.
     [[nodiscard]] Failures misdirected() const {
         const auto& counters = device().counters;
-        const auto& [response, wire_id, function] = *device().last_foreign;
-        const auto unit = settings().address.value;
-        const auto [part, other, asked] =
-            response.unit.value != unit ? std::tuple("unit", unsigned{response.unit.value}, unsigned{unit})
-            : response.function != function
-                ? std::tuple("function", unsigned{response.function}, unsigned{function})
-                : std::tuple("transaction", unsigned{response.wire_id}, unsigned{wire_id});
-        const Texts::Arguments arguments{
-            {"device", settings().name}, {"other", std::to_string(other)}, {"asked", std::to_string(asked)}};
-        const bool is_unit = response.unit.value != unit;
+        const auto mismatch = last_mismatch();
+        const auto error = takt::misdirected(settings().name, mismatch);
         return {unfitting, counters.unexpected + counters.ambiguous + device().foreign,
-                texts_(std::string("problem.misdirected.") + part, arguments),
-                texts_(is_unit ? "problem.advice.misdirected.unit" : "problem.advice.misdirected.other",
-                       arguments)};
+                text::what(texts_.language(), error),
+                mismatch.part == Mismatch::Part::unit
+                    ? texts_("problem.advice.misdirected.unit", {{"other", std::to_string(mismatch.came)}})
+                    : text::advice(texts_.language(), error)};
+    }
+
+    [[nodiscard]] Mismatch last_mismatch() const {
+        const auto& [response, wire_id, function] = *device().last_foreign;
+        return wire::mismatch(response, {settings().address, wire_id, function});
     }
 
     [[nodiscard]] std::string advice_on(Code code) const {
@@ -315,9 +313,7 @@ private:
 
     /// Only the transaction id of the last response is another one.
     [[nodiscard]] bool has_other_id() const {
-        const auto& foreign = device().last_foreign;
-        return foreign && foreign->response.unit == settings().address &&
-               foreign->response.function == foreign->function;
+        return device().last_foreign && last_mismatch().part == Mismatch::Part::transaction;
     }
 
     /// Most of the responses that were missed came after the time-out. A device that is slow enough answers
@@ -435,9 +431,8 @@ private:
         const auto& share = device().refusals;
         Problem problem = refusal(names_text(texts_, requests), most_frequent_exception(sum));
         problem.severity = warning;
-        problem.variables = name_values(variables, [&](Reason reason) {
-            return value::is_exception(reason) || refused_by_gateway();
-        });
+        problem.variables = name_values(
+            variables, [&](Reason reason) { return value::is_exception(reason) || refused_by_gateway(); });
         problem.since = before_snapshot(share.since());
         problem.count = share.failed();
         problem.of = share.transactions();
@@ -471,7 +466,8 @@ private:
 
     [[nodiscard]] bool fails_with(std::uint8_t exception) const {
         return device().state == DeviceState::not_answering && !fails_often(device()) &&
-               value::is_exception(device().failure) && value::status_code(device().failure) % 256 == exception;
+               value::is_exception(device().failure) &&
+               value::status_code(device().failure) % 256 == exception;
     }
 
     void find_late() {

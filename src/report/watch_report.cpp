@@ -183,7 +183,8 @@ std::string reason_text(const Texts& texts, const Error& error) {
         case Code::too_long:
         case Code::malformed:
         case Code::not_modbus:
-        case Code::unexpected_reply: return texts("app.reason.unexpected_reply");
+        case Code::unexpected_reply:
+        case Code::misdirected: return texts("app.reason.unexpected_reply");
         default: return without_stop(texts.describe(error));
     }
 }

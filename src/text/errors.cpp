@@ -65,7 +65,7 @@ constexpr std::array kPlaceholders{
     Placeholder{"value", 0},        Placeholder{"least", 1}, Placeholder{"greatest", 2},
     Placeholder{"there", 0},        Placeholder{"limit", 1}, Placeholder{"entries", 0},
     Placeholder{"milliseconds", 0}, Placeholder{"code", 0},  Placeholder{"delay", 1},
-    Placeholder{"advised", 2},
+    Placeholder{"advised", 2},      Placeholder{"came", 0},  Placeholder{"asked", 1},
 };
 
 bool about_device(const Error& error) {
@@ -149,6 +149,8 @@ std::string advice_key(const Error& error) {
             return header_fault(error) == HeaderFault::off_by_one ? "advice.not_modbus.length"
                                                                   : "advice.not_modbus";
         case Code::unexpected_reply: return "advice.unexpected_reply";
+        case Code::misdirected:
+            return error.numbers[2] == 0 ? "advice.misdirected.unit" : "advice.misdirected.other";
         case Code::modbus_exception: return exception_key(error, "advice.exception.");
         default: return {};
     }
@@ -185,8 +187,17 @@ std::string_view header_variant(const Error& error) {
     return ".numbers";
 }
 
+std::string_view mismatch_variant(const Error& error) {
+    switch (error.numbers[2]) {
+        case 0: return ".unit";
+        case 1: return ".function";
+        default: return ".transaction";
+    }
+}
+
 std::string_view variant_of(const Error& error) {
     if (came_late(error)) return ".late";
+    if (error.code == Code::misdirected) return mismatch_variant(error);
     if (!has_numbers(error)) return "";
     return error.code == Code::not_modbus ? header_variant(error) : ".numbers";
 }
@@ -246,9 +257,10 @@ std::string advice(Language language, const Error& error) {
     const auto key = advice_key(error);
     if (key.empty() || !has(Language::english, key)) return {};
     const auto advised = std::to_string(error.numbers[2]);
+    const auto came = std::to_string(error.numbers[0]);
     return message(language, key,
                    std::array{Argument{"subject", error.subject.view()}, Argument{"advised", advised},
-                              Argument{"type", signed_type(error)}});
+                              Argument{"type", signed_type(error)}, Argument{"came", came}});
 }
 
 std::string describe(Language language, const Error& error) {

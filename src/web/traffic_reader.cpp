@@ -41,22 +41,17 @@ std::optional<TrafficFrame> TrafficReader::next() {
         if (const auto device = source->devices.find(unit.value); device != source->devices.end())
             frame.device = device->second;
         if (frame.record.incident) {
-            frame.words = wire::describe_incident(*frame.record.incident, frame.record.after);
+            frame.words =
+                wire::describe_incident(*frame.record.incident, frame.record.after, frame.record.instead);
             return frame;
         }
         const bool of_line = frame.record.source.kind == host::TrafficSource::Kind::line;
         frame.request = of_line == (frame.record.direction == wire::Direction::sent);
         if (frame.record.fault) {
             frame.words = wire::name(*frame.record.fault);
-        } else if (frame.request) {
-            auto decoded = wire::decode_request(frame.record.pdu);
-            frame.words = wire::describe_request(unit, frame.record.pdu, decoded);
-            source->requests.erase(unit.value);
-            if (decoded) source->requests.emplace(unit.value, *std::move(decoded));
         } else {
-            const auto request = source->requests.find(unit.value);
-            frame.words = wire::describe_response(
-                unit, frame.record.pdu, request == source->requests.end() ? nullptr : &request->second);
+            frame.words = frame.request ? source->words.request(unit, frame.record.pdu)
+                                        : source->words.response(unit, frame.record.pdu);
         }
         return frame;
     }
@@ -73,6 +68,13 @@ file::Json TrafficFrame::json(const WallTime& clock) const {
         object.set("incident", wire::name(*record.incident));
         if (record.after > Duration::zero())
             object.set("after_ms", record.after / std::chrono::milliseconds(1));
+        if (record.instead) {
+            auto instead = file::Json::object();
+            instead.set("part", name(record.instead->part));
+            instead.set("came", record.instead->came);
+            instead.set("asked", record.instead->asked);
+            object.set("instead", std::move(instead));
+        }
         object.set("words", words);
         return object;
     }

@@ -12,6 +12,7 @@
 #include "takt/file/json.hpp"
 #include "takt/host/session.hpp"
 #include "takt/wire/pdu.hpp"
+#include "takt/wire/words.hpp"
 #include "wall_time.hpp"
 
 namespace takt::web {
@@ -42,7 +43,7 @@ private:
         std::string line;
         std::map<std::uint8_t, std::string> devices;  // by address
         wire::Framing framing{};
-        std::map<std::uint8_t, wire::Request> requests;  // the last one to each address
+        wire::FrameWords words;
     };
     using Key = std::tuple<std::uint32_t, host::TrafficSource::Kind, std::size_t>;
 

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <span>
 
@@ -228,6 +229,17 @@ void add_unread(std::string& out, const Error& error, Bytes pdu) {
     add_data(out, pdu);
 }
 
+// As error.misdirected of the messages.
+std::string mismatch_words(const Mismatch& mismatch) {
+    constexpr std::array<fmt::format_string<unsigned, unsigned>, 3> kWords{
+        "a response of unit {} came, unit {} was asked",
+        "a response to function {} came, function {} was asked",
+        "a response with transaction id {} came, {} was asked",
+    };
+    return fmt::format(kWords[static_cast<std::size_t>(mismatch.part)], unsigned{mismatch.came},
+                       unsigned{mismatch.asked});
+}
+
 }  // namespace
 
 std::string describe_request(UnitId unit, Bytes pdu) {
@@ -264,13 +276,27 @@ std::string describe_response(UnitId unit, Bytes pdu, const Request* request) {
     return out;
 }
 
-std::string describe_incident(Incident incident, Duration after) {
+std::string FrameWords::request(UnitId unit, Bytes pdu) {
+    auto decoded = decode_request(pdu);
+    auto words = describe_request(unit, pdu, decoded);
+    requests_.erase(unit.value);
+    if (decoded) requests_.emplace(unit.value, *std::move(decoded));
+    return words;
+}
+
+std::string FrameWords::response(UnitId unit, Bytes pdu) const {
+    const auto request = requests_.find(unit.value);
+    return describe_response(unit, pdu, request == requests_.end() ? nullptr : &request->second);
+}
+
+std::string describe_incident(Incident incident, Duration after, const std::optional<Mismatch>& instead) {
     switch (incident) {
         case Incident::no_response:
             return fmt::format("no response within {} ms", after / std::chrono::milliseconds(1));
         case Incident::late_response:
             return fmt::format("late response: late by {} ms", after / std::chrono::milliseconds(1));
-        case Incident::surplus_response: return "surplus response";
+        case Incident::surplus_response:
+            return "surplus response" + (instead ? ": " + mismatch_words(*instead) : std::string());
         case Incident::connected: return "connected";
         case Incident::disconnected: return "disconnected";
     }

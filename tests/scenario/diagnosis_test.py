@@ -88,6 +88,44 @@ def test_a_late_answer_on_a_serial_line_is_named_and_the_advice_works(project, p
     expect_late(project, text, lambda: SerialSlave(pair.b, late), late, tmp_path)
 
 
+@pytest.mark.parametrize("command", [
+    ("read", "holding", 0),
+    ("write", "holding", 0, 5),
+    ("raw", "03 0000 0001"),
+    ("probe", "--area", "holding", "--to", 3),
+], ids=lambda its: its[0])
+def test_a_response_of_another_unit_is_named(command):
+    """As in `ctl status`; it is no silence."""
+    with TcpSlave(lambda adu: tcp_answer(adu[:6] + b"\x01" + adu[7:], ANSWER)) as slave:
+        result = takt(command[0], f"tcp://127.0.0.1:{slave.port}", "--unit", 5, *command[1:], "--timeout",
+                      "200ms", "--attempts", 1, code=6)
+    assert "a response of unit 1 came, unit 5 was asked" in result.err, result.err
+    assert "--unit 1" in result.err
+
+
+def test_what_did_not_come_is_in_the_traffic_log(project, tmp_path):
+    """Unit 1 answers late, and unit 2 with the address of another one: as on the page."""
+    def answers(adu):
+        if adu[6] == 1:
+            time.sleep(0.4)
+            return tcp_answer(adu, ANSWER)
+        return tcp_answer(adu[:6] + b"\x09" + adu[7:], ANSWER)
+
+    log = tmp_path / "traffic.log"
+    wanted = [r"Node1:\(.*\) no response within 200 ms", r"Node1:\(.*\) late response: late by \d+ ms",
+              r"unit 9:\(.*\) surplus response: a response of unit 9 came, unit 2 was asked",
+              r"::\(.*\) connected"]
+    with TcpSlave(answers) as slave:
+        text = tcp([f"register: 0, {INT}, period: 1s"], slave.port, response_timeout="200ms")
+        second = tcp([f"name: V2, register: 1, {INT}, period: 1s"], slave.port, response_timeout="200ms")
+        text += second[second.index("      - name: Node1"):].replace("Node1", "Node2").replace(
+            "address: 1\n", "address: 2\n")
+        with start("run", project(text), "--traffic", log) as run:
+            until(lambda: log.exists() and all(re.search(w, log.read_text()) for w in wanted),
+                  "the lines of what did not come")
+            run.interrupt()
+
+
 def test_a_late_answer_is_in_the_summary_as_text(project):
     with TcpSlave(Late(0.15, lambda adu: tcp_answer(adu, ANSWER))) as slave:
         path = project(tcp([f"register: 0, {INT}, period: 500ms"], slave.port, response_timeout="100ms"))

@@ -88,4 +88,8 @@ test('a late or surplus response is one row with its bytes', async () => {
   );
   assert.equal(rows[1]?.raw, '01 03');
   assert.match(rows[0] ? frameWords(rows[0]) : '', /^Опоздал на 230/);
+  assert.match(
+    frameWords({ ...incident('surplus_response'), instead: { part: 'unit', came: 1, asked: 5 } }),
+    /пришёл ответ с адреса 1, а запрос был к адресу 5/,
+  );
 });

@@ -23,14 +23,16 @@ class Log final : public wire::TrafficObserver {
 public:
     void on_frame(Instant, wire::Direction, UnitId, Bytes, Bytes) override {}
     void on_fault(Instant, wire::FrameFault, Bytes) override {}
-    void on_incident(Instant t, UnitId unit, Incident incident, Duration after) override {
-        seen.push_back({t, unit, incident, after});
+    void on_incident(Instant t, UnitId unit, Incident incident, Duration after,
+                     const std::optional<Mismatch>& instead) override {
+        seen.push_back({t, unit, incident, after, instead});
     }
     struct Seen {
         Instant t;
         UnitId unit;
         Incident incident;
         Duration after;
+        std::optional<Mismatch> instead = {};
         friend bool operator==(const Seen&, const Seen&) = default;
     };
     std::vector<Seen> seen;
@@ -66,13 +68,19 @@ TEST(Incidents, OverTcpResponsesOfOthersAreSurplus) {
         EXPECT_EQ(rig.last().status, Status::timeout);
         EXPECT_EQ(log.seen[1].incident, Incident::surplus_response);
         EXPECT_EQ(log.seen[1].t, at(30ms));
-        return rig.last().foreign;
+        return std::pair(rig.last().foreign, log.seen[1].instead);
     };
     const std::uint16_t id = wire_id_of(mbap(1, ""));
-    EXPECT_EQ(answered(mbap(1, "00 05 01 03 02 00 07")), (ForeignResponse{UnitId{1}, id, 3})) << "unit";
-    EXPECT_EQ(answered(mbap(1, "00 05 05 04 02 00 07")), (ForeignResponse{UnitId{5}, id, 4})) << "function";
-    EXPECT_EQ(answered(frame(0, "00 05 05 03 02 00 07")), (ForeignResponse{UnitId{5}, 0, 3})) << "id";
-    EXPECT_EQ(answered(frame(0, "00 05 05 04 02 00 07")), std::nullopt);
+    const auto expect = [&](const std::vector<std::uint8_t>& response,
+                            const std::optional<ForeignResponse>& foreign,
+                            const std::optional<Mismatch>& instead) {
+        EXPECT_EQ(answered(response), std::pair(foreign, instead));
+    };
+    using enum Mismatch::Part;
+    expect(mbap(1, "00 05 01 03 02 00 07"), ForeignResponse{UnitId{1}, id, 3}, Mismatch{unit, 1, 5});
+    expect(mbap(1, "00 05 05 04 02 00 07"), ForeignResponse{UnitId{5}, id, 4}, Mismatch{function, 4, 3});
+    expect(frame(0, "00 05 05 03 02 00 07"), ForeignResponse{UnitId{5}, 0, 3}, Mismatch{transaction, 0, id});
+    expect(frame(0, "00 05 05 04 02 00 07"), std::nullopt, std::nullopt);
 }
 
 TEST(Incidents, ALinkThatIsLostIsNoTimeout) {

@@ -93,6 +93,19 @@ TEST_F(TrafficLogTest, DroppedBytesHaveAReason) {
                              std::string(wire::name(wire::FrameFault::checksum)) + "\n");
 }
 
+TEST_F(TrafficLogTest, WhatDidNotComeHasALine) {
+    LineTraffic traffic(*log, line_named(wire::Framing::rtu), LineTraffic::Side::master);
+    using wire::Incident;
+    traffic.on_incident(Instant{2s}, UnitId{16}, Incident::late_response, 120ms, {});
+    traffic.on_incident(Instant{2s}, UnitId{1}, Incident::surplus_response, {},
+                        Mismatch{Mismatch::Part::unit, 1, 16});
+    traffic.on_incident(Instant{2s}, UnitId{}, Incident::disconnected, {}, {});
+    EXPECT_EQ(written(), stamp("main::Boiler:(/dev/ttyS1) late response: late by 120 ms\n") +
+                             stamp("main::unit 1:(/dev/ttyS1) surplus response: a response of unit 1 came, "
+                                   "unit 16 was asked\n") +
+                             stamp("main::(/dev/ttyS1) disconnected\n"));
+}
+
 TEST_F(TrafficLogTest, AFactoryWithoutALogIsEmpty) {
     EXPECT_FALSE(traffic_factory(nullptr, LineTraffic::Side::master));
     const auto factory = traffic_factory(log.get(), LineTraffic::Side::master);

@@ -90,8 +90,8 @@ TEST(FailureShare, ARandomMixtureIsSteady) {
                 run();
                 ASSERT_EQ(device.share.since(), since) << percent << " % each " << period.count() << " ms";
             }
-            const auto share = static_cast<double>(device.share.failed()) /
-                               static_cast<double>(device.share.transactions());
+            const auto share =
+                static_cast<double>(device.share.failed()) / static_cast<double>(device.share.transactions());
             EXPECT_NEAR(100 * share, percent, 2);
         }
 }

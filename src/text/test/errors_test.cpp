@@ -13,6 +13,7 @@ constexpr Code kCodes[] = {
     Code::not_found,    Code::overflow,     Code::not_writable,     Code::queue_full,       Code::syntax,
     Code::cannot_open,  Code::busy,         Code::connection_lost,  Code::timed_out,        Code::io_failed,
     Code::replaced,     Code::bad_checksum, Code::modbus_exception, Code::unexpected_reply, Code::not_modbus,
+    Code::misdirected,
 };
 
 constexpr std::int64_t number(HeaderFault fault) {
@@ -61,6 +62,10 @@ TEST(Errors, SayWhatHappened) {
         {{Code::not_modbus, "a:22", {0x28B8'0000'0004'0183, 8, number(HeaderFault::off_by_one)}},
          "a:22: the length in the header of a response, bytes 5 and 6, differs by one from the response: "
          "received 28 B8 00 00 00 04 01 83 ((.......)"},
+        {misdirected("tcp://plc", {Mismatch::Part::unit, 1, 5}),
+         "tcp://plc: a response of unit 1 came, unit 5 was asked"},
+        {misdirected("tcp://plc", {Mismatch::Part::transaction, 7, 8}),
+         "tcp://plc: a response with transaction id 7 came, 8 was asked"},
         {{Code::io_failed, "x", {EFBIG}}, "x: reading or writing failed: File too large"},
     };
     for (const auto& [error, english] : cases) EXPECT_EQ(what(Language::english, error), english);

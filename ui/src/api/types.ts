@@ -411,6 +411,8 @@ export interface Frame {
   /** It is no frame. */
   incident?: 'no_response' | 'late_response' | 'surplus_response' | 'connected' | 'disconnected';
   after_ms?: number;
+  /** surplus_response: what came, and what was asked. */
+  instead?: { part: 'unit' | 'function' | 'transaction'; came: number; asked: number };
 }
 export interface RequestCounters {
   device: string;

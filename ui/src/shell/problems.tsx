@@ -34,7 +34,11 @@ function Item({ its, onOpen }: { its: Problem; onOpen: ((its: Problem) => void) 
     its.count !== undefined &&
       (its.of === undefined
         ? texts.count(formatNumber(its.count))
-        : texts.countOf(formatNumber(its.count), formatNumber(its.of))),
+        : texts.countOf(
+            formatNumber(its.count),
+            formatNumber(its.of),
+            formatNumber((100 * its.count) / Math.max(its.of, 1), 1),
+          )),
   ].filter(Boolean);
   return (
     <li>

@@ -328,7 +328,10 @@ lines:
   await row.locator('.bad').waitFor();
   assert.match(await row.textContent(), /Mute/);
   // A response of another unit, and one that is late, are one red row each, with its bytes.
-  for (const words of [/Surplus response/, /Late by [\d.]+ m?s/]) {
+  for (const words of [
+    /Surplus response: a response of unit 1 came, unit 9 was asked/,
+    /Late by [\d.]+ m?s/,
+  ]) {
     await filter.fill(words.source.slice(0, 7));
     const response = page.locator('[role="row"]', { hasText: words }).first();
     await response.locator('.bad').waitFor();

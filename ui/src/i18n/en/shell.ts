@@ -39,7 +39,7 @@ export const shell = {
       severity: { error: 'error', warning: 'warning', note: 'note' },
       since: (time: string) => `for ${time}`,
       count: (n: string) => plural(n, 'time'),
-      countOf: (n: string, of: string) => `${n} of ${plural(of, 'request')}`,
+      countOf: (n: string, of: string, percent: string) => `${n} of ${plural(of, 'request')} (${percent} %)`,
       notGood: 'Not good:',
       more: (n: string) => `and ${n} more`,
       open: 'Details',

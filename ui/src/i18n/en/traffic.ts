@@ -107,6 +107,15 @@ export const traffic = {
     'no answer to that request': 'no answer to that request',
   },
   values: (n: number) => `${of(n, 'value')}:`,
+  /** What a surplus response came instead of. */
+  instead: {
+    unit: (came: number, asked: number) =>
+      `Surplus response: a response of unit ${came} came, unit ${asked} was asked`,
+    function: (came: number, asked: number) =>
+      `Surplus response: a response to function ${came} came, function ${asked} was asked`,
+    transaction: (came: number, asked: number) =>
+      `Surplus response: a response with transaction id ${came} came, ${asked} was asked`,
+  },
   incidents: {
     no_response: (time: string) => `No response within ${time}`,
     late_response: (time: string) => `Late by ${time}: response to an earlier request`,

@@ -45,7 +45,7 @@ export const shell: Translated<typeof source> = {
       severity: { error: 'ошибка', warning: 'предупреждение', note: 'примечание' },
       since: (time: string) => `уже ${time}`,
       count: (n: string) => `раз: ${n}`,
-      countOf: (n: string, of: string) => `${n} из ${of} запросов`,
+      countOf: (n: string, of: string, percent: string) => `${n} из ${of} запросов (${percent} %)`,
       notGood: 'Недостоверны:',
       more: (n: string) => `и ещё ${n}`,
       open: 'Подробнее',

@@ -106,6 +106,15 @@ export const traffic: Translated<typeof source> = {
     'no answer to that request': 'не ответ на этот запрос',
   },
   values: (n: number) => `значений ${n}:`,
+  /** What a surplus response came instead of. */
+  instead: {
+    unit: (came: number, asked: number) =>
+      `Лишний ответ: пришёл ответ с адреса ${came}, а запрос был к адресу ${asked}`,
+    function: (came: number, asked: number) =>
+      `Лишний ответ: пришёл ответ на функцию ${came}, а запрос был с функцией ${asked}`,
+    transaction: (came: number, asked: number) =>
+      `Лишний ответ: пришёл ответ с номером транзакции ${came}, а номер запроса — ${asked}`,
+  },
   incidents: {
     no_response: (time: string) => `Нет ответа в течение ${time}`,
     late_response: (time: string) => `Опоздал на ${time}: ответ на прежний запрос`,

@@ -45,7 +45,7 @@ export const shell: Translated<typeof source> = {
       severity: { error: 'помилка', warning: 'попередження', note: 'примітка' },
       since: (time: string) => `уже ${time}`,
       count: (n: string) => `разів: ${n}`,
-      countOf: (n: string, of: string) => `${n} із ${of} запитів`,
+      countOf: (n: string, of: string, percent: string) => `${n} із ${of} запитів (${percent} %)`,
       notGood: 'Недостовірні:',
       more: (n: string) => `і ще ${n}`,
       open: 'Докладніше',

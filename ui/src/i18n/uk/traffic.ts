@@ -106,6 +106,15 @@ export const traffic: Translated<typeof source> = {
     'no answer to that request': 'не відповідь на цей запит',
   },
   values: (n: number) => `значень ${n}:`,
+  /** What a surplus response came instead of. */
+  instead: {
+    unit: (came: number, asked: number) =>
+      `Зайва відповідь: надійшла відповідь з адреси ${came}, а запит був до адреси ${asked}`,
+    function: (came: number, asked: number) =>
+      `Зайва відповідь: надійшла відповідь на функцію ${came}, а запит був із функцією ${asked}`,
+    transaction: (came: number, asked: number) =>
+      `Зайва відповідь: надійшла відповідь з номером транзакції ${came}, а номер запиту — ${asked}`,
+  },
   incidents: {
     no_response: (time: string) => `Немає відповіді протягом ${time}`,
     late_response: (time: string) => `Запізнення ${time}: відповідь на попередній запит`,

@@ -29,6 +29,8 @@ export function translated(words: string): string {
 
 /** What a frame says, what is wrong with it, or what happened. */
 export function frameWords(frame: Frame): string {
+  if (frame.instead)
+    return t.value.traffic.instead[frame.instead.part](frame.instead.came, frame.instead.asked);
   if (frame.incident) return t.value.traffic.incidents[frame.incident](formatDuration(frame.after_ms ?? 0));
   const fault = (t.value.traffic.faults as Record<string, string>)[frame.fault ?? ''];
   return fault ?? translated(frame.words);

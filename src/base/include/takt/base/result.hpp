@@ -37,8 +37,9 @@ enum class Code : std::uint16_t {
     modbus_exception = 200,  ///< exception code
     bad_checksum,
     unexpected_reply,
-    not_modbus,  ///< subject, the first bytes that came as a number, how many (at most 8; 0: none),
-                 ///< HeaderFault
+    not_modbus,   ///< subject, the first bytes that came as a number, how many (at most 8; 0: none),
+                  ///< HeaderFault
+    misdirected,  ///< subject, Mismatch::came, Mismatch::asked, Mismatch::part
 };
 
 /// What is wrong with the bytes of Code::not_modbus as an MBAP header.
@@ -48,6 +49,17 @@ enum class HeaderFault : std::uint8_t {
     length,      ///< bytes 5 and 6, the length, are not 2..254
     off_by_one,  ///< the length differs by one from that of the response
 };
+
+/// In what a response differs from the request that waits for one.
+struct Mismatch {
+    enum class Part : std::uint8_t { unit, function, transaction };
+    Part part = Part::unit;
+    std::uint16_t came = 0;
+    std::uint16_t asked = 0;
+    friend bool operator==(const Mismatch&, const Mismatch&) = default;
+};
+/// "unit", "function", "transaction"
+std::string_view name(Mismatch::Part part);
 
 /// The stable name of a code, as in "out_of_range": key of its text, and what --json shows.
 std::string_view name(Code code);
@@ -60,6 +72,11 @@ struct Error {
 
     friend bool operator==(const Error&, const Error&) = default;
 };
+
+/// Code::misdirected
+[[nodiscard]] inline Error misdirected(std::string_view subject, const Mismatch& mismatch) {
+    return {Code::misdirected, subject, {mismatch.came, mismatch.asked, static_cast<int>(mismatch.part)}};
+}
 
 /// std::expected is [[nodiscard]] in itself.
 template <class T>

@@ -12,6 +12,7 @@
 #include "takt/wire/frame.hpp"
 #include "takt/wire/line_timing.hpp"
 #include "takt/wire/prepared_request.hpp"
+#include "takt/wire/traffic.hpp"
 
 namespace takt::bus {
 
@@ -98,12 +99,7 @@ enum class Status : std::uint8_t {
 std::string_view name(Status status);
 
 /// A response that does not belong to the request it was received after.
-struct ForeignResponse {
-    UnitId unit;
-    std::uint16_t wire_id = 0;  ///< Framing::tcp: its transaction id; else 0
-    std::uint8_t function = 0;  ///< of its request
-    friend bool operator==(const ForeignResponse&, const ForeignResponse&) = default;
-};
+using ForeignResponse = wire::ExchangeKey;
 
 /// How a transaction ended. Every accepted transaction has exactly one.
 struct Outcome {

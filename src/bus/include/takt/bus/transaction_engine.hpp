@@ -237,7 +237,8 @@ private:
     [[nodiscard]] HeaderFault header_fault(Bytes header) const;
     void handle(Instant t, const wire::FramerStep& step);
     void on_frame(Instant t, const wire::Frame& frame);
-    void notify(Instant t, UnitId unit, wire::Incident incident, Duration after = {});
+    void notify(Instant t, UnitId unit, wire::Incident incident, Duration after = {},
+                const std::optional<Mismatch>& instead = {});
     void on_fault(Instant t, const wire::FramerStep& step);
     [[nodiscard]] bool may_be_echo(Instant t, const Slot& slot, std::size_t bytes) const;
     void find_response(Instant t);
@@ -247,9 +248,9 @@ private:
     void confirm(Instant t, Slot& slot, Bytes pdu);
     [[nodiscard]] Instant quiet_at(Instant from, const Slot& slot, std::size_t pdu_length) const;
     [[nodiscard]] Instant confirmation_end(Instant t, const Slot& slot) const;
-    void note_surplus(Instant t, UnitId unit, Bytes pdu);
+    void note_surplus(Instant t, UnitId unit, Bytes pdu, const std::optional<Mismatch>& instead = {});
     void conclude(Instant t, Slot& slot);
-    void note_foreign(const wire::Frame& frame);
+    std::optional<Mismatch> note_foreign(const wire::Frame& frame);
     Lateness settle_late(Instant end, UnitId unit, const AnswerShape& shape, std::uint16_t wire_id);
     void settle_stray(Slot& slot);
     void note_late(Instant t, UnitId unit, Lateness lateness);

@@ -23,6 +23,7 @@
 #include "takt/os/sink.hpp"
 #include "takt/wire/pdu.hpp"
 #include "takt/wire/traffic.hpp"
+#include "takt/wire/words.hpp"
 
 namespace takt::console {
 
@@ -58,7 +59,7 @@ private:
     os::LineWriter output_;
 };
 
-/// Writes the frames of one line into the log. `Tx` is what this program sent.
+/// Writes the frames and the incidents of one line into the log. `Tx` is what this program sent.
 class LineTraffic final : public wire::TrafficObserver {
 public:
     /// The side whose requests are kept, so that responses are logged with their addresses.
@@ -70,16 +71,19 @@ public:
 
     void on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) override;
     void on_fault(Instant t, wire::FrameFault fault, Bytes raw) override;
+    void on_incident(Instant t, UnitId unit, wire::Incident incident, Duration after,
+                     const std::optional<Mismatch>& instead) override;
 
 private:
+    [[nodiscard]] std::string name_of(UnitId unit) const;
+
     TrafficLog& log_;
     std::string line_;
     std::string port_;
     Side side_;
     bool ascii_;
     std::array<std::string, 256> devices_;
-    std::optional<wire::Request> last_request_;
-    UnitId last_unit_;
+    wire::FrameWords words_;
 };
 
 /// For engines of one-off commands: frames are formatted on the engine's thread.

@@ -32,6 +32,7 @@ struct TrafficRecord {
     std::optional<wire::FrameFault> fault;   ///< why bytes were dropped; then there is no frame
     std::optional<wire::Incident> incident;  ///< then there is no frame
     Duration after{};                        ///< of the incident
+    std::optional<Mismatch> instead;         ///< likewise
     std::string peer;                        ///< of an endpoint's connection: "192.0.2.7:50100"; else empty
     std::vector<std::uint8_t> pdu;
     std::vector<std::uint8_t> raw;  ///< as on the wire; of dropped bytes those that were kept

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "takt/base/engine.hpp"
 #include "takt/base/numbers.hpp"
+#include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
 #include "takt/wire/framer.hpp"
 
@@ -23,6 +25,16 @@ enum class Incident : std::uint8_t {
 };
 std::string_view name(Incident incident);
 
+/// By what a response belongs to its request.
+struct ExchangeKey {
+    UnitId unit;
+    std::uint16_t wire_id = 0;  ///< Framing::tcp: the transaction id; else 0
+    std::uint8_t function = 0;  ///< of the request
+    friend bool operator==(const ExchangeKey&, const ExchangeKey&) = default;
+};
+/// The first part in which they differ; without a transaction id: the unit or the function.
+[[nodiscard]] Mismatch mismatch(const ExchangeKey& came, const ExchangeKey& asked);
+
 /// Notified of every frame that an engine sends, and of every good frame that it receives (on a serial line
 /// also those of other units). Called on the engine's thread from inside its members: must not block and must
 /// not call the engine.
@@ -38,9 +50,11 @@ public:
     virtual void on_fault(Instant t, FrameFault fault, Bytes raw) = 0;
 
     /// Masters only.
-    /// @param unit   of a response; 0: of the line
-    /// @param after  no_response: the wait of the request; late_response: how late it is; else zero
-    virtual void on_incident(Instant /*t*/, UnitId /*unit*/, Incident /*incident*/, Duration /*after*/) {}
+    /// @param unit     of a response; 0: of the line
+    /// @param after    no_response: the wait of the request; late_response: how late it is; else zero
+    /// @param instead  surplus_response: it came while a request waits for another one
+    virtual void on_incident(Instant /*t*/, UnitId /*unit*/, Incident /*incident*/, Duration /*after*/,
+                             const std::optional<Mismatch>& /*instead*/) {}
 
     /// The calls that follow are about the connection with that peer, "192.0.2.7:50100". The connections of a
     /// listener share one observer; masters and serial slaves do not call this.

@@ -1,6 +1,9 @@
 // Descriptions of frames in words. A target of its own (takt::wire_words), because text needs the heap.
 #pragma once
 
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 
 #include "takt/base/engine.hpp"
@@ -22,8 +25,19 @@ std::string describe_request(UnitId unit, Bytes pdu, const Result<Request>& requ
 /// a PDU that cannot be decoded, or does not answer the request, is shown as hex, with the reason.
 std::string describe_response(UnitId unit, Bytes pdu, const Request* request = nullptr);
 
-/// "no response within 500 ms", "late response".
-std::string describe_incident(Incident incident, Duration after);
+/// "no response within 500 ms", "late response: late by 12 ms", "surplus response: a response of unit 1 came,
+/// unit 5 was asked".
+std::string describe_incident(Incident incident, Duration after, const std::optional<Mismatch>& instead);
+
+/// Describes the frames of one line: a response with the addresses of the last request to its unit.
+class FrameWords {
+public:
+    std::string request(UnitId unit, Bytes pdu);
+    std::string response(UnitId unit, Bytes pdu) const;
+
+private:
+    std::map<std::uint8_t, Request> requests_;  // the last one to each address
+};
 
 /// "10 03 00 00" — upper case, separated by blanks.
 std::string hex(Bytes bytes);
