@@ -1,5 +1,6 @@
 #include "takt/host/event_message.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "takt/wire/function.hpp"
@@ -91,6 +92,11 @@ void append_exception_words(std::vector<EventMessage::Argument>& arguments, unsi
                          .otherwise = "exception.unknown",
                          .is_code = true});
     arguments.push_back({.name = std::string(argument), .text = "log.why.exception", .is_code = true});
+}
+
+std::uint8_t most_frequent_exception(const bus::TransactionCounters& counters) {
+    const auto& codes = counters.exceptions_by_code;
+    return static_cast<std::uint8_t>(std::ranges::max_element(codes) - codes.begin());
 }
 
 void append(std::vector<LogArgument>& arguments, const std::vector<EventMessage::Argument>& words) {

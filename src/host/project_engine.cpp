@@ -100,6 +100,7 @@ ProjectEngine::ProjectEngine(HostLink& link, ConfigurationPtr configuration, con
                 : std::shared_ptr<const plan::LinePlan>(configuration_, &configuration_->plan().lines[i]);
         lines_[i].plan_revision = master_.line(i).plan_revision();
         lines_[i].changes.resize(configuration_->project().lines[i].devices.size());
+        lines_[i].fails_often.resize(lines_[i].changes.size());
     }
 }
 
@@ -235,6 +236,7 @@ void ProjectEngine::on_tick(Instant t) {
     update_services(t);
     failures_.on_tick(t);
     end_changes(t);
+    if (log_.enabled()) log_frequent_failures();
     if (retention_) retention_->on_tick(t);
     if (learner_) learner_->on_tick(t);
     // A driver whose line is not open has no wake-ups; commands expire all the same.
@@ -371,6 +373,30 @@ void ProjectEngine::end_changes(Instant t, std::size_t line, std::size_t device,
 void ProjectEngine::end_changes(Instant t, bool finish) {
     for (std::size_t i = 0; i < lines_.size(); ++i)
         for (std::size_t d = 0; d < lines_[i].changes.size(); ++d) end_changes(t, i, d, finish);
+}
+
+// When it begins and when it ends: single failures are in the log besides.
+void ProjectEngine::log_frequent_failures() {
+    for (std::size_t i = 0; i < lines_.size(); ++i)
+        for (std::size_t d = 0; d < lines_[i].fails_often.size(); ++d) {
+            const auto device = master_.line(i).device(d);
+            const bool refuses = device.refusals.state() == poll::FailureShare::State::failing;
+            const auto& share = refuses ? device.refusals : device.share;
+            const bool often = share.state() == poll::FailureShare::State::failing;
+            if (often == lines_[i].fails_often[d]) continue;
+            lines_[i].fails_often[d] = often;
+            const auto& line = configuration_->project().lines[i];
+            EventMessage message{.code = !often    ? "log.often.ended"
+                                         : refuses ? "log.often.refused"
+                                                   : "log.often.failed",
+                                 .arguments = {{.name = "line", .text = line.name},
+                                               {.name = "device", .text = line.devices[d].name},
+                                               {.name = "count", .text = std::to_string(share.failed())},
+                                               {.name = "of", .text = std::to_string(share.transactions())}}};
+            if (refuses)
+                append_exception_words(message.arguments, most_frequent_exception(device.counters), "why");
+            write_log(often ? LogLevel::warning : LogLevel::info, message);
+        }
 }
 
 void ProjectEngine::on_overrun(Instant t, std::size_t line, std::size_t request, Duration period,

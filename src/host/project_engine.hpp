@@ -127,6 +127,7 @@ private:
         std::shared_ptr<const plan::LinePlan> next_plan;  // that was given to the poller
         std::uint64_t plan_revision = 0;                  // of the poller, when `plan` was taken over
         std::vector<ChangeFilter> changes;                // by device
+        std::vector<bool> fails_often;                    // by device: the log has it
     };
 
     void on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) override;
@@ -159,6 +160,7 @@ private:
     void publish_state(Instant t, const DeviceStateChanged& changed);
     void end_changes(Instant t, std::size_t line, std::size_t device, bool finish = false);
     void end_changes(Instant t, bool finish = false);
+    void log_frequent_failures();
     [[nodiscard]] poll::Master::Options master_options(const Options& options);
     class RunFacts;
     [[nodiscard]] bool first_cycle_is_over() const;

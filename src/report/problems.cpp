@@ -31,12 +31,6 @@ bool is_not_good(const value::Slot& slot) {
     return slot.quality == Quality::bad || slot.quality == Quality::uncertain;
 }
 
-/// The exception that came most often.
-std::uint8_t most_frequent_exception(const bus::TransactionCounters& counters) {
-    const auto& codes = counters.exceptions_by_code;
-    return static_cast<std::uint8_t>(std::ranges::max_element(codes) - codes.begin());
-}
-
 /// "Level, Speed and 3 more"
 std::string names_text(const Texts& texts, const std::vector<std::string>& names) {
     constexpr std::size_t kMost = 4;
@@ -407,7 +401,7 @@ private:
         for_each_request([&](const plan::Request& request, const poll::RequestStatistics& statistics) {
             const auto& counters = statistics.counters;
             if (counters.exceptions == 0) return;
-            const auto code = most_frequent_exception(counters);
+            const auto code = host::most_frequent_exception(counters);
             if (fails_with(code)) return;  // the problem of the device
             if (refuses_often() && counters.answered > 0 &&
                 counters.exceptions * kFewestInRequests >= counters.sent) {
@@ -429,7 +423,7 @@ private:
         });
         if (requests.empty()) return;
         const auto& share = device().refusals;
-        Problem problem = refusal(names_text(texts_, requests), most_frequent_exception(sum));
+        Problem problem = refusal(names_text(texts_, requests), host::most_frequent_exception(sum));
         problem.severity = warning;
         problem.variables = name_values(
             variables, [&](Reason reason) { return value::is_exception(reason) || refused_by_gateway(); });

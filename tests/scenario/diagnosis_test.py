@@ -1,6 +1,7 @@
 """docs/commands/run.md, "Late answers" and "Summary": devices slower than the project says, damaged answers,
 lost links."""
 import contextlib
+import random
 import re
 import time
 
@@ -101,6 +102,32 @@ def test_a_response_of_another_unit_is_named(command):
                       "200ms", "--attempts", 1, code=6)
     assert "a response of unit 1 came, unit 5 was asked" in result.err, result.err
     assert "--unit 1" in result.err
+
+
+def test_a_device_that_refuses_often_has_one_steady_finding(project, tmp_path):
+    """60 % of its answers, drawn at random, are exceptions."""
+    drawn, log, control = random.Random(39), tmp_path / "takt.log", tmp_path / "control"
+    with TcpSlave(lambda adu: tcp_answer(adu, "83 04" if drawn.random() < 0.6 else ANSWER)) as slave:
+        variables = [f"register: {10 * i}, {INT}, period: 100ms" for i in range(3)]
+        with start("run", project(tcp(variables, slave.port)), "--log", log, "--control", control) as run:
+            status = lambda: takt("ctl", control, "status", "--json").json
+            until(lambda: control.exists() and log.exists() and "requests were refused" in log.read_text(),
+                  "the log has it")
+            seen = []
+            for _ in range(15):
+                seen.append(status())
+                time.sleep(0.1)
+            run.interrupt()
+    assert {s["health"] for s in seen} == {"degraded"}
+    found = [p for s in seen for p in s["problems"] if p["kind"] != "late"]  # a busy machine
+    assert len(found) == len(seen), found
+    assert {(p["kind"], p["severity"], p["request"]) for p in found} == {
+        ("refused", "warning", "0x03 0, 0x03 10, 0x03 20")
+    }
+    assert [p["since_ms"] for p in found] == sorted(p["since_ms"] for p in found), "one begin"
+    assert 0.4 < found[-1]["count"] / found[-1]["of"] < 0.8 and "exception 4" in found[-1]["text"]
+    text = log.read_text()
+    assert text.count("requests were refused, most often with exception 4") == 1, text
 
 
 def test_what_did_not_come_is_in_the_traffic_log(project, tmp_path):

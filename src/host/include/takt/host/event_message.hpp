@@ -47,6 +47,9 @@ void append_request_words(std::vector<EventMessage::Argument>& arguments, std::u
 void append_exception_words(std::vector<EventMessage::Argument>& arguments, unsigned exception,
                             std::string_view argument);
 
+/// The exception that came most often; 0: another one than 1..11.
+[[nodiscard]] std::uint8_t most_frequent_exception(const bus::TransactionCounters& counters);
+
 /// Appends views of `words`, which must outlive them.
 void append(std::vector<LogArgument>& arguments, const std::vector<EventMessage::Argument>& words);
 
