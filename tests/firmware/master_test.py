@@ -224,3 +224,54 @@ def test_a_table_of_a_controller(tmp_path, pair):
     asked = pair.sent().hex()
     last = asked[-8 * len(sent[0]):]
     assert last in "".join(sent), (sent, asked)
+
+
+TROUBLED = CONTROLLER.replace("group_requests: true", """group_requests: true
+        read_modify_write: true""").replace(
+    "locals:", """\
+          - {name: B3, type: bool, register: 62, bit: 3, read: 0x03, write: 0x06, write_on_change: true}
+          - {name: B4, type: int16, register: 63, read: 0x03, status: Good}
+      - name: Absent
+        address: 2
+        poll_period: 1s
+        response_timeout: 200ms
+        attempts: 2
+        status: Lost
+        variables:
+          - {name: C1, type: int16, register: 0, read: 0x03}
+      - name: Switched
+        address: 3
+        poll_period: 1s
+        response_timeout: 200ms
+        poll_enable: On
+        variables:
+          - {name: D1, type: int16, register: 0, read: 0x03}
+locals:
+  - {name: On, type: bool}
+  - {name: Good, type: int16}
+  - {name: Lost, type: int16}""")
+TROUBLED_PLACES = ("On", "Good", "Lost", "Again", "B2", "A1", "A2", "B1", "A4", "B3", "B4", "A3", "C1", "D1")
+NOT_ANSWERING = 105  # docs/specification.md, section 7
+
+
+def test_bits_statuses_and_poll_enable_of_a_controller(tmp_path):
+    (tmp_path / "plant.yaml").write_text(TROUBLED.replace("PORT", "/dev/ttyS0"))
+    table = tmp_path / "table"
+    takt("table", "build", tmp_path / "plant.yaml", "-o", table, "--profile", "owen-kc1")
+    place = {name: number for number, name in enumerate(TROUBLED_PLACES)}
+    script(tmp_path, (4000, LOCAL, place["On"], 1), (5000, SET, place["B3"], 0), duration=7000)
+    with Board("an385", "test_master", *loader(table), folder=tmp_path) as master:
+        with slave(master.port):
+            master.resume()
+            notes = master.output()
+    again = replayed(table, notes)
+    assert frames(notes) == frames(again)
+    assert buffer(notes) == buffer(again)
+    wanted = {"B3": 0, "B4": 63, "Good": 0, "Lost": NOT_ANSWERING}
+    assert {name: item(notes, place[name])[2][0] for name in wanted} == wanted
+    sent = frames(notes)
+    bit = next(i for i, frame in enumerate(sent) if frame.startswith("0106003e0036"))
+    assert sent[bit - 1].startswith("0103003e0001"), "B3 is written into its register as it was read"
+    switched_on = next(i for i, frame in enumerate(sent) if frame.startswith("0303"))
+    assert 0 < switched_on < bit, "first asked when it was switched on"
+    assert any(frame.startswith("0203") for frame in sent[:switched_on]), "a silent device is polled before"
