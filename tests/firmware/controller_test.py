@@ -121,7 +121,7 @@ def test_a_new_table_replaces_the_running_one(tmp_path):
         until(lambda: shown.buffer()[A] == 3, "the old table runs")
         shown.load(table_of(tmp_path, 7).read_bytes())
         until(lambda: shown.shown()[STATE] == RUNNING and shown.buffer()[A] == 7, "the new table runs")
-        refused = shown._on(BUFFER, "read", "holding", 3, 2, code=None)
+        refused = shown._on(BUFFER, "read", "holding", ITEM_COUNT - 1, 2, code=None)
         assert "exception 2" in refused.err, "only the registers of the table exist"
         assert shown.shown()[ERROR] == 0
 
