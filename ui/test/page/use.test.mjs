@@ -348,7 +348,7 @@ lines:
   await often.getByText('answering, with findings').waitFor();
   await often.getByText('Heating controller').click();
   const finding = page.locator('aside .reasons li', { hasText: 'Heating controller does not answer each' });
-  await finding.getByText(/^for \d.* · \d+ of \d+ requests$/).waitFor();
+  await finding.getByText(/^for \d.* · \d+ of \d+ requests \([\d.]+ %\)$/).waitFor();
   await finding.getByText(/^Check the unit address and the power supply/).waitFor();
   await page.locator('nav a[href="#/overview"]').click();
   await page.locator('.overview .states', { hasText: 'answering, with findings: 2' }).waitFor();
