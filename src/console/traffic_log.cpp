@@ -78,7 +78,7 @@ LineTraffic::LineTraffic(TrafficLog& log, const model::Line& line, Side side)
 void LineTraffic::on_frame(Instant t, wire::Direction direction, UnitId unit, Bytes pdu, Bytes raw) {
     const bool sent = direction == wire::Direction::sent;
     const bool request = sent == (side_ == Side::master);
-    const auto words = request ? words_.request(unit, pdu) : words_.response(unit, pdu);
+    const auto words = request ? words_.request(unit, pdu, raw) : words_.response(unit, pdu, raw);
     const std::string bytes =
         ascii_ ? std::string(raw.begin(), raw.end() - (raw.size() > 2 ? 2 : 0)) : wire::hex(raw);
     log_.put(fmt::format("[{}] TRA : {}::{}:({}) {}: [{:04}] {} | {}", iso_time(t), line_, name_of(unit),

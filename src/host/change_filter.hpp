@@ -18,7 +18,7 @@ public:
 
     /// The state changes. ended() comes before it.
     Shown changed(Instant t) {
-        if (ended_ || count_ == 0 || t >= after(last_, kQuiet)) {
+        if (ended_ || count_ == 0 || quiet(t)) {
             ended_ = false;
             count_ = 0;
             since_ = t;
@@ -31,10 +31,12 @@ public:
     /// It changed often, and is steady now: true once. count() and in() are those of all changes.
     /// @param finish  nothing follows
     bool ended(Instant t, bool finish = false) {
-        if (ended_ || count_ <= kShown || (!finish && t < after(last_, kQuiet))) return false;
+        if (ended_ || count_ <= kShown || (!finish && !quiet(t))) return false;
         return ended_ = true;
     }
 
+    /// No change came for kQuiet.
+    [[nodiscard]] bool quiet(Instant t) const { return t >= after(last_, kQuiet); }
     /// Of changes without a pause of kQuiet.
     [[nodiscard]] std::uint64_t count() const { return count_; }
     [[nodiscard]] Duration in() const { return last_ - since_; }

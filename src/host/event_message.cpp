@@ -168,6 +168,7 @@ EventMessage event_message(const Configuration& configuration, const DeviceState
     arguments.push_back({.name = "state",
                          .text = changed.shown == Shown::each    ? now
                                  : changed.shown == Shown::often ? "app.state_often"
+                                 : changed.shown == Shown::total ? "app.state_total"
                                                                  : "app.state_steady",
                          .is_code = true});
     return message;

@@ -339,7 +339,9 @@ RequestKey ProjectEngine::key_of(std::size_t line, std::size_t request) const {
 void ProjectEngine::on_device_state(Instant t, std::size_t line, std::size_t device,
                                     poll::DeviceState state) {
     DeviceStateChanged changed{line, device, state};
-    if (state != poll::DeviceState::unknown) {  // else it will be asked at once
+    // Lost links and devices that are switched off have messages of their own; an unknown one is asked at
+    // once.
+    if (state == poll::DeviceState::answering || state == poll::DeviceState::not_answering) {
         auto& filter = lines_[line].changes[device];
         end_changes(t, line, device);
         changed.shown = filter.changed(t);
@@ -365,9 +367,10 @@ void ProjectEngine::publish_state(Instant t, const DeviceStateChanged& changed) 
 
 void ProjectEngine::end_changes(Instant t, std::size_t line, std::size_t device, bool finish) {
     auto& filter = lines_[line].changes[device];
+    using Shown = DeviceStateChanged::Shown;
     if (filter.ended(t, finish))
         publish_state(t, {line, device, master_.line(line).device(device).state,
-                          DeviceStateChanged::Shown::steady, filter.count(), filter.in()});
+                          filter.quiet(t) ? Shown::steady : Shown::total, filter.count(), filter.in()});
 }
 
 void ProjectEngine::end_changes(Instant t, bool finish) {

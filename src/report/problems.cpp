@@ -339,7 +339,7 @@ private:
         problem.count = device().delays->count;
         problem.of = device().counters.sent;
         problem.since = before_snapshot(device().availability.down_since());
-        problem.tried = tried();
+        if (device().state == DeviceState::not_answering) problem.tried = tried();
         return problem;
     }
 
@@ -423,13 +423,17 @@ private:
         });
         if (requests.empty()) return;
         const auto& share = device().refusals;
-        Problem problem = refusal(names_text(texts_, requests), host::most_frequent_exception(sum));
+        const auto exception = host::most_frequent_exception(sum);
+        Problem problem = refusal(names_text(texts_, requests), exception);
         problem.severity = warning;
         problem.variables = name_values(
             variables, [&](Reason reason) { return value::is_exception(reason) || refused_by_gateway(); });
         problem.since = before_snapshot(share.since());
         problem.count = share.failed();
         problem.of = share.transactions();
+        // These say that the device cannot do it at all, but it has done it.
+        constexpr auto kLastOfTheRequest = static_cast<std::uint8_t>(wire::ExceptionCode::illegal_data_value);
+        if (exception >= 1 && exception <= kLastOfTheRequest) problem.advice.clear();
         problem.advice += (problem.advice.empty() ? "" : " ") + texts_("problem.advice.refused_often");
         found_.push_back(std::move(problem));
     }
@@ -466,7 +470,7 @@ private:
 
     void find_late() {
         for_each_request([&](const plan::Request& request, const poll::RequestStatistics& statistics) {
-            if (!statistics.overrun) return;
+            if (!statistics.overrun || !line().up || statistics.recent_period == Duration{}) return;
             Problem problem = of_device(warning, late);
             problem.request = request_text(request);
             if (statistics.skipped > 0) problem.count = statistics.skipped;

@@ -186,7 +186,7 @@ file::Json device_state_json(const Texts& texts, const host::Snapshot& snapshot,
     object.set("address", settings.address.value);
     object.set("state", poll::name(device.state));
     if (device.failure != value::Reason::ok) object.set("cause", reason_word(device.failure));
-    if (fails_often(device)) object.set("fails_often", true);
+    if (is_troubled(device)) object.set("fails_often", true);
     object.set("back_off", back_off_json(device, snapshot.t));
     object.set("values", count_values(snapshot, line, index).json());
     object.set("response_ms", device.counters.time.count() > 0 ? file::Json(milliseconds(device.recent_time))
@@ -353,8 +353,8 @@ std::string_view link_word(const host::Snapshot::Line& line) {
 }
 
 std::string device_state_text(const Texts& texts, std::string_view state, std::string_view cause,
-                              bool fails_often) {
-    if (fails_often) return texts("app.state.troubled");
+                              bool troubled) {
+    if (troubled) return texts("app.state.troubled");
     if (state == poll::name(poll::DeviceState::not_answering)) {
         if (cause == reason_word(value::Reason::bad_checksum)) return texts("app.state.damaged");
         if (cause == reason_word(value::Reason::unexpected_reply)) return texts("app.state.unfitting");
@@ -368,10 +368,15 @@ bool fails_often(const poll::DeviceCondition& condition) {
            (condition.state == answering || condition.state == not_answering);
 }
 
-std::string device_state_text(const Texts& texts, const poll::DeviceCondition& condition) {
-    const auto failed = condition.failure != value::Reason::ok;
-    return device_state_text(texts, poll::name(condition.state),
-                             failed ? reason_word(condition.failure) : std::string(), fails_often(condition));
+bool is_troubled(const poll::DeviceStatistics& device) {
+    return fails_often(device) || (device.state == poll::DeviceState::answering &&
+                                   device.refusals.state() == poll::FailureShare::State::failing);
+}
+
+std::string device_state_text(const Texts& texts, const poll::DeviceStatistics& device) {
+    const auto failed = device.failure != value::Reason::ok;
+    return device_state_text(texts, poll::name(device.state),
+                             failed ? reason_word(device.failure) : std::string(), is_troubled(device));
 }
 
 std::string age_text(Duration age) {

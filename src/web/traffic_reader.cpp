@@ -50,8 +50,8 @@ std::optional<TrafficFrame> TrafficReader::next() {
         if (frame.record.fault) {
             frame.words = wire::name(*frame.record.fault);
         } else {
-            frame.words = frame.request ? source->words.request(unit, frame.record.pdu)
-                                        : source->words.response(unit, frame.record.pdu);
+            frame.words = frame.request ? source->words.request(unit, frame.record.pdu, frame.record.raw)
+                                        : source->words.response(unit, frame.record.pdu, frame.record.raw);
         }
         return frame;
     }

@@ -240,6 +240,13 @@ std::string mismatch_words(const Mismatch& mismatch) {
                        unsigned{mismatch.asked});
 }
 
+// Only an MBAP header is seven bytes longer than the PDU behind it: RTU has three more, ASCII twice as many.
+std::uint16_t transaction_id(Bytes pdu, Bytes raw) {
+    constexpr std::size_t kMbapHeader = 7;
+    if (pdu.empty() || raw.size() != pdu.size() + kMbapHeader) return 0;
+    return static_cast<std::uint16_t>(raw[0] << 8 | raw[1]);
+}
+
 }  // namespace
 
 std::string describe_request(UnitId unit, Bytes pdu) {
@@ -276,17 +283,23 @@ std::string describe_response(UnitId unit, Bytes pdu, const Request* request) {
     return out;
 }
 
-std::string FrameWords::request(UnitId unit, Bytes pdu) {
+std::string FrameWords::request(UnitId unit, Bytes pdu, Bytes raw) {
     auto decoded = decode_request(pdu);
     auto words = describe_request(unit, pdu, decoded);
-    requests_.erase(unit.value);
-    if (decoded) requests_.emplace(unit.value, *std::move(decoded));
+    const auto id = transaction_id(pdu, raw);
+    std::erase_if(requests_, [&](const Sent& sent) { return sent.unit == unit && sent.id == id; });
+    if (requests_.size() == kMost) requests_.pop_front();
+    if (decoded) requests_.push_back({unit, id, *std::move(decoded)});
     return words;
 }
 
-std::string FrameWords::response(UnitId unit, Bytes pdu) const {
-    const auto request = requests_.find(unit.value);
-    return describe_response(unit, pdu, request == requests_.end() ? nullptr : &request->second);
+std::string FrameWords::response(UnitId unit, Bytes pdu, Bytes raw) const {
+    const auto id = transaction_id(pdu, raw);
+    const auto found =
+        std::ranges::find_if(requests_, [&](const Sent& sent) { return sent.unit == unit && sent.id == id; });
+    const bool answers =
+        found != requests_.end() && (decode_response(found->request, pdu) || !decode_response(pdu));
+    return describe_response(unit, pdu, answers ? &found->request : nullptr);
 }
 
 std::string describe_incident(Incident incident, Duration after, const std::optional<Mismatch>& instead) {

@@ -1,6 +1,7 @@
 """`takt convert`: tables of variables to projects, to other tables, and back."""
 import json
 import pathlib
+import re
 
 import pytest
 
@@ -231,3 +232,27 @@ def test_bad_usage(tmp_path, project):
     assert takt("convert", IDE, "--from", "csv", "--to", "csv", "--headings",
                 "uk").out.startswith("Ім'я змінної,")
     takt("convert", pathlib.Path("/dev/null"), "--from", "csv", code=2)
+
+
+def properties_of_a_variable(schema):
+    if isinstance(schema, dict):
+        own = schema.get("properties", {})
+        if "read_trigger" in own and "register" in own:
+            return set(own)
+    inner = schema.values() if isinstance(schema, dict) else schema if isinstance(schema, list) else []
+    return set().union(*(properties_of_a_variable(part) for part in inner))
+
+
+@pytest.mark.parametrize("language", ["en", "ru", "uk"])
+def test_labels_of_the_page_are_headings(tmp_path, language):
+    """What a user copies from a form is understood in a table."""
+    source = (ROOT / f"ui/src/i18n/{language}/keys.ts").read_text().partition("\n}")[0]
+    of_servers = {"source", "writes_to", "answer"}
+    known = (properties_of_a_variable(json.loads(takt("schema").out)) | {"attempts"}) - of_servers
+    labels = {key: text for key, text in re.findall(r"^  (\w+): '([^']*)',$", source, re.M) if key in known}
+    assert len(labels) > 25
+    table = tmp_path / "labels.csv"
+    table.write_text(";".join(labels.values()) + "\n" + ";" * (len(labels) - 1) + "\n")
+    done = takt("convert", table, "--to", "yaml", code=None)
+    unknown = [line for line in done.err.splitlines() if "unknown column" in line]
+    assert not unknown, unknown

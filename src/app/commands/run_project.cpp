@@ -33,7 +33,8 @@
 namespace takt::app {
 namespace {
 
-constexpr auto kDiskLimit = std::chrono::seconds(2);
+// Two seconds for the disk, the rest for the destinations (kStopLimit of publish).
+constexpr auto kDiskLimit = std::chrono::milliseconds(2700);
 constexpr auto kDiskLimitOfARun = std::chrono::seconds(60);
 
 /// Everything of a run, in the order in which it is made and (backwards) destroyed.
@@ -85,7 +86,7 @@ public:
     }
 
 private:
-    /// A disk that does not answer holds up the threads of the outputs. After Ctrl-C they have two seconds.
+    /// A disk that does not answer holds up the threads of the outputs. After Ctrl-C they have kDiskLimit.
     /// @returns false: they are still at work
     bool stop_outputs() {
         if (!outputs_) return true;

@@ -139,6 +139,9 @@ TEST(EventReport, ADeviceThatChangesOften) {
     EXPECT_EQ(text_of(body, english()), "Котёл: answering; it changed 6 times in 12 s and is steady now");
     expect_contains(members_of(body, "device"), R"("changes_often":false)");
     for (const auto language : kLanguages) expect_complete(text_of(body, Texts(language)));
+    body.shown = Shown::total;
+    EXPECT_EQ(text_of(body, english()), "Котёл: answering; it changed 6 times in 12 s");
+    for (const auto language : kLanguages) expect_complete(text_of(body, Texts(language)));
 }
 
 TEST(EventReport, Links) {

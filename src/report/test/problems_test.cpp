@@ -109,10 +109,17 @@ TEST(Problems, ADeviceThatRefusesOftenIsOneProblem) {
         expect_contains(found[0].request, "0x01 3");
         expect_contains(found[0].advice, "less often");
         EXPECT_EQ(health_word(snapshot, found), "degraded");
+        EXPECT_EQ(device_state_text(english(), device), "answering, with findings");
     };
     check({});
     check({"Pump"});
     check({"Pump", "Level"});
+
+    for (auto& request : line.requests)
+        std::swap(request.counters.exceptions_by_code[2], request.counters.exceptions_by_code[4]);
+    EXPECT_EQ(problems(snapshot)[0].advice.find("does not have"), std::string::npos) << "it has answered";
+    for (auto& request : line.requests)
+        std::swap(request.counters.exceptions_by_code[2], request.counters.exceptions_by_code[4]);
 
     auto& always = line.requests[request_of(snapshot, "Pump")].counters;
     always.answered = 0;
@@ -229,6 +236,7 @@ TEST(Problems, ADeviceThatIsOftenLateIsNotUnanswering) {
         EXPECT_EQ(found[0].kind, Kind::slow);
         EXPECT_EQ(found[0].severity, Severity::warning);
         EXPECT_EQ(found[0].since, 60s);
+        EXPECT_EQ(found[0].tried, "") << "it is not probed";
         expect_contains(found[0].text, "set 500ms");
     };
     expect_late();
@@ -336,6 +344,10 @@ TEST(Problems, ASwitchedOffDeviceIsNone) {
     EXPECT_TRUE(problems(snapshot).empty());
 }
 
+bool has_late(const std::vector<Problem>& found) {
+    return std::ranges::any_of(found, [](const Problem& problem) { return problem.kind == Kind::late; });
+}
+
 TEST(Problems, TheWorstComesFirst) {
     auto snapshot = healthy();
     snapshot.lines[0].devices[0].noise = poll::NoiseFinding{.least = 1, .most = 2};
@@ -345,8 +357,13 @@ TEST(Problems, TheWorstComesFirst) {
     fail(snapshot, "Level", Reason::timeout);
     std::vector<Kind> kinds;
     for (const auto& problem : problems(snapshot)) kinds.push_back(problem.kind);
-    EXPECT_EQ(kinds, (std::vector{Kind::late, Kind::unanswered, Kind::noise}));
+    EXPECT_EQ(kinds, (std::vector{Kind::unanswered, Kind::noise, Kind::late})) << "causes before effects";
     expect_contains(text_of(snapshot), "polled every 900 ms instead of 500 ms");
+    snapshot.lines[0].requests[0].recent_period = {};
+    EXPECT_FALSE(has_late(problems(snapshot))) << "it was not sent lately";
+    snapshot.lines[0].requests[0].recent_period = 900ms;
+    snapshot.lines[0].up = false;
+    EXPECT_FALSE(has_late(problems(snapshot))) << "of a line that is down";
 }
 
 TEST(Problems, TextsAreCompleteInEachLanguage) {

@@ -137,5 +137,35 @@ RC_GTEST_PROP(Words, AnyBytesHaveWords, (ByteVector pdu)) {
     RC_ASSERT(describe_response(UnitId{1}, pdu).starts_with("unit 1"));
 }
 
+// Over TCP several requests are in flight, and late responses come behind later requests.
+TEST(FrameWords, AResponseHasTheAddressesOfItsRequest) {
+    FrameWords words;
+    const UnitId unit{2};
+    const auto framed = [](std::uint8_t id, const Pdu& pdu) {
+        std::vector<std::uint8_t> raw{0, id, 0, 0, 0, static_cast<std::uint8_t>(pdu.size() + 1), 2};
+        raw.insert(raw.end(), pdu.begin(), pdu.end());
+        return raw;
+    };
+    const Pdu first{3, 0, 0, 0, 1};
+    const Pdu second{3, 0, 40, 0, 2};
+    const Pdu one{3, 2, 0, 7};
+    const Pdu two{3, 4, 0, 7, 0, 8};
+    words.request(unit, first.span(), framed(1, first));
+    words.request(unit, second.span(), framed(2, second));
+    EXPECT_EQ(words.response(unit, one.span(), framed(1, one)),
+              "unit 2 read holding registers 0 → 1 value: 7");
+    EXPECT_EQ(words.response(unit, two.span(), framed(2, two)),
+              "unit 2 read holding registers 40..41 → 2 values: 7 8");
+    EXPECT_EQ(words.response(unit, one.span(), framed(3, one)), "unit 2 read holding registers → 1 value: 7");
+    for (int id = 3; id < 1000; ++id) words.request(unit, first.span(), framed(id % 256, first));
+    // On a serial line it is the last one, if the response answers it.
+    const std::vector<std::uint8_t> rtu(second.size() + 3);
+    words.request(unit, second.span(), rtu);
+    EXPECT_EQ(words.response(unit, two.span(), std::vector<std::uint8_t>(two.size() + 3)),
+              "unit 2 read holding registers 40..41 → 2 values: 7 8");
+    EXPECT_EQ(words.response(unit, one.span(), std::vector<std::uint8_t>(one.size() + 3)),
+              "unit 2 read holding registers → 1 value: 7");
+}
+
 }  // namespace words_test
 }  // namespace takt::wire

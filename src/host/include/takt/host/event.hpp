@@ -52,6 +52,7 @@ struct DeviceStateChanged {
         often,    ///< the message says that the device changes often
         counted,  ///< no message
         steady,   ///< no change: the device, which has changed often, has this state for some time
+        total,    ///< no change: the run ends, or its project changes
     };
     Shown shown = Shown::each;
     std::uint64_t changes = 0;  ///< not `each`: up to now

@@ -30,11 +30,11 @@ struct Problem {
         refused,     ///< it answers a request with an exception
         output,      ///< an output loses or holds back samples
         values,      ///< values are not good for another reason
-        late,        ///< a request is not sent as often as it should be
         shifted,     ///< responses may have been those to earlier requests
         unanswered,  ///< some requests were not answered
         slow,        ///< a setting is too short for the device
         noise,
+        late,  ///< a request is not sent as often as it should be: mostly because of those before
     };
     Severity severity = Severity::warning;
     Kind kind = Kind::values;

@@ -59,12 +59,15 @@ namespace takt::report {
 /// @param state  poll::name()
 /// @param cause  reason_word() of its last failure; empty: none
 [[nodiscard]] std::string device_state_text(const Texts& texts, std::string_view state,
-                                            std::string_view cause, bool fails_often);
+                                            std::string_view cause, bool troubled);
 
 /// poll::FailureShare::State::failing, and its link is up.
 [[nodiscard]] bool fails_often(const poll::DeviceCondition& condition);
 
-[[nodiscard]] std::string device_state_text(const Texts& texts, const poll::DeviceCondition& condition);
+/// fails_often(), or it refuses often.
+[[nodiscard]] bool is_troubled(const poll::DeviceStatistics& device);
+
+[[nodiscard]] std::string device_state_text(const Texts& texts, const poll::DeviceStatistics& device);
 
 /// The word of a line's state in JSON: "connected", "never_connected", "lost".
 [[nodiscard]] std::string_view link_word(const host::Snapshot::Line& line);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <deque>
 #include <optional>
 #include <string>
 
@@ -29,14 +29,24 @@ std::string describe_response(UnitId unit, Bytes pdu, const Request* request = n
 /// unit 5 was asked".
 std::string describe_incident(Incident incident, Duration after, const std::optional<Mismatch>& instead);
 
-/// Describes the frames of one line: a response with the addresses of the last request to its unit.
+/// Describes the frames of one line: a response with the addresses of its request. That is the one with its
+/// transaction id over TCP, else the last one to its unit. A response that does not answer it has no
+/// addresses.
 class FrameWords {
 public:
-    std::string request(UnitId unit, Bytes pdu);
-    std::string response(UnitId unit, Bytes pdu) const;
+    /// @param raw  as on the wire: it has the transaction id
+    std::string request(UnitId unit, Bytes pdu, Bytes raw);
+    std::string response(UnitId unit, Bytes pdu, Bytes raw) const;
 
 private:
-    std::map<std::uint8_t, Request> requests_;  // the last one to each address
+    static constexpr std::size_t kMost = 256;
+
+    struct Sent {
+        UnitId unit;
+        std::uint16_t id = 0;
+        Request request;
+    };
+    std::deque<Sent> requests_;  // at most kMost, the last one at the end
 };
 
 /// "10 03 00 00" — upper case, separated by blanks.
