@@ -157,7 +157,8 @@ TEST(FrameWords, AResponseHasTheAddressesOfItsRequest) {
     EXPECT_EQ(words.response(unit, two.span(), framed(2, two)),
               "unit 2 read holding registers 40..41 → 2 values: 7 8");
     EXPECT_EQ(words.response(unit, one.span(), framed(3, one)), "unit 2 read holding registers → 1 value: 7");
-    for (int id = 3; id < 1000; ++id) words.request(unit, first.span(), framed(id % 256, first));
+    for (int id = 3; id < 1000; ++id)
+        words.request(unit, first.span(), framed(static_cast<std::uint8_t>(id), first));
     // On a serial line it is the last one, if the response answers it.
     const std::vector<std::uint8_t> rtu(second.size() + 3);
     words.request(unit, second.span(), rtu);
