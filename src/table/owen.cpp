@@ -16,7 +16,6 @@ namespace takt::table {
 namespace {
 
 using namespace std::chrono_literals;
-using wire::Function;
 
 constexpr std::array<std::string_view, 14> kCodes{
     "table.type",          "table.mixed_types", "table.function",          "table.gap",
