@@ -105,6 +105,8 @@ TEST(StateReport, HealthFollowsWhatIsWrong) {
     EXPECT_EQ(health(snapshot), "degraded");
     snapshot = healthy();
     snapshot.lines[0].requests[0].overrun = true;
+    EXPECT_EQ(health(snapshot), "ok") << "it was not sent lately";
+    snapshot.lines[0].requests[0].recent_period = 900ms;
     EXPECT_EQ(health(snapshot), "degraded");
     snapshot = healthy();
     snapshot.lines[0].devices[0].state = poll::DeviceState::not_answering;

@@ -346,6 +346,7 @@ TEST(Table, BitsOfARegister) {
         auto node = device("D", 1);
         auto other = device("E", 2);
         other.variables = {variable("V", DataType::int16, 0, 20ms)};
+        node.strategy = model::Strategy::optimal;
         node.fc22 = mask;
         node.read_modify_write = !mask;
         node.poll_enable = 2;
