@@ -357,7 +357,8 @@ TEST(Problems, TheWorstComesFirst) {
     fail(snapshot, "Level", Reason::timeout);
     std::vector<Kind> kinds;
     for (const auto& problem : problems(snapshot)) kinds.push_back(problem.kind);
-    EXPECT_EQ(kinds, (std::vector{Kind::unanswered, Kind::noise, Kind::late})) << "causes before effects";
+    EXPECT_EQ(kinds, (std::vector{Kind::unanswered, Kind::late, Kind::noise}))
+        << "by severity, causes before effects";
     expect_contains(text_of(snapshot), "polled every 900 ms instead of 500 ms");
     snapshot.lines[0].requests[0].recent_period = {};
     EXPECT_FALSE(has_late(problems(snapshot))) << "it was not sent lately";
@@ -369,6 +370,7 @@ TEST(Problems, TheWorstComesFirst) {
 TEST(Problems, TextsAreCompleteInEachLanguage) {
     auto snapshot = healthy();
     snapshot.lines[0].requests[0].overrun = true;
+    snapshot.lines[0].requests[0].recent_period = 900ms;
     for (const auto* const name : {"Level", "Speed", "Pump", "Tag"}) fail(snapshot, name, Reason::stale);
     for (const auto language : kLanguages) {
         const Texts texts(language);
