@@ -93,9 +93,10 @@ void initialise(const View& view, const Memory& memory);
 
 /// Chooses requests with the arbiter of poll::LinePoller (bus::Arbiter), and sends them through
 /// bus::TransactionEngine, with the same time-outs, retries and back-offs. So the same frames are sent in the
-/// same order. Triggers and writes go in the order of arrival. There is one difference: while a late response
-/// could be mistaken for that to a read, the poller may send another read. The executor waits, and repeats
-/// the read if its response is in doubt (LinePoller::Options::distinct_reads).
+/// same order. Triggers and writes go in the order of arrival. There are two differences. While a late
+/// response could be mistaken for that to a read, the poller may send another read; the executor waits, and
+/// repeats the read if its response is in doubt (LinePoller::Options::distinct_reads). And the poller holds
+/// back what it reads after time-outs until that is confirmed.
 ///
 /// Not supported: 0x17, rate limits of single entries, and more than one transaction at a time.
 ///
