@@ -55,6 +55,22 @@ struct TaskBound {
     Microseconds response = 0;  // the bound so far
 };
 
+/// The work of one task; of a time it takes at most the whole of one slot.
+struct SlotWork {
+    WideTime started = 0;       ///< of jobs that start in this time
+    WideTime with_carried = 0;  ///< with what was in flight before, at least `started`
+};
+
+/// The least work above a time.
+WideTime next_limit(std::span<const SlotWork> works, WideTime time) {
+    WideTime least = kLongestBusyPeriod;
+    for (const auto& work : works) {
+        for (const auto limit : {work.started, work.with_carried})
+            if (limit > time) least = std::min(least, limit);
+    }
+    return least;
+}
+
 class ParallelAnalysis {
 public:
     ParallelAnalysis(std::span<const Task> tasks, const Connection& connection, const Failures& failures,
@@ -78,6 +94,7 @@ private:
     [[nodiscard]] std::optional<WideTime> bound(std::size_t task) const;
     [[nodiscard]] std::optional<WideTime> start_of_free(std::size_t task, std::int64_t own) const;
     [[nodiscard]] WideTime busy_of_free(std::size_t task, std::int64_t own, Microseconds w) const;
+    [[nodiscard]] WideTime work_within(std::span<const SlotWork> works, WideTime time) const;
     [[nodiscard]] WideTime all_busy(std::size_t task, WideTime turns) const;
     [[nodiscard]] LaneWait wait_for_lanes(std::size_t task) const;
     [[nodiscard]] WideTime largest(std::vector<WideTime>& parts) const;
@@ -200,13 +217,13 @@ WideTime ParallelAnalysis::largest(std::vector<WideTime>& parts) const {
     return std::accumulate(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(most), WideTime{0});
 }
 
-/// For how long all slots can be busy, or held up, from t0 on, if it is not longer than w.
+/// For how long all slots can be busy, or held up, from t0 on, if it is not longer than w. Above w it is the
+/// end of all times for which the same follows at once.
 WideTime ParallelAnalysis::busy_of_free(std::size_t task, std::int64_t own, Microseconds w) const {
-    const WideTime most = WideTime{w} + 1;  // of one task
-    WideTime sum = std::min(entries_[task].demand.most(own), most);
     WideTime held = 0;
     std::int64_t frames = slots_ + 1 + own;  // each may be followed by a pause
-    std::vector<WideTime> in_flight;
+    std::vector<SlotWork> works{{.started = entries_[task].demand.most(own)}};
+    works.front().with_carried = works.front().started;
     const bool one_by_one = waits_for_alone(task);
     for (const auto i : before_) {
         if (i == task) continue;
@@ -222,19 +239,35 @@ WideTime ParallelAnalysis::busy_of_free(std::size_t task, std::int64_t own, Micr
             held += entry.demand.most(all);
             continue;
         }
-        const WideTime started_work = std::min(entry.demand.most(jobs), most);
-        const WideTime carried = entry.demand.most(jobs) + entry.frame * WideTime{tasks_[i].burst};
-        sum += started_work;
-        in_flight.push_back(std::min(std::min(entry.demand.most(all), carried), most) - started_work);
+        const WideTime started_work = entry.demand.most(jobs);
+        const WideTime carried = started_work + entry.frame * WideTime{tasks_[i].burst};
+        works.push_back({started_work, std::min(entry.demand.most(all), carried)});
     }
     for (const auto i : lower_) {
         if (entries_[i].alone)
             held += entries_[i].frame;
         else
-            in_flight.push_back(std::min<WideTime>(entries_[i].frame, most));
+            works.push_back({.started = 0, .with_carried = entries_[i].frame});
     }
-    effort_.spent += before_.size() + lower_.size();
-    return (sum + largest(in_flight)) / slots_ + held + WideTime{frames} * connection_.pause;
+    const WideTime idle = held + WideTime{frames} * connection_.pause;
+    const WideTime busy = work_within(works, WideTime{w} + 1);
+    const WideTime next = busy / slots_ + idle;
+    // Up to the next limit of a work the sum is convex: where it fills the slots now, it does so until there.
+    if (next <= w || work_within(works, WideTime{w} + 2) - busy < slots_) return next;
+    return std::max(next, next_limit(works, WideTime{w} + 1) - 1);
+}
+
+/// What the tasks do in a time on the slots: what started in it, and the largest of what was in flight
+/// before.
+WideTime ParallelAnalysis::work_within(std::span<const SlotWork> works, WideTime time) const {
+    effort_.spent += works.size();
+    WideTime sum = 0;
+    std::vector<WideTime> in_flight;
+    for (const auto& [started, with_carried] : works) {
+        sum += std::min(started, time);
+        in_flight.push_back(std::min(with_carried, time) - std::min(started, time));
+    }
+    return sum + largest(in_flight);
 }
 
 /// The latest start of a job with `own` earlier ones since t0, counted from t0.
@@ -320,20 +353,25 @@ WideTime ParallelAnalysis::all_busy(std::size_t task, WideTime turns) const {
         else
             lower.push_back(turns * entries_[i].frame);
     }
-    for (WideTime y = 0;;) {
+    const WideTime all_lower = largest(lower);
+    // Concave in y, so the slots are busy without a break up to the first y that the sum does not fill.
+    const auto busy_within = [&](WideTime y) {
         effort_.spent += works.size() + lower.size() + 1;
         WideTime sum = 0;
         for (const auto work : works) sum += std::min(work, y + 1);
-        std::vector<WideTime> parts;
         WideTime limited = 0;
         for (const auto work : lower) limited += std::min(work, y + 1);
-        parts = lower;
-        sum += std::min(limited, largest(parts));
-        const WideTime next = sum / slots_;
-        if (next <= y || next > kLongestBusyPeriod || effort_.spent > limit_)
-            return std::max(next, y) + held + (WideTime{frames} + turns * (slots_ + 1)) * connection_.pause;
-        y = next;
+        return (sum + std::min(limited, all_lower)) / slots_;
+    };
+    WideTime idle = busy_within(kLongestBusyPeriod);
+    for (WideTime busy = 0; busy < idle && effort_.spent <= limit_;) {
+        const WideTime middle = (busy + idle) / 2;
+        if (busy_within(middle) <= middle)
+            idle = middle;
+        else
+            busy = middle + 1;
     }
+    return idle + held + (WideTime{frames} + turns * (slots_ + 1)) * connection_.pause;
 }
 
 // A failed attempt ends the share of its task, so that lower priorities may go before it again. Its time is

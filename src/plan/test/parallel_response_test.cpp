@@ -253,6 +253,23 @@ TEST(ParallelResponse, ALowerPriorityDelaysByOneTransaction) {
     EXPECT_FALSE(bounds[2]);      // period 0
 }
 
+// Two long transactions beside the one that waits fill two slots with each microsecond of their time.
+TEST(ParallelResponse, LongTransactionsAreNotFollowedMicrosecondByMicrosecond) {
+    for (const bool lanes : {false, true}) {
+        std::vector<Task> tasks;
+        for (std::uint32_t i = 0; i < 3; ++i)
+            tasks.push_back(
+                {.frames = {500'000}, .failure = 500'000, .period = 4'000'000, .priority = i, .device = i});
+        Connection connection{.in_flight = 2};
+        if (lanes) connection.lanes = {{.tasks = {0, 1}, .in_flight = 2}, {.tasks = {2}, .in_flight = 1}};
+        Effort effort{.most = 10'000};
+        const auto bounds = parallel_response_times(tasks, connection, &effort);
+        EXPECT_FALSE(effort.exhausted) << lanes;
+        ASSERT_TRUE(bounds[2]) << lanes;
+        EXPECT_LE(*bounds[2], 1'500'000) << lanes;
+    }
+}
+
 TEST(ParallelResponse, AnExhaustedEffortLeavesNoBound) {
     std::vector<Task> tasks(50, {.frames = {10}, .period = 1'000});
     Effort effort{.most = 10};
