@@ -63,12 +63,12 @@ def refuse_crash(result):
     return result
 
 
-def takt(*arguments, code=0, stdin="", deadline=DEADLINE, **env):
+def takt(*arguments, code=0, stdin="", deadline=DEADLINE, cwd=None, **env):
     """Runs `takt arguments…` to its end. `code`: the exit code it must have (None: any)."""
     arguments = [str(a) for a in arguments]
     try:
         done = subprocess.run([TAKT, *arguments], input=stdin.encode(), capture_output=True, timeout=deadline,
-                              env=environment(**env), check=False)
+                              env=environment(**env), cwd=cwd, check=False)
     except subprocess.TimeoutExpired as late:
         raise AssertionError(f"takt {' '.join(arguments)}: still running after {deadline:g} s\n"
                              f"{late.stdout}\n{late.stderr}") from None

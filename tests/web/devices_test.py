@@ -7,8 +7,8 @@ import time
 import pytest
 
 from fake_slave import TcpSlave
-from page_test import Site
 from program import WITHOUT_WAITING, start, until
+from web_site import Site
 
 LEARNING = """\
 takt: 1

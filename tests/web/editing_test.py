@@ -1,12 +1,11 @@
 """The API of editing over HTTP: load, evaluate, compare, save, apply, and the bounds of all that."""
-import http.client
 import json
-import re
 import signal
 
 import pytest
 
-from program import DEADLINE, start, until
+from program import start, until
+from web_site import Api
 
 PROJECT = """\
 # The plant.
@@ -23,27 +22,6 @@ lines:
 locals:
   - {name: go, type: bool}
 """
-
-
-class Api:
-    """A client of /api/v1 of one running program."""
-
-    def __init__(self, run):
-        found = until(
-            lambda: next((m for line in [*run.err, *run.out]
-                          if (m := re.search(r"http://127\.0\.0\.1:(\d+)/", line))), None),
-            f"an address\n{run!r}")
-        self.port = int(found[1])
-
-    def __call__(self, method, path, body=None):
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=DEADLINE)
-        try:
-            headers = {"X-Takt": "1", "Content-Type": "application/json"} if method != "GET" else {}
-            connection.request(method, f"/api/v1{path}", None if body is None else json.dumps(body), headers)
-            answer = connection.getresponse()
-            return answer.status, json.loads(answer.read())
-        finally:
-            connection.close()
 
 
 @pytest.fixture

@@ -6,8 +6,8 @@ import subprocess
 
 import pytest
 
-from editing_test import Api
 from program import TAKT, Running, start, until
+from web_site import Api
 
 PROJECT = """\
 takt: 1

@@ -8,6 +8,7 @@ import socket
 import pytest
 
 from program import DEADLINE, ROOT, WITHOUT_WAITING, start, takt, until
+from web_site import Site
 
 PROJECT = """\
 takt: 1
@@ -23,44 +24,6 @@ lines:
           - {name: Wanted, type: int16, register: 10, read: 0x03, write: 0x10}
 """
 PATHS = json.loads((pathlib.Path(ROOT) / "docs/openapi.json").read_text(encoding="utf-8"))["paths"]
-
-
-class Site:
-    """A running program with its page."""
-
-    def __init__(self, run):
-        found = until(
-            lambda: next((m for line in [*run.err, *run.out]
-                          if (m := re.search(r"http://127\.0\.0\.1:(\d+)/", line))), None),
-            f"an address\n{run!r}")
-        self.port = int(found[1])
-
-    def connect(self):
-        return socket.create_connection(("127.0.0.1", self.port), timeout=DEADLINE)
-
-    def send(self, text, body=""):
-        """Status and body of a request that is written by hand."""
-        with self.connect() as s:
-            s.sendall((text + "\r\n\r\n").encode() + body.encode())
-            answer = b""
-            while b"\r\n\r\n" not in answer and (got := s.recv(65536)):
-                answer += got
-            head, _, rest = answer.partition(b"\r\n\r\n")
-            length = re.search(rb"(?i)content-length: (\d+)", head)
-            while length and len(rest) < int(length[1]) and (got := s.recv(65536)):
-                rest += got
-        return int(head.split()[1]), rest.decode(errors="replace")
-
-    def get(self, path, *fields, host="127.0.0.1"):
-        return self.send("\r\n".join([f"GET {path} HTTP/1.1", f"Host: {host}:{self.port}", *fields]))
-
-    def post(self, path, body, *fields):
-        text = json.dumps(body)
-        return self.send(
-            "\r\n".join([
-                f"POST /api/v1{path} HTTP/1.1", f"Host: 127.0.0.1:{self.port}", "X-Takt: 1",
-                "Content-Type: application/json", f"Content-Length: {len(text)}", *fields
-            ]), text)
 
 
 @pytest.fixture
