@@ -11,28 +11,9 @@
 #include "takt/store/crc32c.hpp"
 
 namespace takt::store {
-namespace {
-
-constexpr int kMostSetAside = 999;
-
-}  // namespace
-
 bool file_exists(const std::string& path) {
     std::error_code error;
     return std::filesystem::exists(path, error);
-}
-
-Result<std::string> set_aside(const std::string& path, const std::string& companion) {
-    for (int i = 1; i <= kMostSetAside; ++i) {
-        std::string aside = path + ".damaged-" + std::to_string(i);
-        if (file_exists(aside)) continue;
-        std::error_code error;
-        std::filesystem::rename(path, aside, error);
-        if (error) return fail(Code::io_failed, path, error.value());
-        if (!companion.empty()) std::filesystem::rename(path + companion, aside + companion, error);
-        return aside;
-    }
-    return fail(Code::queue_full, path, kMostSetAside);
 }
 
 SQLite::Database open_database(const std::string& path, bool read_only) {

@@ -22,10 +22,6 @@ inline constexpr int kLockWaitMs = 500;
 
 [[nodiscard]] bool file_exists(const std::string& path);
 
-/// Renames a damaged file to PATH.damaged-N, together with the file PATH + `companion`, which may hold a part
-/// of it. @returns the new path; io_failed, queue_full
-[[nodiscard]] Result<std::string> set_aside(const std::string& path, const std::string& companion = {});
-
 /// Opens a database; it is created unless `read_only`.
 /// @throws SQLite::Exception
 [[nodiscard]] SQLite::Database open_database(const std::string& path, bool read_only);

@@ -12,6 +12,7 @@
 
 #include "history_schema.hpp"
 #include "takt/os/open.hpp"
+#include "takt/os/set_aside.hpp"
 
 namespace takt::store {
 namespace {
@@ -101,7 +102,7 @@ Result<HistoryFile> open_history_file(const std::string& path) {
 }
 
 Result<std::string> set_history_aside(const std::string& path) {
-    TAKT_TRY(auto aside, set_aside(path, "-wal"));
+    TAKT_TRY(auto aside, os::set_aside(path, "-wal"));
     std::error_code error;
     std::filesystem::remove(path + "-shm", error);
     return aside;

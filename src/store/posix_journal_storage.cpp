@@ -15,6 +15,7 @@
 
 #include "database.hpp"
 #include "takt/os/open.hpp"
+#include "takt/os/set_aside.hpp"
 
 namespace takt::store {
 namespace {
@@ -182,7 +183,7 @@ Result<std::size_t> PosixJournalStorage::read(std::uint64_t segment, std::uint64
 
 // The name is free then; its records are a gap.
 Result<void> PosixJournalStorage::move_aside(const std::string& path) {
-    TAKT_TRY(set_aside_, store::set_aside(path));
+    TAKT_TRY(set_aside_, os::set_aside(path));
     folder_changed_ = true;
     return {};
 }

@@ -17,6 +17,7 @@
 #include "retained_rows.hpp"
 #include "takt/os/open.hpp"
 #include "takt/os/replace.hpp"
+#include "takt/os/set_aside.hpp"
 #include "takt/os/worker.hpp"
 
 namespace takt::store {
@@ -218,7 +219,7 @@ Result<RetainedFile::Opened> RetainedFile::open(const std::string& path, std::fu
                   : is_empty_file(path) ? Result<LoadedValues>(fail(Code::malformed, path))
                                         : load_retained_file(path);
     if (!loaded && loaded.error().code == Code::malformed) {
-        TAKT_TRY(opened.set_aside, set_aside(path, "-journal"));
+        TAKT_TRY(opened.set_aside, os::set_aside(path, "-journal"));
         loaded = make_and_load();
     }
     if (!loaded) return std::unexpected(opening_error(path, loaded.error()));

@@ -14,12 +14,12 @@
 
 #include "takt/os/open.hpp"
 #include "takt/os/replace.hpp"
+#include "takt/os/set_aside.hpp"
 
 namespace takt::web {
 namespace {
 
 constexpr std::int64_t kVersion = 1;
-constexpr int kMostSetAside = 999;
 constexpr int kMostOpenings = 3;
 constexpr std::size_t kMostLine = std::size_t{64} << 10;
 constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 53;
@@ -122,18 +122,6 @@ Contents contents_of(std::string_view bytes) {
     return contents;
 }
 
-Result<std::string> set_aside(const std::string& path) {
-    for (int i = 1; i <= kMostSetAside; ++i) {
-        auto aside = path + ".damaged-" + std::to_string(i);
-        std::error_code error;
-        if (std::filesystem::exists(aside, error)) continue;
-        std::filesystem::rename(path, aside, error);
-        if (error) return fail(Code::io_failed, path, error.value());
-        return aside;
-    }
-    return fail(Code::queue_full, path, kMostSetAside);
-}
-
 /// Whether an earlier run left the file while it replaced the marks.
 Result<bool> is_leftover(int descriptor) {
     std::array<char, kFormat.size()> head{};
@@ -167,7 +155,7 @@ Result<MarkFile::Opened> MarkFile::open(const std::string& path, std::int64_t si
                   .marks = std::move(contents.marks)};
     auto& file = *opened.file;
     if (contents.damaged) {
-        TAKT_TRY(opened.set_aside, set_aside(path));
+        TAKT_TRY(opened.set_aside, os::set_aside(path));
     } else if (contents.since_ms) {
         opened.cut_bytes = bytes->size() - contents.good_bytes;
         file.lines_ = opened.marks.size();
