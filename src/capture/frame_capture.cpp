@@ -5,6 +5,7 @@
 
 #include "big_endian.hpp"
 #include "ip_packet.hpp"
+#include "takt/base/ascii.hpp"
 #include "takt/capture/upper_pdu.hpp"
 #include "takt/wire/function.hpp"
 
@@ -59,12 +60,11 @@ std::pair<Endpoint, Endpoint> ends_of(const CapturedFrame& frame) {
 }
 
 std::string hex(Bytes bytes) {
-    static constexpr char kDigits[] = "0123456789ABCDEF";
     std::string text;
     for (const auto byte : bytes) {
         if (!text.empty()) text += ' ';
-        text += kDigits[byte >> 4U];
-        text += kDigits[byte & 0xFU];
+        text += hex_digit(byte >> 4U);
+        text += hex_digit(byte);
     }
     return text;
 }

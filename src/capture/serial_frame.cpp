@@ -1,5 +1,6 @@
 #include "takt/capture/serial_frame.hpp"
 
+#include "takt/base/ascii.hpp"
 #include "takt/wire/frame.hpp"
 
 namespace takt::capture {
@@ -8,13 +9,6 @@ namespace {
 constexpr std::size_t kLeastRtu = 4;
 constexpr std::size_t kLeastAscii = 9;
 constexpr std::size_t kAroundDigits = 3;  // ':' and CR LF
-
-int hex_digit(std::uint8_t character) {
-    if (character >= '0' && character <= '9') return character - '0';
-    if (character >= 'A' && character <= 'F') return character - 'A' + 10;
-    if (character >= 'a' && character <= 'f') return character - 'a' + 10;
-    return -1;
-}
 
 bool has_ascii_ends(Bytes frame) {
     return frame.size() >= kLeastAscii && frame[0] == ':' && frame[frame.size() - 2] == '\r' &&
@@ -29,10 +23,10 @@ SerialFrame decode_ascii(Bytes frame) {
     const auto digits = frame.subspan(1, frame.size() - kAroundDigits);
     if (digits.size() % 2 != 0 || digits.size() / 2 > bytes.capacity()) return {};
     for (std::size_t i = 0; i < digits.size(); i += 2) {
-        const int high = hex_digit(digits[i]);
-        const int low = hex_digit(digits[i + 1]);
-        if (high < 0 || low < 0) return {};
-        bytes.push_back(static_cast<std::uint8_t>(high * 16 + low));
+        const auto high = hex_value(static_cast<char>(digits[i]));
+        const auto low = hex_value(static_cast<char>(digits[i + 1]));
+        if (!high || !low) return {};
+        bytes.push_back(static_cast<std::uint8_t>(*high << 4U | *low));
     }
     if (bytes.size() < 3 || wire::lrc({bytes.data(), bytes.size() - 1}) != bytes.back()) return {};
     bytes.pop_back();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "takt/base/ascii.hpp"
 #include "takt/capture/frame_capture.hpp"
 #include "takt/capture/mbap_stream.hpp"
 #include "takt/capture/segment.hpp"
@@ -13,20 +14,15 @@
 namespace takt::capture {
 namespace {
 
-int upper_hex_digit(char character) {
-    if (character >= '0' && character <= '9') return character - '0';
-    return character >= 'A' && character <= 'F' ? character - 'A' + 10 : -1;
-}
-
 /// "10 03 00"; empty: it is no such text.
 wire::FrameBytes bytes_of_hex(std::string_view text) {
     wire::FrameBytes bytes;
     for (std::size_t at = 0; at < text.size(); at += 3) {
         const bool separated = at == 0 || text[at - 1] == ' ';
-        const int high = upper_hex_digit(text[at]);
-        const int low = at + 1 < text.size() ? upper_hex_digit(text[at + 1]) : -1;
-        if (!separated || high < 0 || low < 0 || bytes.full()) return {};
-        bytes.push_back(static_cast<std::uint8_t>(high * 16 + low));
+        const auto high = hex_value(text[at]);
+        const auto low = at + 1 < text.size() ? hex_value(text[at + 1]) : std::nullopt;
+        if (!separated || !high || !low || bytes.full()) return {};
+        bytes.push_back(static_cast<std::uint8_t>(*high << 4U | *low));
     }
     return bytes;
 }

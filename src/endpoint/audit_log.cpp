@@ -3,13 +3,13 @@
 // (docs/servers.md).
 #include "takt/endpoint/audit_log.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
 #include "takt/base/assert.hpp"
+#include "takt/base/iso_time.hpp"
 #include "takt/file/json.hpp"
 #include "takt/os/rotating_file.hpp"
 
@@ -19,13 +19,6 @@ namespace {
 using file::Json;
 
 constexpr std::uint32_t kFewPerSecond = 16;
-
-std::string time_text(std::chrono::system_clock::time_point time) {
-    const auto whole = std::chrono::floor<std::chrono::milliseconds>(time);
-    const auto seconds = std::chrono::floor<std::chrono::seconds>(whole);
-    return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
-                       fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)), (whole - seconds).count());
-}
 
 Json numbers(const wire::Pdu& values, const AuditRecord::Items& items) {
     Json::Array list;
@@ -39,7 +32,7 @@ Json numbers(const wire::Pdu& values, const AuditRecord::Items& items) {
 
 Json event(std::string_view name, std::chrono::system_clock::time_point time) {
     auto object = Json::object();
-    object.set("time", time_text(time));
+    object.set("time", utc_time_text(nanoseconds_of(time)));
     object.set("event", name);
     return object;
 }

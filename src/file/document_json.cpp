@@ -147,4 +147,18 @@ void without_origins(Node& node) {
     for (auto& [key, value] : node.entries) without_origins(value);
 }
 
+Json without_origins(const Json& json) {
+    if (const auto* const items = std::get_if<Json::Array>(&json.value())) {
+        Json::Array copy;
+        for (const auto& item : *items) copy.push_back(without_origins(item));
+        return Json(std::move(copy));
+    }
+    const auto* const entries = std::get_if<Json::Object>(&json.value());
+    if (entries == nullptr) return json;
+    Json::Object copy;
+    for (const auto& [key, value] : *entries)
+        if (key != kOriginKey) copy.emplace_back(key, without_origins(value));
+    return Json(std::move(copy));
+}
+
 }  // namespace takt::file

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "learnt_reader.hpp"
+#include "takt/base/iso_time.hpp"
 #include "takt/file/json.hpp"
-#include "utc_time.hpp"
 
 namespace takt::file {
 namespace {
@@ -22,8 +22,10 @@ std::string range_text(const ItemRange& range) {
     return fmt::format("{}..{}", range.first, range.last);
 }
 
-Seconds moment(Seconds now, Duration age) {
-    return now - std::chrono::floor<std::chrono::seconds>(age);
+/// The moment that was this age ago.
+std::string time_text(Seconds now, Duration age) {
+    const auto moment = now - std::chrono::floor<std::chrono::seconds>(age);
+    return utc_time_text(nanoseconds_of(moment), Fraction::none);
 }
 
 std::optional<Json> area_json(const Learnt& learnt, wire::Area area, Seconds now) {
@@ -37,8 +39,8 @@ std::optional<Json> area_json(const Learnt& learnt, wire::Area area, Seconds now
         auto entry = Json::object();
         entry.set("items", range_text(range.items));
         entry.set("exception", range.exception);
-        entry.set("since", time_text(moment(now, range.since)));
-        entry.set("checked", time_text(moment(now, range.checked)));
+        entry.set("since", time_text(now, range.since));
+        entry.set("checked", time_text(now, range.checked));
         refused.push_back(std::move(entry));
     }
     auto object = Json::object();

@@ -6,6 +6,8 @@
 #include <charconv>
 #include <utility>
 
+#include "takt/base/iso_time.hpp"
+
 namespace takt::file {
 
 using model::ItemRange;
@@ -217,10 +219,12 @@ bool LearntReader::read_refused(const Json& json, const std::string& path,
 // A time in the future is cut to now: the clock may have been set back.
 bool LearntReader::read_time(const Json& json, const std::string& path, const char* key, Duration& age) {
     const auto* words = text(json, path, key);
-    const auto time = words ? time_of(*words) : std::nullopt;
-    if (!time) return bad(path + "." + key);
+    const auto ns = words ? read_utc_time(*words) : std::nullopt;
+    if (!ns) return bad(path + "." + key);
     constexpr auto kOldest = std::chrono::hours(24 * 366);
-    age = std::clamp<std::chrono::seconds>(now_ - *time, std::chrono::seconds(0), kOldest);
+    const auto time =
+        std::chrono::floor<std::chrono::seconds>(std::chrono::sys_time<Duration>(Duration(*ns)));
+    age = std::clamp<std::chrono::seconds>(now_ - time, std::chrono::seconds(0), kOldest);
     return true;
 }
 

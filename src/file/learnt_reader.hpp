@@ -2,15 +2,17 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "takt/file/json.hpp"
 #include "takt/model/device.hpp"
-#include "utc_time.hpp"
 
 namespace takt::file {
+
+using Seconds = std::chrono::sys_seconds;
 
 inline constexpr std::int64_t kLearntVersion = 2;
 inline constexpr std::int64_t kOldestLearntVersion = 1;

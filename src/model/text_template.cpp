@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "takt/base/ascii.hpp"
+
 namespace takt::model {
 namespace {
 
@@ -15,13 +17,6 @@ bool is_letter(char c) {
 bool is_name(std::string_view text) {
     return !text.empty() && is_letter(text[0]) &&
            std::ranges::all_of(text, [](char c) { return is_letter(c) || (c >= '0' && c <= '9'); });
-}
-
-std::optional<unsigned> hex_digit(char c) {
-    if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0');
-    if (c >= 'a' && c <= 'f') return static_cast<unsigned>(c - 'a') + 10U;
-    if (c >= 'A' && c <= 'F') return static_cast<unsigned>(c - 'A') + 10U;
-    return std::nullopt;
 }
 
 class Parser {
@@ -67,8 +62,8 @@ private:
             return true;
         }
         if (c != 'x' || text_.size() - at_ < 2) return false;
-        const auto high = hex_digit(text_[at_]);
-        const auto low = hex_digit(text_[at_ + 1]);
+        const auto high = hex_value(text_[at_]);
+        const auto low = hex_value(text_[at_ + 1]);
         if (!high || !low) return false;
         at_ += 2;
         put(static_cast<char>(*high << 4 | *low));

@@ -2,6 +2,7 @@
 
 #include <variant>
 
+#include "takt/base/iso_time.hpp"
 #include "takt/base/utf8.hpp"
 #include "takt/host/value_json.hpp"
 #include "takt/publish/message_format.hpp"
@@ -117,9 +118,9 @@ std::string answer_message(const CommandAnswer& answer) {
     set(object, "detail", answer.detail);
     if (!answer.value.is_null()) object.set("value", answer.value);
     set(object, "quality", answer.quality);
-    if (answer.last_good_ns) object.set("last_good", time_text(*answer.last_good_ns));
+    if (answer.last_good_ns) object.set("last_good", utc_time_text(*answer.last_good_ns));
     if (!answer.read_back.is_null()) object.set("read_back", answer.read_back);
-    object.set("time", time_text(answer.wall_ns));
+    object.set("time", utc_time_text(answer.wall_ns));
     return object.dump();
 }
 
@@ -129,13 +130,13 @@ std::string short_answer_message(const CommandAnswer& answer) {
     object.set("outcome", name(answer.end));
     set(object, "reason", answer.reason);
     object.set("shortened", true);
-    object.set("time", time_text(answer.wall_ns));
+    object.set("time", utc_time_text(answer.wall_ns));
     return object.dump();
 }
 
 std::string missing_lines_text(std::string_view output, std::uint64_t count, std::int64_t wall_ns) {
     auto object = Json::object();
-    object.set("time", time_text(wall_ns));
+    object.set("time", utc_time_text(wall_ns));
     object.set("event", "lines_missing");
     object.set("output", output);
     object.set("count", count);
@@ -144,7 +145,7 @@ std::string missing_lines_text(std::string_view output, std::uint64_t count, std
 
 std::string audit_line(const CommandOrigin& origin, const CommandAnswer& answer) {
     auto object = Json::object();
-    object.set("time", time_text(answer.wall_ns));
+    object.set("time", utc_time_text(answer.wall_ns));
     object.set("event", "command");
     object.set("output", origin.output);
     object.set("broker", origin.broker);

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <utility>
 #include <variant>
 
+#include "takt/base/iso_time.hpp"
 #include "takt/base/utf8.hpp"
 
 namespace takt::publish {
@@ -128,7 +128,7 @@ private:
         const Json* const found = json_.find(key);
         if (found == nullptr) return std::nullopt;
         const auto* const string = text(key);
-        const auto parsed = string == nullptr ? std::nullopt : parse_time(*string);
+        const auto parsed = string == nullptr ? std::nullopt : read_utc_time(*string);
         if (!parsed) wrong(key, *found, "a time like 2026-11-24T02:30:00Z");
         return parsed;
     }
@@ -164,60 +164,6 @@ private:
     bool known_verb_ = false;
     std::optional<CommandRefused> refused_;
 };
-
-/// Takes digits off the front of a text.
-class Digits {
-public:
-    explicit Digits(std::string_view text) : rest_(text) {}
-
-    std::optional<int> number(std::size_t digits) {
-        int value = 0;
-        if (rest_.size() < digits) return std::nullopt;
-        const auto* const begin = rest_.data();
-        if (!std::ranges::all_of(rest_.substr(0, digits), [](char c) { return c >= '0' && c <= '9'; }))
-            return std::nullopt;
-        std::from_chars(begin, begin + digits, value);
-        rest_.remove_prefix(digits);
-        return value;
-    }
-    bool take(std::string_view any) {
-        if (rest_.empty() || any.find(rest_.front()) == std::string_view::npos) return false;
-        rest_.remove_prefix(1);
-        return true;
-    }
-    /// Nanoseconds of ".123"; 0 if there is no point.
-    std::optional<std::int64_t> fraction() {
-        if (!take(".")) return 0;
-        std::int64_t ns = 0;
-        std::int64_t unit = 1'000'000'000;
-        std::size_t digits = 0;
-        while (const auto digit = number(1)) {
-            unit /= 10;
-            ns += *digit * unit;
-            ++digits;
-        }
-        if (digits == 0 || digits > 9) return std::nullopt;
-        return ns;
-    }
-    [[nodiscard]] std::string_view rest() const { return rest_; }
-
-private:
-    std::string_view rest_;
-};
-
-/// "Z" or "+03:00" up to the end.
-std::optional<std::chrono::minutes> zone(Digits& digits) {
-    using std::chrono::minutes;
-    if (digits.take("Zz")) return digits.rest().empty() ? std::optional(minutes(0)) : std::nullopt;
-    const bool west = digits.rest().starts_with('-');
-    if (!digits.take("+-")) return std::nullopt;
-    const auto hours = digits.number(2);
-    if (!hours || !digits.take(":")) return std::nullopt;
-    const auto past = digits.number(2);
-    if (!past || *hours > 23 || *past > 59 || !digits.rest().empty()) return std::nullopt;
-    const minutes offset(*hours * 60 + *past);
-    return west ? -offset : offset;
-}
 
 }  // namespace
 
@@ -275,27 +221,6 @@ ParsedCommand plain_set(std::string id, std::string_view variable, std::string_v
     else
         parsed.request.value = payload;
     return parsed;
-}
-
-std::optional<std::int64_t> parse_time(std::string_view text) {
-    using namespace std::chrono;
-    Digits digits(text);
-    std::array<int, 6> fields{};  // year, month, day, hour, minute, second
-    constexpr std::array<std::string_view, 6> kAfter{"-", "-", "Tt", ":", ":", ""};
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-        const auto number = digits.number(i == 0 ? 4 : 2);
-        if (!number || (!kAfter[i].empty() && !digits.take(kAfter[i]))) return std::nullopt;
-        fields[i] = *number;
-    }
-    const auto fraction = digits.fraction();
-    const auto offset = zone(digits);
-    const year_month_day date{year{fields[0]}, month{static_cast<unsigned>(fields[1])},
-                              day{static_cast<unsigned>(fields[2])}};
-    if (!fraction || !offset || !date.ok() || fields[0] < 1970 || fields[0] > 2199 || fields[3] > 23 ||
-        fields[4] > 59 || fields[5] > 59)
-        return std::nullopt;
-    const auto time = sys_days(date) + hours(fields[3]) + minutes(fields[4]) + seconds(fields[5]) - *offset;
-    return duration_cast<nanoseconds>(time.time_since_epoch()).count() + *fraction;
 }
 
 }  // namespace takt::publish

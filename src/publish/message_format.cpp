@@ -1,13 +1,11 @@
 #include "takt/publish/message_format.hpp"
 
-#include <array>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 #include <variant>
 
 #include "takt/base/assert.hpp"
+#include "takt/base/iso_time.hpp"
 #include "takt/file/json.hpp"
 #include "takt/host/value_json.hpp"
 
@@ -36,10 +34,10 @@ void set_value(Json& object, const PlacedSample& placed) {
     if (!placed.series->unit.empty()) object.set("unit", placed.series->unit);
     object.set("quality", value::name(sample.quality));
     if (sample.reason != value::Reason::ok) set_reason(object, "reason", sample.reason);
-    object.set("time", time_text(sample.wall_ns));
+    object.set("time", utc_time_text(sample.wall_ns));
     const bool good = sample.quality == value::Quality::good;
     if (sample.previous_wall_ns)
-        object.set(good ? "after" : "last_good", time_text(*sample.previous_wall_ns));
+        object.set(good ? "after" : "last_good", utc_time_text(*sample.previous_wall_ns));
     object.set("cause", name(sample.cause));
 }
 
@@ -80,21 +78,6 @@ Json device_of(const model::Line& line, const model::Device& device, const poll:
 
 }  // namespace
 
-std::string time_text(std::int64_t wall_ns) {
-    using namespace std::chrono;
-    const sys_time<nanoseconds> time{nanoseconds(wall_ns)};
-    const auto day = floor<days>(time);
-    const year_month_day date(day);
-    const hh_mm_ss clock(floor<milliseconds>(time - day));
-    std::array<char, 40> text{};
-    const int length = std::snprintf(
-        text.data(), text.size(), "%04d-%02u-%02uT%02d:%02d:%02d.%03dZ", static_cast<int>(date.year()),
-        static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
-        static_cast<int>(clock.hours().count()), static_cast<int>(clock.minutes().count()),
-        static_cast<int>(clock.seconds().count()), static_cast<int>(clock.subseconds().count()));
-    return {text.data(), static_cast<std::size_t>(length)};
-}
-
 std::string variable_message(const PlacedSample& sample, std::uint64_t epoch, bool repeated) {
     auto object = Json::object();
     object.set("variable", sample.series->variable);
@@ -125,8 +108,8 @@ std::string gap_message(const MissingSamples& missing, std::uint64_t epoch, bool
     auto what = Json::object();
     what.set("cause", missing.cause);
     what.set("samples", missing.samples);
-    what.set("first", time_text(missing.first_wall_ns));
-    what.set("last", time_text(missing.last_wall_ns));
+    what.set("first", utc_time_text(missing.first_wall_ns));
+    what.set("last", utc_time_text(missing.last_wall_ns));
     auto object = Json::object();
     object.set("gap", std::move(what));
     set_place(object, epoch, missing.first_number, repeated);
@@ -150,8 +133,8 @@ std::string status_message(const host::Snapshot& snapshot, std::int64_t wall_ns)
             devices.push_back(device_of(line, line.devices[k], snapshot.lines[i].devices[k]));
     }
     auto object = Json::object();
-    object.set("time", time_text(wall_ns));
-    object.set("started", time_text(wall_ns - (snapshot.t - snapshot.started).count()));
+    object.set("time", utc_time_text(wall_ns));
+    object.set("started", utc_time_text(wall_ns - (snapshot.t - snapshot.started).count()));
     object.set("lines", std::move(lines));
     object.set("devices", std::move(devices));
     return object.dump();

@@ -5,7 +5,8 @@
 #include <string_view>
 #include <variant>
 
-#include "json_members.hpp"
+#include "takt/base/iso_time.hpp"
+#include "takt/file/json_members.hpp"
 #include "takt/publish/message_format.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/problems.hpp"
@@ -80,63 +81,57 @@ file::Json journal_json(const Texts& texts, const publish::OutputStatus& status)
     return object;
 }
 
-std::string scalar_text(const file::Json& object, std::string_view key) {
-    const auto* const found = object.find(key);
-    if (found == nullptr) return {};
-    if (const auto* const text = std::get_if<std::string>(&found->value())) return *text;
-    return found->is_null() ? std::string() : found->dump();
-}
-
 /// The line of an object of output_json(); keys that are missing are left out.
 std::string output_line(const Texts& texts, const file::Json& output) {
     const auto* const behind = output.find("falls_behind");
     const auto behind_text =
-        behind != nullptr && !behind->is_null() ? scalar_text(*behind, "text") : std::string();
-    auto text =
-        texts("app.output.state",
-              {{"name", scalar_text(output, "name")},
-               {"state", texts("app.output." + scalar_text(output, "state"), {{"behind", behind_text}})},
-               {"destination", scalar_text(output, "destination")},
-               {"delivered", scalar_text(output, "delivered")},
-               {"waiting", scalar_text(output, "waiting")}});
+        behind != nullptr && !behind->is_null() ? scalar_text(member(*behind, "text")) : std::string();
+    auto text = texts(
+        "app.output.state",
+        {{"name", scalar_text(member(output, "name"))},
+         {"state", texts("app.output." + scalar_text(member(output, "state")), {{"behind", behind_text}})},
+         {"destination", scalar_text(member(output, "destination"))},
+         {"delivered", scalar_text(member(output, "delivered"))},
+         {"waiting", scalar_text(member(output, "waiting"))}});
     if (const auto* const age = output.find("oldest_waiting_ms"); age != nullptr && !age->is_null())
         text += texts("app.output.oldest",
                       {{"age", age_text(time_member(output, "oldest_waiting_ms").value_or(Duration{}))}});
-    if (const auto dropped = scalar_text(output, "dropped"); !dropped.empty() && dropped != "0")
+    if (const auto dropped = scalar_text(member(output, "dropped")); !dropped.empty() && dropped != "0")
         text += texts("app.output.dropped", {{"count", dropped}});
-    if (const auto gaps = scalar_text(output, "gaps"); !gaps.empty() && gaps != "0")
+    if (const auto gaps = scalar_text(member(output, "gaps")); !gaps.empty() && gaps != "0")
         text += texts("app.output.gaps", {{"count", gaps}});
-    if (const auto failure = scalar_text(output, "failure"); !failure.empty())
+    if (const auto failure = scalar_text(member(output, "failure")); !failure.empty())
         text += texts("app.output.failure", {{"failure", failure}});
-    if (const auto count = scalar_text(output, "commands_unrecorded"); !count.empty() && count != "0")
+    if (const auto count = scalar_text(member(output, "commands_unrecorded")); !count.empty() && count != "0")
         text += texts("app.output.unrecorded", {{"count", count}});
-    if (const auto count = scalar_text(output, "too_large"); !count.empty() && count != "0")
+    if (const auto count = scalar_text(member(output, "too_large")); !count.empty() && count != "0")
         text += texts("app.output.too_large", {{"count", count}});
-    if (const auto count = scalar_text(output, "damaged"); !count.empty() && count != "0")
+    if (const auto count = scalar_text(member(output, "damaged")); !count.empty() && count != "0")
         text += texts("app.output.damaged", {{"count", count}});
-    if (const auto aside = scalar_text(output, "set_aside"); !aside.empty())
+    if (const auto aside = scalar_text(member(output, "set_aside")); !aside.empty())
         text += texts("app.output.set_aside", {{"file", aside}});
     const auto* const mqtt = output.find("mqtt");
     const auto* const oversized = mqtt != nullptr ? mqtt->find("last_oversized") : nullptr;
     if (oversized != nullptr)
-        text += texts("app.output.oversized", {{"count", scalar_text(*mqtt, "oversized")},
-                                               {"topic", scalar_text(*oversized, "topic")},
-                                               {"bytes", scalar_text(*oversized, "bytes")}});
+        text += texts("app.output.oversized", {{"count", scalar_text(member(*mqtt, "oversized"))},
+                                               {"topic", scalar_text(member(*oversized, "topic"))},
+                                               {"bytes", scalar_text(member(*oversized, "bytes"))}});
     const auto* const journal = output.find("journal");
-    const auto torn = journal != nullptr ? scalar_text(*journal, "torn_bytes") : std::string();
+    const auto torn = journal != nullptr ? scalar_text(member(*journal, "torn_bytes")) : std::string();
     if (!torn.empty() && torn != "0") text += texts("app.output.torn", {{"count", torn}});
     const auto waits =
         journal != nullptr ? time_member(*journal, "disk_waits_ms").value_or(Duration{}) : Duration{};
     if (waits > Duration{}) text += texts("app.output.disk_waits", {{"age", age_text(waits)}});
-    if (const auto aside = journal != nullptr ? scalar_text(*journal, "set_aside") : std::string();
+    if (const auto aside = journal != nullptr ? scalar_text(member(*journal, "set_aside")) : std::string();
         !aside.empty())
         text += texts("app.output.journal_set_aside", {{"file", aside}});
     const auto* const failure = journal != nullptr ? journal->find("failure") : nullptr;
     if (failure == nullptr || failure->is_null()) return text;
     // While the disk works, what is in memory is there for the time of a sync.
-    if (const auto count = scalar_text(*journal, "buffer_samples"); !count.empty() && count != "0")
+    if (const auto count = scalar_text(member(*journal, "buffer_samples")); !count.empty() && count != "0")
         text += texts("app.output.in_memory", {{"count", count}});
-    return text + texts("app.output.journal", {{"failure", without_stop(scalar_text(*failure, "text"))}});
+    return text +
+           texts("app.output.journal", {{"failure", without_stop(scalar_text(member(*failure, "text")))}});
 }
 
 }  // namespace
@@ -173,7 +168,7 @@ file::Json output_json(const Texts& texts, const publish::OutputStatus& status, 
     object.set("lost", status.lost);
     object.set("gaps", status.gaps);
     object.set("oldest_waiting", status.oldest_waiting_ns
-                                     ? file::Json(publish::time_text(*status.oldest_waiting_ns))
+                                     ? file::Json(utc_time_text(*status.oldest_waiting_ns))
                                      : file::Json());
     object.set("oldest_waiting_ms", status.oldest_waiting_ns
                                         ? file::Json(milliseconds(waiting_since(status, wall_ns)))

@@ -6,7 +6,7 @@
 #include <tuple>
 #include <utility>
 
-#include "json_members.hpp"
+#include "takt/file/json_members.hpp"
 #include "takt/host/event_message.hpp"
 #include "takt/report/event_report.hpp"
 #include "takt/report/formatting.hpp"

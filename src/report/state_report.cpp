@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "json_members.hpp"
+#include "takt/file/json_members.hpp"
 #include "takt/model/service.hpp"
 #include "takt/report/command_report.hpp"
 #include "takt/report/event_report.hpp"

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <ctime>
 
 #include "takt/report/history_time.hpp"
 
@@ -19,10 +18,7 @@ constexpr std::array kTimeSteps{
     2 * kDay,        7 * kDay,        28 * kDay,       91 * kDay,        364 * kDay};
 
 std::int64_t offset_from_utc(std::int64_t time_ns) {
-    const auto seconds = static_cast<std::time_t>(time_ns / kNanosecondsPerSecond);
-    std::tm fields{};
-    ::localtime_r(&seconds, &fields);
-    return fields.tm_gmtoff * kNanosecondsPerSecond;
+    return local_fields(time_ns).tm_gmtoff * kNanosecondsPerSecond;
 }
 
 std::int64_t step_for(std::int64_t length_ns, std::size_t most) {

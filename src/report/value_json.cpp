@@ -1,11 +1,9 @@
 #include "takt/report/value_json.hpp"
 
-#include <fmt/chrono.h>
-
 #include <cstdint>
-#include <ctime>
 #include <variant>
 
+#include "takt/base/iso_time.hpp"
 #include "takt/model/service.hpp"
 
 namespace takt::report {
@@ -14,7 +12,7 @@ std::string utc_text(const value::SlotInfo& info, const value::Value& value) {
     const auto* const seconds = std::get_if<std::uint64_t>(&value);
     const auto* const field = info.service ? model::find_service_field(info.name) : nullptr;
     if (field == nullptr || field->value != model::ServiceValue::time || seconds == nullptr) return {};
-    return fmt::format("{:%Y-%m-%dT%H:%M:%S}Z", fmt::gmtime(static_cast<std::time_t>(*seconds)));
+    return utc_time_text(static_cast<std::int64_t>(*seconds) * kNanosecondsPerSecond, Fraction::none);
 }
 
 file::Json error_json(const Texts& texts, const Error& error) {

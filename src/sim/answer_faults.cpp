@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "takt/base/ascii.hpp"
 #include "takt/model/scalar.hpp"
 
 namespace takt::sim {
@@ -100,13 +101,8 @@ void damage_ascii(AnswerFault kind, std::vector<std::uint8_t>& frame) {
         frame[check] = other_digit(frame[check]);
         return;
     }
-    const auto hex = [](unsigned nibble) {
-        return static_cast<std::uint8_t>("0123456789ABCDEF"[nibble & 15]);
-    };
-    const auto value = [&](std::size_t at) {
-        const unsigned digit = frame[at];
-        return digit >= 'A' ? digit - 'A' + 10 : digit - '0';
-    };
+    const auto hex = [](unsigned nibble) { return static_cast<std::uint8_t>(hex_digit(nibble)); };
+    const auto value = [&](std::size_t at) { return hex_value(static_cast<char>(frame[at])).value_or(0); };
     // The LRC is the two's complement of the sum: adding 1 to the unit lowers it by 1.
     const unsigned unit = (value(1) << 4 | value(2)) + 1;
     const unsigned lrc = (value(check) << 4 | value(check + 1)) + 255;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "takt/base/ascii.hpp"
+
 namespace takt::sim {
 namespace {
 
@@ -159,8 +161,8 @@ ByteString close_frame(Framing framing, const OpenFrame& frame) {
     bytes.push_back(static_cast<std::uint8_t>(-sum_of(bytes)));
     ByteString text{':'};
     for (const std::uint8_t byte : bytes)
-        for (const int nibble : {byte >> 4, byte & 0xF})
-            text.push_back(static_cast<std::uint8_t>(nibble < 10 ? '0' + nibble : 'A' + nibble - 10));
+        for (const unsigned digit : {unsigned{byte} >> 4, unsigned{byte} & 0xF})
+            text.push_back(static_cast<std::uint8_t>(hex_digit(digit)));
     text.push_back('\r');
     text.push_back('\n');
     return text;

@@ -7,6 +7,7 @@
 #include <array>
 #include <chrono>
 
+#include "takt/base/ascii.hpp"
 #include "takt/model/service.hpp"
 #include "takt/table/bytes.hpp"
 #include "takt/table/format.hpp"
@@ -48,8 +49,7 @@ std::optional<std::uint16_t> milliseconds(Duration time) {
 }
 
 std::string hex(std::uint8_t function) {
-    constexpr char kDigits[] = "0123456789ABCDEF";
-    return {'0', 'x', kDigits[function >> 4], kDigits[function & 15]};
+    return {'0', 'x', hex_digit(function >> 4U), hex_digit(function)};
 }
 
 class OwenBuilder {

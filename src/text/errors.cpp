@@ -9,6 +9,7 @@
 #include <cstring>
 #include <optional>
 
+#include "takt/base/ascii.hpp"
 #include "takt/text/catalogue.hpp"
 
 namespace takt::text {
@@ -204,13 +205,12 @@ std::string_view variant_of(const Error& error) {
 
 // `count` bytes of a number, the first one in its highest place: "53 53 48 2D (SSH-)".
 std::string bytes_text(std::int64_t number, std::int64_t count) {
-    constexpr std::string_view kDigits = "0123456789ABCDEF";
     std::string hex;
     std::string characters;
     for (auto place = std::clamp<std::int64_t>(count, 0, 8); place-- > 0;) {
         const auto byte = static_cast<unsigned>(static_cast<std::uint64_t>(number) >> (8 * place) & 0xFFU);
         if (!hex.empty()) hex += ' ';
-        hex += {kDigits[byte >> 4], kDigits[byte & 0xF]};
+        hex += {hex_digit(byte >> 4), hex_digit(byte)};
         characters += byte >= ' ' && byte <= '~' ? static_cast<char>(byte) : '.';
     }
     return hex + " (" + characters + ')';

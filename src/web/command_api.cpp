@@ -8,6 +8,7 @@
 #include "event_log.hpp"
 #include "live_values.hpp"
 #include "state_api.hpp"
+#include "takt/file/json_members.hpp"
 #include "takt/report/command_report.hpp"
 #include "takt/report/event_report.hpp"
 #include "takt/report/value_json.hpp"
@@ -32,21 +33,14 @@ struct Asked {
     std::string value;
 };
 
-std::string scalar_text(const file::Json* value) {
-    if (!value || value->is_null()) return {};
-    if (const auto* const text = std::get_if<std::string>(&value->value())) return *text;
-    return value->dump();
-}
-
 std::optional<Asked> asked_of(const ApiRequest& request) {
     const auto body = file::Json::parse(request.body, kMostCommandBody);
     if (!body) return std::nullopt;
-    const auto* const kind = body->find("kind");
-    const auto* const variable = body->find("variable");
-    if (!variable || !std::holds_alternative<std::string>(variable->value())) return std::nullopt;
-    return Asked{.kind = kind ? scalar_text(kind) : "write",
-                 .variable = scalar_text(variable),
-                 .value = scalar_text(body->find("value"))};
+    const auto* const variable = text_in(member(*body, "variable"));
+    if (!variable) return std::nullopt;
+    return Asked{.kind = body->find("kind") ? scalar_text(member(*body, "kind")) : "write",
+                 .variable = *variable,
+                 .value = scalar_text(member(*body, "value"))};
 }
 
 ApiResponse unknown_variable(const ApiRequest& request, const std::string& name) {
@@ -237,8 +231,8 @@ std::optional<value::SlotId> slot_of_device(const host::Configuration& configura
 ApiResponse device_probe_response(const HostAccess& host, const std::atomic<bool>& stopping,
                                   const ApiRequest& request) {
     const auto body = file::Json::parse(request.body, kMostCommandBody);
-    const auto line = body ? scalar_text(body->find("line")) : std::string();
-    const auto device = body ? scalar_text(body->find("device")) : std::string();
+    const auto line = body ? string_member(*body, "line") : std::string();
+    const auto device = body ? string_member(*body, "device") : std::string();
     if (device.empty()) return malformed_body(request);
     auto session = host.open_session({.events = false});
     if (!session) return host_error(request, session.error());

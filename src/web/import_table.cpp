@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "takt/file/convert.hpp"
+#include "takt/file/json_members.hpp"
 #include "takt/file/load.hpp"
 #include "takt/file/table.hpp"
 #include "takt/model/findings.hpp"
@@ -32,22 +33,12 @@ Json rows_json(const model::Node& rows, file::TableKind kind) {
     return Json(std::move(all));
 }
 
-std::string text_of(const Json& object, std::string_view key, const std::string& otherwise) {
-    const auto* const value = object.find(key);
-    const auto* const text = value == nullptr ? nullptr : std::get_if<std::string>(&value->value());
-    return text == nullptr ? otherwise : *text;
-}
-
 /// What the pasted rows get from the project that they are for.
 file::Surroundings surroundings_of(const Json& body) {
-    const auto transport = text_of(body, "transport", "serial");
+    const auto transport = string_member(body, "transport", "serial");
     file::Surroundings around{{{"name", "line"}, {"transport", transport}}, {{"address", "1"}}};
     if (transport != "simulated") around.line.emplace_back(transport == "serial" ? "port" : "host", "-");
-    const auto* const names = body.find("names");
-    const auto* const list = names == nullptr ? nullptr : std::get_if<Json::Array>(&names->value());
-    if (list == nullptr) return around;
-    for (const auto& its : *list)
-        if (const auto* const name = std::get_if<std::string>(&its.value())) around.names.insert(*name);
+    for (auto& name : strings_member(body, "names")) around.names.insert(std::move(name));
     return around;
 }
 
@@ -84,19 +75,18 @@ void take_names(file::LoadedTables::Table& table, const model::Node& devices) {
 
 ApiResponse import_table(const ApiRequest& request) {
     const auto body = Json::parse(request.body, file::kMaxFileBytes);
-    const auto* const value = body ? body->find("text") : nullptr;
-    const auto* const text = value == nullptr ? nullptr : std::get_if<std::string>(&value->value());
+    const auto* const text = body ? text_in(member(*body, "text")) : nullptr;
     if (text == nullptr)
         return ApiResponse::error(400, "malformed",
                                   request.texts("web.project.malformed", {{"subject", "text"}}));
     auto read = file::load_tables_text({{request.texts("web.import.name"), *text}},
                                        {.addresses = file::Addresses::automatic, .devices = true});
     auto table = read.tables.front();
-    auto project =
-        file::project_of_tables(std::move(read), surroundings_of(*body), {text_of(*body, "device", "-")});
+    auto project = file::project_of_tables(std::move(read), surroundings_of(*body),
+                                           {string_member(*body, "device", "-")});
     if (project.readable)
         if (const auto* const devices = devices_of(project.document.root)) take_names(table, *devices);
-    const auto profile = text_of(*body, "profile", "");
+    const auto profile = string_member(*body, "profile", "");
     if (!profile.empty())
         project.document.root.entries.push_back({{.kind = model::Node::Kind::scalar, .text = "profile"},
                                                  {.kind = model::Node::Kind::scalar, .text = profile}});

@@ -15,6 +15,7 @@
 #include "take_over.hpp"
 #include "takt/file/convert.hpp"
 #include "takt/file/document_json.hpp"
+#include "takt/file/json_members.hpp"
 #include "takt/file/schema.hpp"
 #include "takt/os/exchange.hpp"
 #include "takt/report/findings_report.hpp"
@@ -29,16 +30,6 @@ namespace takt::web {
 struct SentProject {
     file::Json object;
     model::Node document;  ///< with the origins of items
-
-    [[nodiscard]] std::string text(std::string_view key) const {
-        const auto* const value = object.find(key);
-        const auto* const found = value == nullptr ? nullptr : std::get_if<std::string>(&value->value());
-        return found == nullptr ? std::string() : *found;
-    }
-    [[nodiscard]] bool flag(std::string_view key) const {
-        const auto* const value = object.find(key);
-        return value != nullptr && *value == file::Json(true);
-    }
 };
 
 namespace {
@@ -222,7 +213,7 @@ struct ProjectApi::Impl {
     std::expected<Edited, ApiResponse> edited(const ApiRequest& request, const SavedPtr& saved) const {
         auto sent = sent_in(request, root_of(saved));
         if (!sent) return std::unexpected(std::move(sent.error()));
-        if (sent->text("revision") != saved->revision)
+        if (string_member(sent->object, "revision") != saved->revision)
             return std::unexpected(
                 project_refusal(request, 409, "changed_on_disk", {{"file", options.file}}));
         auto text = file::patched_project(saved->text, sent->document);
@@ -246,7 +237,7 @@ struct ProjectApi::Impl {
         file::without_origins(sent->document);
         auto read = file::load_document(options.file, std::move(sent->document),
                                         restricted_reader(options.file, saved->alone.document.root));
-        const auto path = sent->text("path");
+        const auto path = string_member(sent->object, "path");
         if (const auto* const error = first_error(read.findings))
             return project_refusal(request, 422, "take_over", {{"subject", request.texts.message(*error)}});
         const auto written = file::read_project_text(options.file, file::write_project(read.document));
@@ -286,7 +277,7 @@ struct ProjectApi::Impl {
         auto object = Json::object();
         object.set("revision", revision_of(wanted->text));
         object.set("backup", written->backup.empty() ? Json() : Json(written->backup));
-        apply(request, std::move(loaded), wanted->sent.flag("apply"), object);
+        apply(request, std::move(loaded), flag_member(wanted->sent.object, "apply"), object);
         object.set("findings", std::move(findings));
         return ApiResponse::json(object);
     }

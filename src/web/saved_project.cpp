@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "takt/base/ascii.hpp"
 #include "takt/file/edit.hpp"
 #include "takt/file/read.hpp"
 
@@ -10,9 +11,9 @@ namespace takt::web {
 std::string revision_of(std::string_view bytes) {
     std::uint64_t hash = 0xCBF29CE484222325U;
     for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3U;
-    constexpr std::string_view kDigits = "0123456789abcdef";
     std::string text;
-    for (int shift = 60; shift >= 0; shift -= 4) text += kDigits[(hash >> shift) & 0xFU];
+    for (int shift = 60; shift >= 0; shift -= 4)
+        text += lower_case(hex_digit(static_cast<unsigned>(hash >> shift)));
     return text + '-' + std::to_string(bytes.size());
 }
 

@@ -11,6 +11,7 @@
 #include "search_json.hpp"
 #include "state_api.hpp"
 #include "takt/discover/number_list.hpp"
+#include "takt/file/json_members.hpp"
 #include "takt/line/target.hpp"
 #include "takt/model/target_url.hpp"
 #include "takt/os/connections.hpp"
@@ -30,29 +31,8 @@ ApiResponse unusable(const ApiRequest& request, const Error& error) {
     return ApiResponse::error(422, name(error.code), request.texts.describe(error));
 }
 
-std::string text_at(const file::Json& body, std::string_view key) {
-    const auto* const value = body.find(key);
-    const auto* const text = value ? std::get_if<std::string>(&value->value()) : nullptr;
-    return text ? *text : std::string();
-}
-
-std::optional<std::int64_t> number_at(const file::Json& body, std::string_view key) {
-    const auto* const value = body.find(key);
-    if (!value) return std::nullopt;
-    if (const auto* const n = std::get_if<std::int64_t>(&value->value())) return *n;
-    if (const auto* const n = std::get_if<std::uint64_t>(&value->value()))
-        return static_cast<std::int64_t>(std::min<std::uint64_t>(*n, INT64_MAX));
-    return std::nullopt;
-}
-
-bool flag_at(const file::Json& body, std::string_view key, bool otherwise) {
-    const auto* const value = body.find(key);
-    const auto* const flag = value ? std::get_if<bool>(&value->value()) : nullptr;
-    return flag ? *flag : otherwise;
-}
-
 Result<std::optional<Duration>> timeout_of(const file::Json& body) {
-    const auto ms = number_at(body, "timeout_ms");
+    const auto ms = whole_member(body, "timeout_ms");
     if (!ms) return std::nullopt;
     const auto wanted = std::chrono::milliseconds(std::clamp<std::int64_t>(*ms, 0, 3'600'000));
     if (wanted >= kLeastTimeout && wanted <= kLongestTimeout) return wanted;
@@ -65,15 +45,6 @@ bool is_port_name(std::string_view path) {
     const bool named =
         path.starts_with("/dev/tty") || path.starts_with("/dev/serial/") || path.starts_with("/dev/pts/");
     return named && path.find("..") == std::string_view::npos;
-}
-
-std::vector<std::string> texts_at(const file::Json& body, std::string_view key) {
-    std::vector<std::string> texts;
-    const auto* const list = body.find(key);
-    const auto* const items = list ? std::get_if<file::Json::Array>(&list->value()) : nullptr;
-    for (const auto& item : items ? *items : file::Json::Array{})
-        if (const auto* const text = std::get_if<std::string>(&item.value())) texts.push_back(*text);
-    return texts;
 }
 
 /// The answer to targets that may not be opened; nothing: all may.
@@ -90,27 +61,27 @@ std::optional<ApiResponse> line_refusal(const ApiRequest& request, const model::
 
 Result<discover::SerialChoices> choices_of(const file::Json& body) {
     discover::SerialChoices choices;
-    if (const auto bauds = text_at(body, "bauds"); !bauds.empty()) {
+    if (const auto bauds = string_member(body, "bauds"); !bauds.empty()) {
         TAKT_TRY(choices.bauds, discover::parse_numbers(bauds, 50, 4'000'000));
     }
-    if (const auto parities = text_at(body, "parities"); !parities.empty()) {
+    if (const auto parities = string_member(body, "parities"); !parities.empty()) {
         TAKT_TRY(choices.parities, discover::parse_parities(parities));
     }
-    if (const auto stop_bits = text_at(body, "stop_bits"); !stop_bits.empty()) {
+    if (const auto stop_bits = string_member(body, "stop_bits"); !stop_bits.empty()) {
         TAKT_TRY(choices.stop_bits, discover::parse_numbers(stop_bits, 1, 2));
     }
     return choices;
 }
 
 Result<ScanOrder> scan_order(const file::Json& body) {
-    discover::ScanRequest request{.identify = flag_at(body, "identify", true),
-                                  .thorough = flag_at(body, "thorough", false)};
+    discover::ScanRequest request{.identify = flag_member(body, "identify", true),
+                                  .thorough = flag_member(body, "thorough", false)};
     TAKT_TRY(request.wait, timeout_of(body));
-    if (const auto units = text_at(body, "units"); !units.empty()) {
+    if (const auto units = string_member(body, "units"); !units.empty()) {
         TAKT_TRY(request.units, discover::parse_numbers(units, 0, 255));
     }
     TAKT_TRY(const auto choices, choices_of(body));
-    TAKT_TRY(auto targets, client::scan_targets(texts_at(body, "targets"), choices));
+    TAKT_TRY(auto targets, client::scan_targets(strings_member(body, "targets"), choices));
     ScanOrder order;
     for (auto& target : targets) {
         TAKT_TRY(auto config, discover::scan_config(request, target));
@@ -183,9 +154,9 @@ ApiResponse no_line(const ApiRequest& request, const Error& error, const std::st
 /// The units of a serial line, asked in any order; the bridge answers for those that do not.
 Result<ScanOrder> line_scan_order(const file::Json& body, PolledLine polled, const std::string& name) {
     discover::ScanRequest request{.wait = kLongestScanWait + kLongestTimeout,
-                                  .identify = flag_at(body, "identify", true),
-                                  .thorough = flag_at(body, "thorough", false)};
-    const auto units = text_at(body, "units");
+                                  .identify = flag_member(body, "identify", true),
+                                  .thorough = flag_member(body, "thorough", false)};
+    const auto units = string_member(body, "units");
     TAKT_TRY(request.units, discover::parse_numbers(units.empty() ? "1-247" : units, 1, 247));
     discover::ScanTarget target{.settings = {std::move(polled.line)}};
     TAKT_TRY(auto config, discover::scan_config(request, target));
@@ -200,7 +171,7 @@ ApiResponse line_scan_response(DeviceSearch& search, const HostAccess& host, con
                                const file::Json& body, const std::string& name) {
     const auto timeout = timeout_of(body);
     if (!timeout) return unusable(request, timeout.error());
-    auto polled = polled_line(host, name, *timeout, flag_at(body, "spare", false), true);
+    auto polled = polled_line(host, name, *timeout, flag_member(body, "spare", false), true);
     if (!polled) return no_line(request, polled.error(), name);
     auto order = line_scan_order(body, *std::move(polled), name);
     if (!order) return unusable(request, order.error());
@@ -209,8 +180,8 @@ ApiResponse line_scan_response(DeviceSearch& search, const HostAccess& host, con
 
 ApiResponse scan_response(DeviceSearch& search, const HostAccess& host, const ApiRequest& request) {
     const auto body = file::Json::parse(request.body, kMostCommandBody);
-    if (!body || texts_at(*body, "targets").empty()) return malformed_body(request);
-    if (const auto name = line_name(texts_at(*body, "targets").front()))
+    if (!body || strings_member(*body, "targets").empty()) return malformed_body(request);
+    if (const auto name = line_name(strings_member(*body, "targets").front()))
         return line_scan_response(search, host, request, *body, *name);
     auto order = scan_order(*body);
     if (!order) return unusable(request, order.error());
@@ -229,7 +200,7 @@ ApiResponse scan_response(DeviceSearch& search, const HostAccess& host, const Ap
 /// A number within its range. @returns out_of_range (the key)
 Result<std::int64_t> number_within(const file::Json& body, std::string_view key, std::int64_t otherwise,
                                    std::int64_t least, std::int64_t greatest) {
-    const auto number = number_at(body, key).value_or(otherwise);
+    const auto number = whole_member(body, key).value_or(otherwise);
     if (number < least || number > greatest) return fail(Code::out_of_range, key, number, least, greatest);
     return number;
 }
@@ -249,7 +220,7 @@ Result<discover::DeviceProbeConfig> probe_config(const file::Json& body) {
 
 ApiResponse search_probe_response(DeviceSearch& search, const HostAccess& host, const ApiRequest& request) {
     const auto body = file::Json::parse(request.body, kMostCommandBody);
-    const auto unit = body ? number_at(*body, "unit") : std::nullopt;
+    const auto unit = body ? whole_member(*body, "unit") : std::nullopt;
     if (!unit) return malformed_body(request);
     if (*unit < 0 || *unit > 255)
         return unusable(request, fail(Code::out_of_range, "unit", *unit, 0, 255).error());
@@ -257,8 +228,8 @@ ApiResponse search_probe_response(DeviceSearch& search, const HostAccess& host, 
     if (!timeout) return unusable(request, timeout.error());
     const auto config = probe_config(*body);
     if (!config) return unusable(request, config.error());
-    if (const auto name = line_name(text_at(*body, "target"))) {
-        auto polled = polled_line(host, *name, *timeout, flag_at(*body, "spare", false), false);
+    if (const auto name = line_name(string_member(*body, "target"))) {
+        auto polled = polled_line(host, *name, *timeout, flag_member(*body, "spare", false), false);
         if (!polled) return no_line(request, polled.error(), *name);
         return started(search.start(ProbeOrder{.line = std::move(polled->line),
                                                .unit = UnitId{static_cast<std::uint8_t>(*unit)},
@@ -269,7 +240,7 @@ ApiResponse search_probe_response(DeviceSearch& search, const HostAccess& host, 
                                                .name = *name}),
                        search, host, request);
     }
-    const auto target = line::parse_target(text_at(*body, "target"));
+    const auto target = line::parse_target(string_member(*body, "target"));
     if (!target) return unusable(request, target.error());
     ProbeOrder order{.line = target->as_line(), .unit = UnitId{static_cast<std::uint8_t>(*unit)}};
     order.config = *config;

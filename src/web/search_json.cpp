@@ -8,6 +8,7 @@
 #include "takt/discover/found_project.hpp"
 #include "takt/file/document_json.hpp"
 #include "takt/file/edit.hpp"
+#include "takt/file/json_members.hpp"
 #include "takt/model/target_url.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/probe_report.hpp"
@@ -38,29 +39,7 @@ bool is_same(const model::Line& a, const model::Line& b) {
 /// The document of a text without the origins, which name the file that it is not from.
 file::Json document_of_text(const std::string& text) {
     auto read = file::read_project_text("", text);
-    auto json = file::document_json(read.document.root);
-    const auto without = [](const auto& self, const file::Json& value) -> file::Json {
-        if (const auto* const list = std::get_if<file::Json::Array>(&value.value())) {
-            auto copy = file::Json::array();
-            for (const auto& item : *list) copy.push_back(self(self, item));
-            return copy;
-        }
-        if (const auto* const object = std::get_if<file::Json::Object>(&value.value())) {
-            auto copy = file::Json::object();
-            for (const auto& [key, item] : *object)
-                if (key != file::kOriginKey) copy.set(key, self(self, item));
-            return copy;
-        }
-        return value;
-    };
-    return without(without, json);
-}
-
-const file::Json::Array& array_member(const file::Json& object, std::string_view key) {
-    static const file::Json::Array kNone;
-    const auto* const found = object.find(key);
-    const auto* const list = found ? std::get_if<file::Json::Array>(&found->value()) : nullptr;
-    return list ? *list : kNone;
+    return file::without_origins(file::document_json(read.document.root));
 }
 
 file::Json without_devices(const file::Json& line) {

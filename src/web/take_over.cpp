@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "takt/file/edit.hpp"
+#include "takt/file/document_json.hpp"
+#include "takt/file/json_members.hpp"
 
 namespace takt::web {
 namespace {
@@ -38,36 +40,12 @@ const Json* node_at(const Json& root, std::string_view path) {
     return its;
 }
 
-/// A copy without the places that its parts have in a file.
-Json as_new(const Json& json) {
-    if (const auto* const items = std::get_if<Json::Array>(&json.value())) {
-        Json::Array copy;
-        for (const auto& item : *items) copy.push_back(as_new(item));
-        return Json(std::move(copy));
-    }
-    const auto* const entries = std::get_if<Json::Object>(&json.value());
-    if (entries == nullptr) return json;
-    Json::Object copy;
-    for (const auto& [key, value] : *entries)
-        if (key != file::kOriginKey) copy.emplace_back(key, as_new(value));
-    return Json(std::move(copy));
-}
-
-bool is_name_text(const Json* json) {
-    return json != nullptr && std::holds_alternative<std::string>(json->value());
-}
-
-Json::Array items_of(const Json* list) {
-    const auto* const items = list == nullptr ? nullptr : std::get_if<Json::Array>(&list->value());
-    return items == nullptr ? Json::Array{} : *items;
-}
-
 /// The rows of the template go before those of the device.
 Json variables_of(const Json& own, const Json& complete) {
-    auto mine = items_of(own.find(kVariables));
-    auto rows = items_of(complete.find(kVariables));
+    auto mine = array_member(own, kVariables);
+    auto rows = array_member(complete, kVariables);
     if (rows.size() >= mine.size()) rows.resize(rows.size() - mine.size());
-    for (auto& row : rows) row = as_new(row);
+    for (auto& row : rows) row = file::without_origins(row);
     rows.insert(rows.end(), std::make_move_iterator(mine.begin()), std::make_move_iterator(mine.end()));
     return Json(std::move(rows));
 }
@@ -80,7 +58,7 @@ Json device_without_template(const Json& own, const Json& complete) {
     for (const auto& [key, value] : std::get<Json::Object>(own.value()))
         if (!is_replaced(key)) device.set(key, value);
     for (const auto& [key, value] : std::get<Json::Object>(complete.value()))
-        if (!is_replaced(key) && own.find(key) == nullptr) device.set(key, as_new(value));
+        if (!is_replaced(key) && own.find(key) == nullptr) device.set(key, file::without_origins(value));
     device.set(kVariables, variables_of(own, complete));
     if (const auto* const from = own.find(file::kOriginKey)) device.set(file::kOriginKey, *from);
     return device;
@@ -89,13 +67,14 @@ Json device_without_template(const Json& own, const Json& complete) {
 }  // namespace
 
 std::optional<TakenOver> taken_over(const Json& own, const Json& complete, std::string_view path) {
-    if (!is_name_text(node_at(own, path))) return std::nullopt;
+    const auto* const name = node_at(own, path);
+    if (name == nullptr || !text_in(*name)) return std::nullopt;
     const auto dot = path.rfind('.');
     const auto key = path.substr(dot == std::string_view::npos ? 0 : dot + 1);
     if (key == kVariables || path == "locals") {
         const auto* const list = node_at(complete, path);
         if (list == nullptr || !std::holds_alternative<Json::Array>(list->value())) return std::nullopt;
-        return TakenOver{std::string(path), as_new(*list)};
+        return TakenOver{std::string(path), file::without_origins(*list)};
     }
     if (key != kTemplate || dot == std::string_view::npos) return std::nullopt;
     const auto owner = path.substr(0, dot);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "takt/base/iso_time.hpp"
 #include "takt/base/time.hpp"
 #include "takt/line/loop.hpp"
 
@@ -33,6 +34,8 @@ private:
 };
 
 /// "2026-11-25T12:00:00.123Z"
-[[nodiscard]] std::string utc_text(Instant t);
+[[nodiscard]] inline std::string utc_text(Instant t) {
+    return utc_time_text(WallTime().ns(t));
+}
 
 }  // namespace takt::web

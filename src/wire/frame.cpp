@@ -1,5 +1,6 @@
 #include "takt/wire/frame.hpp"
 
+#include "takt/base/ascii.hpp"
 #include "takt/base/assert.hpp"
 
 namespace takt::wire {
@@ -11,9 +12,8 @@ void append_u16(FrameBytes& frame, std::size_t value) {
 }
 
 void append_hex(FrameBytes& frame, std::uint8_t byte) {
-    constexpr std::string_view kDigits = "0123456789ABCDEF";
-    frame.push_back(static_cast<std::uint8_t>(kDigits[byte >> 4]));
-    frame.push_back(static_cast<std::uint8_t>(kDigits[byte & 0xF]));
+    frame.push_back(static_cast<std::uint8_t>(hex_digit(byte >> 4U)));
+    frame.push_back(static_cast<std::uint8_t>(hex_digit(byte)));
 }
 
 FrameBytes encode_rtu(UnitId unit, Bytes pdu) {

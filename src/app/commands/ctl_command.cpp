@@ -16,7 +16,7 @@
 
 #include "output.hpp"
 #include "stoppable_input.hpp"
-#include "takt/file/json.hpp"
+#include "takt/file/json_members.hpp"
 #include "takt/report/command_report.hpp"
 #include "takt/report/state_report.hpp"
 #include "takt/text/escape.hpp"
@@ -80,12 +80,6 @@ Result<std::optional<std::string>> ask(int fd, const std::string& path, const st
     return std::optional(answer);
 }
 
-std::string string_of(const file::Json& object, std::string_view key) {
-    const auto* const member = object.find(key);
-    const auto* const text = member ? std::get_if<std::string>(&member->value()) : nullptr;
-    return text ? *text : std::string();
-}
-
 /// Why a value is not good, as an exit code.
 ExitCode exit_code_of(const std::string& reason) {
     if (reason == "never_connected" || reason == "link_lost") return ExitCode::cannot_open;
@@ -108,40 +102,38 @@ ExitCode exit_code_of_error(std::string_view code) {
 }
 
 ExitCode exit_code_of(const file::Json& answer) {
-    const auto event = string_of(answer, "event");
-    if (event == "error") return exit_code_of_error(string_of(answer, "code"));
+    const auto event = string_member(answer, "event");
+    if (event == "error") return exit_code_of_error(string_member(answer, "code"));
     if (selects_nothing(answer)) return ExitCode::no;
-    if (event == "outcome") return string_of(answer, "outcome") == "done" ? ExitCode::ok : ExitCode::no;
-    const auto quality = string_of(answer, "quality");
-    if (string_of(answer, "command") != "get" || quality == "good") return ExitCode::ok;
-    const auto cause = string_of(answer, "cause");
-    return exit_code_of(cause.empty() ? string_of(answer, "reason") : cause);
+    if (event == "outcome") return string_member(answer, "outcome") == "done" ? ExitCode::ok : ExitCode::no;
+    const auto quality = string_member(answer, "quality");
+    if (string_member(answer, "command") != "get" || quality == "good") return ExitCode::ok;
+    const auto cause = string_member(answer, "cause");
+    return exit_code_of(cause.empty() ? string_member(answer, "reason") : cause);
 }
 
 /// How old the last good value is, as a part of a sentence.
 std::string age_words(const Texts& texts, const file::Json& value) {
-    const auto* const age = value.find("age_ms");
-    const auto* const ms = age ? std::get_if<double>(&age->value()) : nullptr;
-    if (!ms) return {};
-    return texts("app.ctl.age", {{"age", report::age_text(Duration(static_cast<std::int64_t>(*ms * 1e6)))}});
+    const auto age = time_member(value, "age_ms");
+    return age ? texts("app.ctl.age", {{"age", report::age_text(*age)}}) : std::string();
 }
 
 /// The value on stdout; what is wrong with it on stderr.
 void print_value(const Texts& texts, const file::Json& value) {
     print(text::escape_line(report::get_line(value)) + '\n');
-    if (string_of(value, "quality") == "good") return;
-    print_error(texts("app.ctl.not_good", {{"name", string_of(value, "name")},
+    if (string_member(value, "quality") == "good") return;
+    print_error(texts("app.ctl.not_good", {{"name", string_member(value, "name")},
                                            {"quality", report::quality_text(texts, value)},
                                            {"age", age_words(texts, value)}}));
 }
 
 void print_answer(const Texts& texts, const CtlOptions& options, const file::Json& answer) {
-    const auto command = string_of(answer, "command");
+    const auto command = string_member(answer, "command");
     const auto columns = columns_of(STDOUT_FILENO);
     if (selects_nothing(answer))
         print_error(texts("app.ctl.no_match", {{"pattern", options.words.back()}}));
-    else if (string_of(answer, "event") == "error")
-        print(report::error_line(string_of(answer, "code"), string_of(answer, "text")));
+    else if (string_member(answer, "event") == "error")
+        print(report::error_line(string_member(answer, "code"), string_member(answer, "text")));
     else if (command == "get")
         print_value(texts, answer);
     else if (command == "status")

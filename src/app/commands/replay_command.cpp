@@ -12,6 +12,7 @@
 #include "commands/input_files.hpp"
 #include "options/option_error.hpp"
 #include "output.hpp"
+#include "takt/base/iso_time.hpp"
 #include "takt/file/json.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/publish/message_format.hpp"
@@ -99,7 +100,7 @@ ExitCode replay(const CommonOptions& common, const ReplayOptions& options) {
     if (options.json) {
         auto object = file::Json::object();
         object.set("output", output->name);
-        object.set("from", publish::time_text(*from));
+        object.set("from", utc_time_text(*from));
         object.set("samples", replayed->samples);
         object.set("waiting", replayed->waiting);
         print(object.dump() + '\n');

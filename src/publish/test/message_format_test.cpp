@@ -16,17 +16,6 @@ std::string message(const Series& series, const Sample& sample, bool repeated = 
     return variable_message({&series, &sample, 12}, 3, repeated);
 }
 
-TEST(MessageFormat, TimesAreUtcWithMilliseconds) {
-    const struct {
-        std::int64_t ns;
-        std::string_view text;
-    } cases[] = {{0, "1970-01-01T00:00:00.000Z"},
-                 {kNow, "2025-11-24T16:00:00.123Z"},
-                 {-1, "1969-12-31T23:59:59.999Z"},
-                 {951'827'696'999'999'999, "2000-02-29T12:34:56.999Z"}};
-    for (const auto& [ns, text] : cases) EXPECT_EQ(time_text(ns), text);
-}
-
 TEST(MessageFormat, AVariableHasItsQualityAndTheIntervalOfItsChange) {
     EXPECT_EQ(message(kPower, {.value = 0.1, .wall_ns = kNow, .previous_wall_ns = kNow - 100'000'000}),
               R"({"variable":"Power","device":"Meter","value":0.1,"unit":"kW","quality":"good",)"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <string_view>
 
 namespace takt {
@@ -12,6 +13,19 @@ namespace takt {
 
 [[nodiscard]] constexpr char lower_case(char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+}
+
+/// 0 to 15 as a digit: 0 to 9, A to F.
+[[nodiscard]] constexpr char hex_digit(unsigned value) {
+    return "0123456789ABCDEF"[value & 0xFU];
+}
+
+/// The value of a hexadecimal digit of either case; nothing for another character.
+[[nodiscard]] constexpr std::optional<unsigned> hex_value(char c) {
+    if (is_digit(c)) return static_cast<unsigned>(c - '0');
+    const char small = lower_case(c);
+    if (small < 'a' || small > 'f') return std::nullopt;
+    return static_cast<unsigned>(small - 'a') + 10U;
 }
 
 /// Whether `text` is a decimal number without a sign. Empty text is none.

@@ -25,5 +25,7 @@ namespace takt::file {
 [[nodiscard]] Result<model::Node> document_of(const Json& json, const model::Node* original);
 
 void without_origins(model::Node& node);
+/// A copy of such JSON.
+[[nodiscard]] Json without_origins(const Json& json);
 
 }  // namespace takt::file

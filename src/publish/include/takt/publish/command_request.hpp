@@ -70,8 +70,4 @@ struct ParsedCommand {
 /// The request of a topic `set/<variable>`, with a plain value.
 [[nodiscard]] ParsedCommand plain_set(std::string id, std::string_view variable, std::string_view payload);
 
-/// A time of RFC 3339: "2026-11-24T02:30:00Z", "2026-11-24T05:30:00.123+03:00". Years 1970 to 2199.
-/// @returns nanoseconds since 1970; nothing for another form or a time that does not exist
-[[nodiscard]] std::optional<std::int64_t> parse_time(std::string_view text);
-
 }  // namespace takt::publish

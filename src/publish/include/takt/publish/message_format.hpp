@@ -28,9 +28,6 @@ struct MissingSamples {
     std::int64_t last_wall_ns = 0;
 };
 
-/// RFC 3339 in UTC, with milliseconds: 2026-11-24T02:30:00.123Z. Rounded down.
-[[nodiscard]] std::string time_text(std::int64_t wall_ns);
-
 /// One variable: its value with unit, quality, time and the interval of its change.
 [[nodiscard]] std::string variable_message(const PlacedSample& sample, std::uint64_t epoch, bool repeated);
 
