@@ -10,9 +10,8 @@ from program import DEADLINE, until
 def port_of(run):
     """The port of the page, from the address that the program prints."""
     found = until(
-        lambda: next((m for line in [*run.err, *run.out]
-                      if (m := re.search(r"http://127\.0\.0\.1:(\d+)/", line))), None),
-        f"an address\n{run!r}")
+        lambda: next((m for line in [*run.err, *run.out] if
+                      (m := re.search(r"http://127\.0\.0\.1:(\d+)/", line))), None), f"an address\n{run!r}")
     return int(found[1])
 
 

@@ -5,8 +5,8 @@
 #include <iterator>
 #include <utility>
 
-#include "takt/file/edit.hpp"
 #include "takt/file/document_json.hpp"
+#include "takt/file/edit.hpp"
 #include "takt/file/json_members.hpp"
 
 namespace takt::web {

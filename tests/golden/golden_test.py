@@ -1,5 +1,5 @@
 """Every output of the program for fixed inputs, byte by byte beside the stored ones: what a change does to
-any of them is seen here. `./dev golden --accept` stores them anew; the differences then stand in the change."""
+any of them is seen here. `./dev golden --accept` stores them anew."""
 import os
 import pathlib
 
@@ -54,5 +54,6 @@ def test_fields_and_pasted_rows(folder):
 
 
 def test_nothing_is_stored_without_a_case():
-    groups = {f"project-{p.stem}" for p in offline.projects()} | {"broken", "captures", "commands", "answers", "fields"}
+    groups = {f"project-{p.stem}" for p in offline.projects()
+             } | {"broken", "captures", "commands", "answers", "fields"}
     assert {pathlib.Path(p.stem).stem for p in records.DATA.iterdir()} == groups

@@ -41,11 +41,17 @@ servers:
     units:
       - address: 1
         banks: [{{area: holding_register, items: [0..9]}}]
-        variables: [{{name: Served, type: float, area: holding_register, register: 0, source: {{variable: Level}}}}]
+        variables:
+          - {{name: Served, type: float, area: holding_register, register: 0, source: {{variable: Level}}}}
 outputs:
   - {{name: history, transport: history}}
-  - {{name: broker, transport: mqtt, brokers: ["mqtt://127.0.0.1:{nothing}"], topic: "plant/{{device}}/{{variable}}"}}
+  - name: broker
+    transport: mqtt
+    brokers: ["mqtt://127.0.0.1:{nothing}"]
+    topic: "plant/{{device}}/{{variable}}"
 """
+LINES = ("transport=serial&framing=rtu", "transport=serial&framing=ascii", "transport=tcp&framing=tcp",
+         "transport=simulated&framing=rtu")
 ROWS = {
     "table": "Имя;Тип;Регистр;Функция чтения;Период, мс\nA;WORD;0;3;100\nB;REAL;2;3;\nC;BOOL;5;1;x\n",
     "tabs": "name\ttype\tregister\tread\nA\tint16\t0\t0x03\nB\tflaot\t2\t3\n",
@@ -54,13 +60,29 @@ ROWS = {
     "nothing": "",
 }
 GETS = ("/info", "/status", "/values", "/values?pattern=L*&raw=1", "/registers?variable=Level", "/requests",
-        "/why?variable=Level", "/why?variable=Lost", "/why?variable=Nothing", "/devices/learnt", "/search", "/project",
-        "/history/series", "/history?variable=Level", "/history?variable=Nothing", "/events", "/nothing")
-CONTROL = ("status", "list", "values", "values L*", "get Level", "get Lost", "get Levl", "set kept 7", "set kept x",
-           "set Level 1", "write Wanted 12", "write Wanted 1e9", "write Level 1", "write Lost 1", "write Wanted",
-           "fault list", "nothing")
-COMMANDS = ({}, {"kind": "write", "variable": "Nothing", "value": 1}, {"kind": "write", "variable": "Wanted", "value": "x"},
-            {"kind": "write", "variable": "Level", "value": 1}, {"kind": "write", "variable": "Wanted", "value": 12})
+        "/why?variable=Level", "/why?variable=Lost", "/why?variable=Nothing", "/devices/learnt", "/search",
+        "/project", "/history/series", "/history?variable=Level", "/history?variable=Nothing", "/events",
+        "/nothing")
+CONTROL = ("status", "list", "values", "values L*", "get Level", "get Lost", "get Levl", "set kept 7",
+           "set kept x", "set Level 1", "write Wanted 12", "write Wanted 1e9", "write Level 1",
+           "write Lost 1", "write Wanted", "fault list", "nothing")
+COMMANDS = ({}, {
+    "kind": "write",
+    "variable": "Nothing",
+    "value": 1
+}, {
+    "kind": "write",
+    "variable": "Wanted",
+    "value": "x"
+}, {
+    "kind": "write",
+    "variable": "Level",
+    "value": 1
+}, {
+    "kind": "write",
+    "variable": "Wanted",
+    "value": 12
+})
 # Keys of texts that differ from run to run, and a key that a value may have.
 CHANGING = ("revision", "text", "oldest_waiting", "time", "since", "destination")
 # Ports of the servers in the projects.
@@ -71,8 +93,10 @@ SOMETIMES = ("previous_poll",)
 def merged(one, other):
     """The shape that has the keys and members of both."""
     if isinstance(one, dict) and isinstance(other, dict):
-        return {key: merged(one.get(key, other.get(key)), other.get(key, one.get(key)))
-                for key in sorted({*one, *other})}
+        return {
+            key: merged(one.get(key, other.get(key)), other.get(key, one.get(key)))
+            for key in sorted({*one, *other})
+        }
     return other if one == 0 else one
 
 
@@ -81,8 +105,11 @@ def shape(value, words=True):
     become # (all of it without `words`), the members of a list become one that has the keys of all, or the
     different texts."""
     if isinstance(value, dict):
-        return {key: shape(value[key], words and key not in CHANGING) for key in sorted(value)
-                if key not in SOMETIMES}
+        return {
+            key: shape(value[key], words and key not in CHANGING)
+            for key in sorted(value)
+            if key not in SOMETIMES
+        }
     if isinstance(value, list):
         members = [shape(member, words) for member in value]
         if not all(isinstance(member, dict) for member in members):
@@ -95,8 +122,10 @@ def shape(value, words=True):
 
 def text_shape(text):
     """Numbers become #, with their units of time; a run of spaces is one."""
-    return re.sub(r" +", " ", re.sub(r"-?#( (us|ms|s|min|h|d|мкс|мс|с|хв|мин|ч|год|д)\b)+", "#",
-                                     re.sub(r"-?\d+([.,:]\d+)*", "#", text)))
+    return re.sub(
+        r" +", " ",
+        re.sub(r"-?#( (us|ms|s|min|h|d|мкс|мс|с|хв|мин|ч|год|д)\b)+", "#",
+               re.sub(r"-?\d+([.,:]\d+)*", "#", text)))
 
 
 def printed(value):
@@ -109,8 +138,17 @@ def plant(folder, language):
     path = folder / f"plant-{language}.yaml"
     path.write_text(PLANT.format(nothing=endpoints.free_port(), port=endpoints.free_port()), encoding="utf-8")
     control = folder / f"{language}.socket"
-    with start("--lang", language, "run", path.name, "--json", "--web", "127.0.0.1:0", "--allow-write", "--control",
-               control, cwd=folder) as run:
+    with start("--lang",
+               language,
+               "run",
+               path.name,
+               "--json",
+               "--web",
+               "127.0.0.1:0",
+               "--allow-write",
+               "--control",
+               control,
+               cwd=folder) as run:
         api = Api(run)
 
         def steady():
@@ -133,11 +171,17 @@ def fields(folder):
     with plant(folder, "en") as (_, api, _control):
         for language in LANGUAGES:
             for profile in ("generic", "owen-kc1"):
-                for transport, framing in (("serial", "rtu"), ("serial", "ascii"), ("tcp", "tcp"), ("simulated", "rtu")):
-                    path = f"/fields?lang={language}&profile={profile}&transport={transport}&framing={framing}"
+                for line in LINES:
+                    path = f"/fields?lang={language}&profile={profile}&{line}"
                     said[path] = printed(api("GET", path)[1])
             for name, rows in ROWS.items():
-                body = {"text": rows, "profile": "generic", "transport": "serial", "device": "D", "names": ["A"]}
+                body = {
+                    "text": rows,
+                    "profile": "generic",
+                    "transport": "serial",
+                    "device": "D",
+                    "names": ["A"]
+                }
                 said[f"import {name} {language}"] = printed(api("POST", f"/import?lang={language}", body)[1])
     return said
 
@@ -150,7 +194,12 @@ def edited(document):
     for line in document.get("lines", []):
         for device in line.get("devices", []):
             if isinstance(device.get("variables"), list):
-                device["variables"].append({"name": "added", "type": "float", "register": "900", "read": "0x03"})
+                device["variables"].append({
+                    "name": "added",
+                    "type": "float",
+                    "register": "900",
+                    "read": "0x03"
+                })
     return document
 
 
@@ -181,7 +230,8 @@ def project_texts(path, folder):
     said = {}
     with runnable(path, folder) as (copy, replaced), \
             start("run", copy, "--web", "127.0.0.1:0", "--allow-write", "--quiet", cwd=folder) as run:
-        until(lambda: run.process.poll() is not None or any("http://" in x for x in [*run.err, *run.out]), "a page")
+        until(lambda: run.process.poll() is not None or any("http://" in x for x in [*run.err, *run.out]),
+              "a page")
         if run.process.poll() is not None:
             done = run.finish(code=None)
             said["run"] = f"exit code {done.code}\n{done.out}--- stderr\n{done.err}"

@@ -13,27 +13,34 @@ HERE = pathlib.Path(__file__).resolve().parent
 LANGUAGES = ("en", "ru", "uk")
 HEADINGS = ("keys", "en", "ru", "uk", "ide")
 COMMANDS = ("demo", "run", "ctl", "serve", "check", "plan", "convert", "table", "table build", "table show",
-            "history", "latency", "capture", "listen", "replay", "schema", "selftest", "read", "write", "raw", "scan",
-            "probe")
-WRONG_CALLS = ("", "chekc x", "check", "check nothing.yaml", "check examples", "plan --svg", "plan --jsno x.yaml",
-               "run --for 10 examples/first.yaml", "run --for 5q examples/first.yaml", "run --web x examples/first.yaml",
-               "read", "read tpc://h holding 0", "read tcp://127.0.0.1:1 holdng 0", "read tcp://127.0.0.1:1 holding 70000",
-               "read tcp://127.0.0.1:1 holding 0 --type flaot", "read tcp://127.0.0.1:1 holding 0 --order ABDC",
-               "read rtu:///dev/x?buad=9600 holding 0", "write tcp://127.0.0.1:1 holding 0 x",
-               "write tcp://127.0.0.1:1 input 0 1", "raw tcp://127.0.0.1:1 0", "raw tcp://127.0.0.1:1 zz",
-               "serve --listen 127.0.0.1:99999", "serve --fault slience", "serve --range holding:9..0",
-               "scan tcp://10.0.0.1-300", "convert examples/meters.csv", "convert nothing.csv --to yaml",
+            "history", "latency", "capture", "listen", "replay", "schema", "selftest", "read", "write", "raw",
+            "scan", "probe")
+WRONG_CALLS = ("", "chekc x", "check", "check nothing.yaml", "check examples", "plan --svg",
+               "plan --jsno x.yaml", "run --for 10 examples/first.yaml", "run --for 5q examples/first.yaml",
+               "run --web x examples/first.yaml", "read", "read tpc://h holding 0",
+               "read tcp://127.0.0.1:1 holdng 0", "read tcp://127.0.0.1:1 holding 70000",
+               "read tcp://127.0.0.1:1 holding 0 --type flaot",
+               "read tcp://127.0.0.1:1 holding 0 --order ABDC", "read rtu:///dev/x?buad=9600 holding 0",
+               "write tcp://127.0.0.1:1 holding 0 x", "write tcp://127.0.0.1:1 input 0 1",
+               "raw tcp://127.0.0.1:1 0", "raw tcp://127.0.0.1:1 zz", "serve --listen 127.0.0.1:99999",
+               "serve --fault slience", "serve --range holding:9..0", "scan tcp://10.0.0.1-300",
+               "convert examples/meters.csv", "convert nothing.csv --to yaml",
                "table show examples/first.yaml", "history examples/first.yaml x", "replay examples/mqtt.yaml",
-               "latency nothing.pcap", "capture", "ctl", "ctl nowhere status", "--lang xx check", "--log-level loud run")
+               "latency nothing.pcap", "capture", "ctl", "ctl nowhere status", "--lang xx check",
+               "--log-level loud run")
 
 
 def example_projects():
-    return sorted(p.relative_to(ROOT) for p in (ROOT / "examples").rglob("*.yaml") if "templates" not in p.parts)
+    return sorted(
+        p.relative_to(ROOT) for p in (ROOT / "examples").rglob("*.yaml") if "templates" not in p.parts)
 
 
 def projects():
     """Paths below the folder that `lay` made."""
-    return [*example_projects(), *(pathlib.Path("projects") / p.name for p in sorted((HERE / "projects").iterdir()))]
+    return [
+        *example_projects(),
+        *(pathlib.Path("projects") / p.name for p in sorted((HERE / "projects").iterdir()))
+    ]
 
 
 def lay(folder):
@@ -73,7 +80,8 @@ def broken(path, folder):
         key, colon, _ = line.partition(":")
         if number % 2 or not line.strip() or line.lstrip().startswith("#"):
             continue
-        wrong = ["", f"{key}{colon} oops", f"{key[:-2]}{key[-1:]}{colon}{line.partition(':')[2]}"][number // 2 % 3]
+        wrong = ["", f"{key}{colon} oops",
+                 f"{key[:-2]}{key[-1:]}{colon}{line.partition(':')[2]}"][number // 2 % 3]
         file = folder / f"{path.stem}-{number + 1}.yaml"
         file.write_text("\n".join([*lines[:number], wrong, *lines[number + 1:]]), encoding="utf-8")
         yield f"{path.stem} line {number + 1}", ("--lang", LANGUAGES[number // 6 % 3], "check", file.name)
@@ -96,7 +104,8 @@ def command_cases():
             yield f"takt {call} {language}", ("--lang", language, *call.split())
         yield f"schema {language}", ("--lang", language, "schema")
         yield f"rows {language}", ("--lang", language, "convert", "examples/meters.csv", "--to", "yaml")
-        yield f"ide rows {language}", ("--lang", language, "convert", "examples/boiler-ide.csv", "--to", "yaml")
+        yield f"ide rows {language}", ("--lang", language, "convert", "examples/boiler-ide.csv", "--to",
+                                       "yaml")
 
 
 def text_of(arguments, folder):

@@ -33,8 +33,13 @@ def difference(expected, actual):
     said += [f"{name}: stored, but not made now" for name in expected if name not in actual]
     changed = [name for name in expected if name in actual and expected[name] != actual[name]]
     for name in changed[:SHOWN_CASES]:
-        lines = list(difflib.unified_diff(expected[name].splitlines(), actual[name].splitlines(), f"{name} (stored)",
-                                          f"{name} (now)", n=2, lineterm=""))
+        lines = list(
+            difflib.unified_diff(expected[name].splitlines(),
+                                 actual[name].splitlines(),
+                                 f"{name} (stored)",
+                                 f"{name} (now)",
+                                 n=2,
+                                 lineterm=""))
         said += lines[:SHOWN_LINES]
         if len(lines) > SHOWN_LINES:
             said.append(f"… {len(lines) - SHOWN_LINES} more lines")
