@@ -1,8 +1,8 @@
 #include "takt/capture/analysis.hpp"
 
 #include "fragments.hpp"
+#include "mbap_stream.hpp"
 #include "takt/base/numbers.hpp"
-#include "takt/capture/mbap_stream.hpp"
 #include "takt/capture/serial_packet.hpp"
 
 namespace takt::capture {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <optional>
 
+#include "mbap_stream.hpp"
 #include "request_queue.hpp"
 #include "serial_stream.hpp"
-#include "takt/capture/mbap_stream.hpp"
 #include "takt/capture/tcp_analyzer.hpp"
 #include "takt/capture/tcp_stream.hpp"
 

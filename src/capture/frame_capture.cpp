@@ -6,8 +6,8 @@
 #include "big_endian.hpp"
 #include "ip_packet.hpp"
 #include "takt/base/ascii.hpp"
-#include "takt/capture/upper_pdu.hpp"
 #include "takt/wire/function.hpp"
+#include "upper_pdu.hpp"
 
 namespace takt::capture {
 namespace {

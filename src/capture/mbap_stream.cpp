@@ -1,6 +1,6 @@
 // The MBAP header: transaction (2 bytes), protocol (2 bytes, 0), length of the rest (2 bytes), unit. MODBUS
 // Messaging on TCP/IP Implementation Guide V1.0b, section 3.1.3.
-#include "takt/capture/mbap_stream.hpp"
+#include "mbap_stream.hpp"
 
 #include <algorithm>
 

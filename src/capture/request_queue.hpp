@@ -6,9 +6,9 @@
 #include <deque>
 #include <optional>
 
+#include "mbap_stream.hpp"
 #include "takt/base/time.hpp"
 #include "takt/capture/exchange.hpp"
-#include "takt/capture/mbap_stream.hpp"
 
 namespace takt::capture {
 

@@ -1,7 +1,7 @@
 #include "takt/capture/serial_analyzer.hpp"
 
 #include "takt/capture/serial_frame.hpp"
-#include "takt/capture/upper_pdu.hpp"
+#include "upper_pdu.hpp"
 
 namespace takt::capture {
 namespace {

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <string_view>
 
+#include "mbap_stream.hpp"
 #include "takt/base/ascii.hpp"
 #include "takt/capture/frame_capture.hpp"
-#include "takt/capture/mbap_stream.hpp"
 #include "takt/capture/segment.hpp"
 #include "takt/capture/serial_analyzer.hpp"
 #include "takt/capture/serial_frame.hpp"
-#include "takt/capture/upper_pdu.hpp"
+#include "upper_pdu.hpp"
 
 namespace takt::capture {
 namespace {

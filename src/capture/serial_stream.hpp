@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "takt/capture/mbap_stream.hpp"
+#include "mbap_stream.hpp"
 #include "takt/wire/framer.hpp"
 
 namespace takt::capture {

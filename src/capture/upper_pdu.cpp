@@ -1,4 +1,4 @@
-#include "takt/capture/upper_pdu.hpp"
+#include "upper_pdu.hpp"
 
 #include <cstdint>
 

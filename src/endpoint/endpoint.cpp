@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "blank_unit.hpp"
+#include "hook_chain.hpp"
 #include "listener.hpp"
+#include "retained_unit.hpp"
 #include "stored_units.hpp"
 #include "takt/endpoint/gateway_set.hpp"
-#include "takt/endpoint/hook_chain.hpp"
-#include "takt/endpoint/retained_unit.hpp"
 #include "takt/sim/devices.hpp"
 
 namespace takt::endpoint {

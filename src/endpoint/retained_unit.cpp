@@ -1,4 +1,4 @@
-#include "takt/endpoint/retained_unit.hpp"
+#include "retained_unit.hpp"
 
 #include <algorithm>
 #include <string>

@@ -12,10 +12,10 @@
 #include <optional>
 #include <vector>
 
+#include "mailbox.hpp"
 #include "takt/host/broadcast_ring.hpp"
 #include "takt/host/command.hpp"
 #include "takt/host/configuration.hpp"
-#include "takt/host/mailbox.hpp"
 #include "takt/host/snapshot.hpp"
 #include "takt/host/traffic.hpp"
 #include "takt/os/descriptor.hpp"

@@ -1,6 +1,6 @@
 // The end of transmission is computed from the bit rate. Then the transmitter is polled each half character
 // until it is empty. A port that cannot report this gets a fixed delay for the adapter instead.
-#include "takt/line/direction_switch.hpp"
+#include "direction_switch.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // termios(3), PARMRK: 0xFF 0xFF is the byte 0xFF; 0xFF 0x00 X is the faulty character X; 0xFF 0x00 0x00 is a
 // break. A faulty character is passed on inverted, so that the checksum of its frame fails.
-#include "takt/line/marked_input.hpp"
+#include "marked_input.hpp"
 
 namespace takt::line {
 

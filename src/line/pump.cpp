@@ -1,7 +1,7 @@
 // Order of the calls: read -> on_bytes() -> transmit() until empty -> next_wakeup(). Bytes that the stream
 // does not accept are stored, and transmit() is not called until they are written. At a wake-up the available
 // bytes are read before on_tick(): a response that the system has received in time does not time out.
-#include "takt/line/pump.hpp"
+#include "pump.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "takt/line/resolver.hpp"
+#include "resolver.hpp"
 
 #include <cerrno>
 #include <mutex>

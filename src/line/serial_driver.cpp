@@ -2,10 +2,10 @@
 // back-off.
 #include <utility>
 
-#include "takt/line/backoff.hpp"
-#include "takt/line/direction_switch.hpp"
+#include "backoff.hpp"
+#include "direction_switch.hpp"
+#include "pump.hpp"
 #include "takt/line/driver.hpp"
-#include "takt/line/pump.hpp"
 
 namespace takt::line {
 namespace {

@@ -19,8 +19,8 @@
 #include <ctime>
 #include <utility>
 
+#include "marked_input.hpp"
 #include "receive_trigger.hpp"
-#include "takt/line/marked_input.hpp"
 #include "takt/os/descriptor.hpp"
 
 namespace takt::line {

@@ -3,12 +3,12 @@
 #include <cerrno>
 #include <utility>
 
-#include "takt/line/backoff.hpp"
+#include "backoff.hpp"
+#include "pump.hpp"
+#include "resolver.hpp"
 #include "takt/line/connect_gate.hpp"
 #include "takt/line/connection_limit.hpp"
 #include "takt/line/driver.hpp"
-#include "takt/line/pump.hpp"
-#include "takt/line/resolver.hpp"
 #include "takt/line/socket.hpp"
 
 namespace takt::line {

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "takt/line/pump.hpp"
+#include "pump.hpp"
 #include "takt/line/socket.hpp"
 #include "takt/os/descriptor.hpp"
 

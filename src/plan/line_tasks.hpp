@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "parallel_response.hpp"
 #include "takt/plan/guarantee.hpp"
-#include "takt/plan/parallel_response.hpp"
 #include "takt/plan/response.hpp"
 
 namespace takt::plan {

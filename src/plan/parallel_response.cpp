@@ -17,7 +17,7 @@
 //
 // The bounds are a fixpoint of these inequalities, and therefore valid: the first job to exceed its bound
 // would contradict its inequality, which needs only the bounds of jobs that ended before.
-#include "takt/plan/parallel_response.hpp"
+#include "parallel_response.hpp"
 
 #include <algorithm>
 #include <functional>

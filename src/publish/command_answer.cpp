@@ -1,4 +1,4 @@
-#include "takt/publish/command_answer.hpp"
+#include "command_answer.hpp"
 
 #include <variant>
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "takt/publish/command_answer.hpp"
+#include "command_answer.hpp"
 
 namespace takt::publish {
 

@@ -2,7 +2,7 @@
 // again, and the history skips it by its position: the identity of the journal and the record's sequence
 // number. The identity is a random number beside the segments, so a journal that was deleted and begun again
 // is another one.
-#include "takt/publish/history_work.hpp"
+#include "history_work.hpp"
 
 #include <sys/random.h>
 

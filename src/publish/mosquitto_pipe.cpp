@@ -1,4 +1,4 @@
-#include "takt/publish/mosquitto_pipe.hpp"
+#include "mosquitto_pipe.hpp"
 
 #include <netdb.h>
 #include <poll.h>

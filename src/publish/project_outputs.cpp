@@ -11,13 +11,13 @@
 #include <utility>
 
 #include "file_reason.hpp"
+#include "history_work.hpp"
+#include "mosquitto_pipe.hpp"
 #include "takt/file/read.hpp"
 #include "takt/model/output.hpp"
 #include "takt/model/output_remedies.hpp"
 #include "takt/os/rotating_file.hpp"
 #include "takt/publish/command_desk.hpp"
-#include "takt/publish/history_work.hpp"
-#include "takt/publish/mosquitto_pipe.hpp"
 #include "takt/publish/mqtt_composer.hpp"
 #include "takt/publish/mqtt_work.hpp"
 #include "takt/publish/output_slot.hpp"

@@ -1,4 +1,4 @@
-#include "takt/report/byte_order_report.hpp"
+#include "byte_order_report.hpp"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "takt/report/byte_order_report.hpp"
+#include "byte_order_report.hpp"
 
 namespace takt::report {
 namespace {

@@ -8,9 +8,9 @@
 #include <span>
 #include <utility>
 
+#include "problems.hpp"
 #include "takt/report/event_report.hpp"
 #include "takt/report/formatting.hpp"
-#include "takt/report/problems.hpp"
 #include "takt/report/state_report.hpp"
 #include "takt/report/text_table.hpp"
 #include "takt/text/escape.hpp"

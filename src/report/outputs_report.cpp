@@ -5,11 +5,11 @@
 #include <string_view>
 #include <variant>
 
+#include "problems.hpp"
 #include "takt/base/iso_time.hpp"
 #include "takt/file/json_members.hpp"
 #include "takt/publish/message_format.hpp"
 #include "takt/report/formatting.hpp"
-#include "takt/report/problems.hpp"
 #include "takt/report/state_report.hpp"
 #include "takt/report/value_json.hpp"
 

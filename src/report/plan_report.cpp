@@ -6,9 +6,9 @@
 #include <functional>
 #include <tuple>
 
+#include "byte_order_report.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/shares.hpp"
-#include "takt/report/byte_order_report.hpp"
 #include "takt/report/comparison_report.hpp"
 #include "takt/report/findings_report.hpp"
 #include "takt/report/formatting.hpp"

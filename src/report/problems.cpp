@@ -1,4 +1,4 @@
-#include "takt/report/problems.hpp"
+#include "problems.hpp"
 
 #include <algorithm>
 #include <array>

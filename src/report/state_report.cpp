@@ -6,13 +6,13 @@
 #include <optional>
 #include <utility>
 
+#include "problems.hpp"
 #include "takt/file/json_members.hpp"
 #include "takt/model/service.hpp"
 #include "takt/report/command_report.hpp"
 #include "takt/report/event_report.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/outputs_report.hpp"
-#include "takt/report/problems.hpp"
 #include "takt/report/progress_text.hpp"
 #include "takt/report/response_times_report.hpp"
 #include "takt/report/text_table.hpp"

@@ -1,7 +1,7 @@
 // Virtual time as in serial_bus.cpp. Order within one instant: faults, deferred bytes, bytes to the server,
 // end of a suspension, bytes to the client, on_tick() of server and client, transmit() of server and client,
 // close. Bytes to the server wait while it wants none, as in the receive window of TCP.
-#include "takt/sim/byte_stream.hpp"
+#include "byte_stream.hpp"
 
 #include <algorithm>
 #include <utility>

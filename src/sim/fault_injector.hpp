@@ -8,10 +8,10 @@
 #include <optional>
 #include <vector>
 
+#include "disturber.hpp"
 #include "frames.hpp"
 #include "takt/model/project.hpp"
 #include "takt/sim/devices.hpp"
-#include "takt/sim/disturber.hpp"
 #include "takt/sim/faults.hpp"
 
 namespace takt::sim {

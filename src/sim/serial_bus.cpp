@@ -7,7 +7,7 @@
 // Collisions: a character that overlaps in time with one of another sender arrives changed, on both sides. A
 // changed frame must not be a valid frame by accident, because no master could detect that; see
 // make_harmless().
-#include "takt/sim/serial_bus.hpp"
+#include "serial_bus.hpp"
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fault_injector.hpp"
-#include "takt/sim/serial_bus.hpp"
+#include "serial_bus.hpp"
 
 namespace takt::sim {
 

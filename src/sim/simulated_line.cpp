@@ -1,9 +1,9 @@
 #include "takt/sim/simulated_line.hpp"
 
+#include "byte_stream.hpp"
+#include "serial_bus.hpp"
 #include "serial_faults.hpp"
 #include "stream_faults.hpp"
-#include "takt/sim/byte_stream.hpp"
-#include "takt/sim/serial_bus.hpp"
 
 namespace takt::sim {
 

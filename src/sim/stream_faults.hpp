@@ -4,9 +4,9 @@
 #include <deque>
 #include <map>
 
+#include "byte_stream.hpp"
 #include "fault_injector.hpp"
 #include "takt/bus/health.hpp"
-#include "takt/sim/byte_stream.hpp"
 
 namespace takt::sim {
 

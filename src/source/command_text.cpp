@@ -1,4 +1,4 @@
-#include "takt/source/command_text.hpp"
+#include "command_text.hpp"
 
 #include <algorithm>
 #include <array>

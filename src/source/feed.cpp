@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "command_text.hpp"
 #include "instrument_log.hpp"
+#include "outside.hpp"
 #include "takt/base/ascii.hpp"
 #include "takt/sim/generator.hpp"
 #include "takt/source/answer.hpp"
-#include "takt/source/command_text.hpp"
-#include "takt/source/outside.hpp"
 #include "takt/value/project_slots.hpp"
 
 namespace takt::source {

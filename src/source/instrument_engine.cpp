@@ -8,8 +8,8 @@
 #include <array>
 #include <utility>
 
+#include "command_text.hpp"
 #include "takt/base/assert.hpp"
-#include "takt/source/command_text.hpp"
 
 namespace takt::source {
 namespace {

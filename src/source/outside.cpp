@@ -1,4 +1,4 @@
-#include "takt/source/outside.hpp"
+#include "outside.hpp"
 
 #include <fcntl.h>
 

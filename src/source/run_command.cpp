@@ -12,8 +12,8 @@
 #include <cerrno>
 #include <chrono>
 
+#include "outside.hpp"
 #include "takt/source/answer.hpp"
-#include "takt/source/outside.hpp"
 
 namespace takt::source {
 namespace {

@@ -9,7 +9,7 @@
 #include "takt/capture/analysis.hpp"
 #include "takt/capture/capture_reader.hpp"
 #include "takt/capture/segment.hpp"
-#include "takt/capture/upper_pdu.hpp"
+#include "upper_pdu.hpp"
 
 namespace takt::capture {
 namespace frame_capture_test {

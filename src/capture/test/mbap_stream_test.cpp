@@ -1,4 +1,4 @@
-#include "takt/capture/mbap_stream.hpp"
+#include "mbap_stream.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

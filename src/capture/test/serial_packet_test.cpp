@@ -7,7 +7,7 @@
 
 #include "capture_bytes.hpp"
 #include "takt/capture/frame_capture.hpp"
-#include "takt/capture/upper_pdu.hpp"
+#include "upper_pdu.hpp"
 
 namespace takt::capture {
 namespace serial_packet_test {

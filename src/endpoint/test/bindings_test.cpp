@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "hook_chain.hpp"
 #include "loop_turn.hpp"
-#include "takt/endpoint/hook_chain.hpp"
 #include "takt/endpoint/pending_answers.hpp"
 #include "takt/line/loop.hpp"
 

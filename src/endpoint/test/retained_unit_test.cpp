@@ -1,5 +1,5 @@
 // Retained registers: the kept values, the time of a write's answer, and the effect of a failing disk.
-#include "takt/endpoint/retained_unit.hpp"
+#include "retained_unit.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <functional>
 
 #include "folder.hpp"
+#include "hook_chain.hpp"
 #include "support.hpp"
-#include "takt/endpoint/hook_chain.hpp"
 #include "tasks.hpp"
 
 namespace takt::endpoint {

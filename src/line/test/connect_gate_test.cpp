@@ -8,8 +8,8 @@
 
 #include <set>
 
+#include "backoff.hpp"
 #include "support.hpp"
-#include "takt/line/backoff.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/tcp_server.hpp"
 

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "takt/line/backoff.hpp"
-#include "takt/line/direction_switch.hpp"
-#include "takt/line/marked_input.hpp"
+#include "backoff.hpp"
+#include "direction_switch.hpp"
+#include "marked_input.hpp"
 
 namespace takt::line {
 namespace line_parts_test {

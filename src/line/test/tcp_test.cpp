@@ -4,9 +4,9 @@
 #include <sys/resource.h>
 
 #include "localhost.hpp"
+#include "resolver.hpp"
 #include "support.hpp"
 #include "takt/line/driver.hpp"
-#include "takt/line/resolver.hpp"
 #include "takt/line/socket.hpp"
 #include "takt/line/tcp_server.hpp"
 

@@ -1,4 +1,4 @@
-#include "takt/publish/history_work.hpp"
+#include "history_work.hpp"
 
 #include <gtest/gtest.h>
 

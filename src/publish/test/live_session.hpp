@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "mosquitto_pipe.hpp"
 #include "session_rig.hpp"
-#include "takt/publish/mosquitto_pipe.hpp"
 
 namespace takt::publish {
 

@@ -1,5 +1,5 @@
 // Sessions on the real pipe, with a real mosquitto.
-#include "takt/publish/mosquitto_pipe.hpp"
+#include "mosquitto_pipe.hpp"
 
 #include <gtest/gtest.h>
 

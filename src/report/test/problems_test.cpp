@@ -1,5 +1,5 @@
 // Why a running project is not in order.
-#include "takt/report/problems.hpp"
+#include "problems.hpp"
 
 #include <gtest/gtest.h>
 

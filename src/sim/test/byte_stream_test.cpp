@@ -1,4 +1,4 @@
-#include "takt/sim/byte_stream.hpp"
+#include "byte_stream.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "takt/sim/serial_bus.hpp"
+#include "serial_bus.hpp"
 
 #include <gtest/gtest.h>
 

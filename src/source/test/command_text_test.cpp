@@ -1,4 +1,4 @@
-#include "takt/source/command_text.hpp"
+#include "command_text.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,5 +1,5 @@
 // Files, commands and CSV columns, for real.
-#include "takt/source/outside.hpp"
+#include "outside.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
