@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "interpretation.hpp"
-#include "name_filter.hpp"
 #include "output_parts.hpp"
+#include "takt/model/name_filter.hpp"
 #include "takt/model/nearest.hpp"
 #include "takt/model/service.hpp"
 

@@ -8,6 +8,7 @@
 
 #include "problems.hpp"
 #include "takt/file/json_members.hpp"
+#include "takt/model/name_filter.hpp"
 #include "takt/model/service.hpp"
 #include "takt/report/command_report.hpp"
 #include "takt/report/event_report.hpp"
@@ -317,34 +318,10 @@ std::string value_age(const file::Json& value) {
     return age && !string_member(value, "device").empty() ? age_text(*age) : "";
 }
 
-bool matches_pattern(std::string_view pattern, std::string_view name) {
-    // Backtracks to the last `*` alone: linear in practice, at worst the product of the lengths.
-    std::size_t p = 0;
-    std::size_t n = 0;
-    std::size_t star = std::string_view::npos;
-    std::size_t from = 0;
-    while (n < name.size()) {
-        if (p < pattern.size() && pattern[p] == '*') {
-            star = p++;
-            from = n;
-        } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
-            ++p;
-            ++n;
-        } else if (star != std::string_view::npos) {
-            p = star + 1;
-            n = ++from;
-        } else {
-            return false;
-        }
-    }
-    return pattern.find_first_not_of('*', p) == std::string_view::npos;
-}
-
 }  // namespace
 
 bool name_matches(std::string_view pattern, std::string_view name) {
-    const bool has_wildcard = pattern.find_first_of("*?") != std::string_view::npos;
-    return has_wildcard ? matches_pattern(pattern, name) : name.find(pattern) != std::string_view::npos;
+    return model::is_wildcard(pattern) ? model::fits(name, pattern) : name.contains(pattern);
 }
 
 std::string_view link_word(const host::Snapshot::Line& line) {

@@ -1,4 +1,4 @@
-#include "../name_filter.hpp"
+#include "takt/model/name_filter.hpp"
 
 #include <gtest/gtest.h>
 

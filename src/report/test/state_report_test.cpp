@@ -244,7 +244,8 @@ TEST(StateReport, PatternsOfNames) {
     } cases[] = {{"", "Level", true},      {"eve", "Level", true},   {"level", "Level", false},
                  {"*", "", true},          {"L*l", "Level", true},   {"L*l", "Levels", false},
                  {"L???l", "Level", true}, {"L??l", "Level", false}, {"*e*e*", "Level", true},
-                 {"*a*", "Level", false},  {"?", "", false},         {"a**b", "ab", true}};
+                 {"*a*", "Level", false},  {"?", "", false},         {"a**b", "ab", true},
+                 {"Те?п", "Темп", true},   {"Те??п", "Темп", false}};
     for (const auto& [pattern, name, matches] : cases)
         EXPECT_EQ(name_matches(pattern, name), matches) << pattern << ' ' << name;
 }
