@@ -228,7 +228,7 @@ struct ControlServer::Impl {
             if (!oldest || client->last_command() < oldest->last_command()) oldest = client;
         }
         if (!oldest) return false;
-        const auto time = report::rough_time(line::now() - oldest->last_command());
+        const auto time = texts.duration(line::now() - oldest->last_command());
         oldest->dismiss(report::error_line("idle", texts("app.control.idle", {{"time", time}})));
         return true;
     }

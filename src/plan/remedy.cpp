@@ -12,6 +12,7 @@
 #include <span>
 #include <utility>
 
+#include "takt/model/scalar.hpp"
 #include "takt/plan/shares.hpp"
 
 namespace takt::plan {
@@ -31,13 +32,6 @@ constexpr std::array kBackoffs = {2s, 5s, 10s, 30s, 60s};
 constexpr std::array kRelayIntervals = {2s, 5s, 10s, 30s, 60s};
 constexpr std::size_t kMostParts = 16;  // of a long read
 constexpr std::size_t kMostSlowed = 8;  // requests that are slowed down while others are not
-
-std::string duration_text(Duration time) {
-    const auto whole = [&](auto unit) { return time % unit == Duration::zero(); };
-    if (whole(1s)) return fmt::format("{}s", time / 1s);
-    if (whole(1ms)) return fmt::format("{}ms", time / 1ms);
-    return fmt::format("{}us", time / 1us);
-}
 
 std::string device_path(std::size_t line, std::size_t device) {
     return fmt::format("lines[{}].devices[{}]", line, device);
@@ -71,7 +65,7 @@ std::vector<Step> turnarounds() {
                 const Duration shorter = std::max<Duration>(limit, least_wait(device));
                 if (device.expected_turnaround() || device.response_timeout <= shorter) continue;
                 editor.note_device(d, "turnaround", device.learn_turnaround ? "learn" : "",
-                                   duration_text(shorter));
+                                   model::to_text(shorter));
                 device.turnaround = shorter;
             }
         });
@@ -90,8 +84,8 @@ std::vector<Step> time_outs() {
                 const Duration shorter =
                     std::max({Duration(time_out), *device.turnaround, least_wait(device)});
                 if (device.response_timeout <= shorter) continue;
-                editor.note_device(d, "response_timeout", duration_text(device.response_timeout),
-                                   duration_text(shorter));
+                editor.note_device(d, "response_timeout", model::to_text(device.response_timeout),
+                                   model::to_text(shorter));
                 device.response_timeout = shorter;
             }
         });
@@ -237,8 +231,8 @@ std::vector<Step> relay_interval(const model::Line& line) {
     for (const Duration interval : kRelayIntervals)
         if (interval > line.relay_interval)
             steps.emplace_back([interval](Editor& editor) {
-                editor.note_line("relay_interval", duration_text(editor.line().relay_interval),
-                                 duration_text(interval));
+                editor.note_line("relay_interval", model::to_text(editor.line().relay_interval),
+                                 model::to_text(interval));
                 editor.line().relay_interval = interval;
             });
     return steps;
@@ -259,7 +253,7 @@ std::vector<Step> attempts() {
         steps.emplace_back([=](Editor& editor) {
             auto& project = editor.project();
             if (project.backoff.first >= first) return;
-            editor.note_project("backoff", duration_text(project.backoff.first), duration_text(first));
+            editor.note_project("backoff", model::to_text(project.backoff.first), model::to_text(first));
             project.backoff.first = first;
             project.backoff.limit = std::max(project.backoff.limit, first);
         });
@@ -322,7 +316,7 @@ void Editor::note_period(std::size_t device, std::size_t variable, Duration from
         return;
     }
     note(fmt::format("{}.variables[{}]", device_path(number_, device), variable),
-         line().devices[device].variables[variable].name, "period", duration_text(from), duration_text(to));
+         line().devices[device].variables[variable].name, "period", model::to_text(from), model::to_text(to));
 }
 
 }  // namespace takt::plan

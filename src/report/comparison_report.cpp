@@ -18,29 +18,33 @@ constexpr std::size_t kCostBarWidth = 24;  // characters
 /// A column of the table: its heading, its text for a cost, and the saving below it.
 struct CostFigure {
     const char* heading;
-    std::string (*cost)(const plan::Cost&);
+    std::string (*cost)(const Texts&, const plan::Cost&);
     double plan::Saving::* saved;
 };
 
-const CostFigure kRequestsFigure{"app.requests",
-                                 [](const plan::Cost& cost) { return std::to_string(cost.requests); },
-                                 &plan::Saving::requests};
+const CostFigure kRequestsFigure{
+    "app.requests", [](const Texts&, const plan::Cost& cost) { return std::to_string(cost.requests); },
+    &plan::Saving::requests};
 const CostFigure kRequestRateFigure{
     "app.requests_per_second",
-    [](const plan::Cost& cost) { return per_second_text(cost.requests_per_second); },
+    [](const Texts&, const plan::Cost& cost) { return per_second_text(cost.requests_per_second); },
     &plan::Saving::requests_per_second};
-const CostFigure kBytesFigure{"app.bytes", [](const plan::Cost& cost) { return std::to_string(cost.bytes); },
+const CostFigure kBytesFigure{"app.bytes",
+                              [](const Texts&, const plan::Cost& cost) { return std::to_string(cost.bytes); },
                               &plan::Saving::bytes};
 const CostFigure kByteRateFigure{
-    "app.bytes_per_second", [](const plan::Cost& cost) { return per_second_text(cost.bytes_per_second); },
+    "app.bytes_per_second",
+    [](const Texts&, const plan::Cost& cost) { return per_second_text(cost.bytes_per_second); },
     &plan::Saving::bytes_per_second};
-const CostFigure kBusTimeFigure{"app.bus_time",
-                                [](const plan::Cost& cost) { return milliseconds_text(cost.bus_time); },
-                                &plan::Saving::bus_time};
+const CostFigure kBusTimeFigure{
+    "app.bus_time", [](const Texts& texts, const plan::Cost& cost) { return texts.duration(cost.bus_time); },
+    &plan::Saving::bus_time};
 const CostFigure kCycleFigure{
-    "app.cycle", [](const plan::Cost& cost) { return milliseconds_text(cost.cycle); }, &plan::Saving::cycle};
+    "app.cycle", [](const Texts& texts, const plan::Cost& cost) { return texts.duration(cost.cycle); },
+    &plan::Saving::cycle};
 const CostFigure kBusyFigure{
-    "app.line_busy", [](const plan::Cost& cost) { return fmt::format("{:.1f} %", cost.utilization * 100); },
+    "app.line_busy",
+    [](const Texts&, const plan::Cost& cost) { return fmt::format("{:.1f} %", cost.utilization * 100); },
     &plan::Saving::utilization};
 
 std::vector<CostFigure> cost_figures(const plan::Comparison& comparison) {
@@ -80,7 +84,7 @@ TextTable comparison_table(const Texts& texts, const std::string& line, const pl
     for (const auto& row : rows) widest = std::max(widest, bar_value(comparison, *row.cost));
     for (const auto& row : rows) {
         cells = {row.name};
-        for (const auto& figure : shown) cells.push_back(figure.cost(*row.cost));
+        for (const auto& figure : shown) cells.push_back(figure.cost(texts, *row.cost));
         cells.push_back(widest > 0 ? eighths_bar(bar_value(comparison, *row.cost) / widest, bar_width)
                                    : std::string());
         table.add(cells);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include "takt/report/text_table.hpp"
@@ -22,9 +23,8 @@ std::string share_text(double share) {
     return fmt::format("{:.2f} %", share * kPercent);
 }
 
-std::string time_text(double seconds) {
-    if (seconds < 1e-3) return fmt::format("{:.1f} µs", seconds * kMicro);
-    return seconds < 1 ? fmt::format("{:.3f} ms", seconds * 1e3) : fmt::format("{:.3f} s", seconds);
+Duration of_seconds(double seconds) {
+    return Duration(std::llround(seconds * 1e9));
 }
 
 std::string rows_text(const Texts& texts, const FirmwareEstimate& estimate) {
@@ -37,13 +37,12 @@ std::string rows_text(const Texts& texts, const FirmwareEstimate& estimate) {
                    texts(holds ? "app.firmware.holds" : "app.firmware.fails")});
     };
     const auto add_times = [&](const char* subject, std::string value, const Deviation& deviation) {
-        add(subject, std::move(value), time_text(deviation.greatest), time_text(deviation.allowed),
-            deviation.holds());
+        add(subject, std::move(value), texts.duration(of_seconds(deviation.greatest)),
+            texts.duration(of_seconds(deviation.allowed)), deviation.holds());
     };
     const auto ticks = [&](const plan::MeasuredSilence& silence) {
         return texts("app.firmware.ticks",
-                     {{"time", time_text(std::chrono::duration<double>(silence.time).count())},
-                      {"ticks", std::to_string(silence.ticks)}});
+                     {{"time", texts.duration(silence.time)}, {"ticks", std::to_string(silence.ticks)}});
     };
     add("app.firmware.rate",
         texts("app.firmware.divided", {{"rate", fmt::format("{:.1f}", estimate.bit_rate)},

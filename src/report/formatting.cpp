@@ -25,29 +25,13 @@ std::string percent_text(double share) {
     return fmt::format("{:.1f} %", share * 100);
 }
 
-std::string milliseconds_text(Duration duration) {
-    const double ms = milliseconds(duration);
-    return fmt::format("{:.{}f} ms", ms, ms < 10 ? 2 : ms < 100 ? 1 : 0);
-}
-
-std::string turn_text(Duration period, Duration phase) {
-    std::string text = milliseconds_text(period);
-    if (phase == Duration::zero()) return text;
-    return fmt::format("{} +{}", text, milliseconds(phase));
+std::string turn_text(const Texts& texts, Duration period, Duration phase) {
+    const auto text = texts.duration(period);
+    return phase == Duration::zero() ? text : text + " +" + texts.exact(phase);
 }
 
 std::int64_t whole_microseconds(Duration duration) {
     return std::chrono::ceil<std::chrono::microseconds>(duration).count();
-}
-
-std::string seconds_text(Duration duration) {
-    return fmt::format("{:.1f} s", static_cast<double>(duration.count()) / 1e9);
-}
-
-std::string downtime_text(Duration duration) {
-    if (duration < std::chrono::seconds(100)) return seconds_text(duration);
-    const auto seconds = duration / std::chrono::seconds(1);
-    return fmt::format("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
 }
 
 std::string availability_text(std::optional<double> share) {

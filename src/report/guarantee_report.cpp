@@ -22,7 +22,7 @@ file::Json time_json(const std::optional<Duration>& time) {
 }
 
 std::string time_or_none(const Texts& texts, const std::optional<Duration>& time) {
-    return time ? plan::time_text(*time) : texts("app.unbounded");
+    return time ? texts.exact(*time) : texts("app.unbounded");
 }
 
 std::string kind_text(const Texts& texts, const plan::Measure& measure, plan::MeasureKind kind) {
@@ -45,7 +45,7 @@ std::string measure_text(const Texts& texts, const plan::Measure& measure) {
         texts("app.plan.measure", {{"variable", measure.variable},
                                    {"before", time_or_none(texts, measure.before)},
                                    {"after", time_or_none(texts, measure.after)},
-                                   {"deadline", plan::time_text(measure.deadline)},
+                                   {"deadline", texts.exact(measure.deadline)},
                                    {"utilization_before", percent_text(measure.utilization_before)},
                                    {"utilization_after", percent_text(measure.utilization_after)}});
     return fmt::format("  - {}\n      {}\n{}", measure_title(texts, measure), figures,

@@ -40,12 +40,6 @@ std::string plain_milliseconds_text(Duration time) {
     return fmt::format("{:.3f}", milliseconds(time));
 }
 
-std::string short_milliseconds_text(Duration time) {
-    constexpr double kMostDigits = 1e6;
-    const double value = milliseconds(time);
-    return value < kMostDigits ? fmt::format("{:.6g} ms", value) : fmt::format("{:.0f} ms", value);
-}
-
 /// Prints rows of series.
 class SeriesRows {
 public:
@@ -329,7 +323,7 @@ LatencyVerdict latency_verdict(const capture::LatencyReport& report) {
 std::string latency_verdict_text(const Texts& texts, const capture::LatencyReport& report) {
     const auto verdict = latency_verdict(report);
     const auto language = texts.language();
-    const std::string limit = short_milliseconds_text(report.config().limit.value_or(Duration::zero()));
+    const std::string limit = texts.exact(report.config().limit.value_or(Duration::zero()));
     if (verdict.exchanges == 0) return texts("app.latency.undecided", {{"limit", limit}});
     auto text = texts(verdict.kept() ? "app.latency.kept" : "app.latency.exceeded",
                       {{"limit", limit},

@@ -47,10 +47,8 @@ double positive_us(Duration time) {
     return std::max(static_cast<double>(time.count()) / 1e3, kLeastUs);
 }
 
-std::string us_text(double value) {
-    return value < 1000  ? fmt::format("{:g} µs", value)
-           : value < 1e6 ? fmt::format("{:g} ms", value / 1e3)
-                         : fmt::format("{:g} s", value / 1e6);
+Duration of_us(double value) {
+    return Duration(std::llround(value * 1e3));
 }
 
 /// 1, 2 and 5 times powers of ten, or powers alone over more than three decades.
@@ -140,7 +138,7 @@ private:
         }
         for (const double value : log_ticks(axis_.least, axis_.greatest)) {
             svg_.line(x(value), top, x(value), bottom, "grid");
-            svg_.text(x(value), bottom + 16, "tick", us_text(value));
+            svg_.text(x(value), bottom + 16, "tick", texts_.duration(of_us(value)));
         }
         const double width = kLatencyPlotWidth / kHistogramBars;
         for (std::size_t i = 0; i < kHistogramBars; ++i) {
@@ -187,7 +185,7 @@ private:
         for (const double value : log_ticks(axis_.least, axis_.greatest)) {
             const double at = bottom - axis_.share(value) * kLatencyPlotHeight;
             svg_.line(kChartLeft, at, kChartLeft + kLatencyPlotWidth, at, "grid");
-            svg_.text(kChartLeft - 6, at + 4, "value", us_text(value));
+            svg_.text(kChartLeft - 6, at + 4, "value", texts_.duration(of_us(value)));
         }
         draw_times_of_day(line, top, bottom);
         std::string mean;

@@ -16,12 +16,6 @@ constexpr std::array kReadFunctions{wire::Function::read_coils, wire::Function::
                                     wire::Function::read_holding_registers,
                                     wire::Function::read_input_registers};
 
-std::string learnt_age_text(const Texts& texts, Duration age) {
-    const auto minutes = std::chrono::floor<std::chrono::minutes>(age).count();
-    return texts("app.learnt.age",
-                 {{"hours", std::to_string(minutes / 60)}, {"minutes", std::to_string(minutes % 60)}});
-}
-
 /// The items of one function of one device.
 struct KnownItems {
     std::size_t device = 0;
@@ -77,7 +71,7 @@ std::string known_text(const Texts& texts, const KnownItems& known) {
                            return texts("app.learnt.refused_range",
                                         {{"items", range_text(refused.items)},
                                          {"exception", std::to_string(refused.exception)},
-                                         {"age", learnt_age_text(texts, refused.checked)}});
+                                         {"age", texts.duration(refused.checked)}});
                        })}}));
     if (!known.untried.empty())
         append(texts("app.learnt.untried_items", {{"items", range_list_text(known.untried, range_text)}}));

@@ -33,9 +33,9 @@ std::string line_times_text(const Texts& texts, const poll::LineTimes& times) {
         if (part.count > 0)
             text += "  " +
                     texts("app.times.part", {{"part", texts(code)},
-                                             {"p50", milliseconds_text(part.p50)},
-                                             {"p99", milliseconds_text(part.p99)},
-                                             {"longest", milliseconds_text(part.longest)}}) +
+                                             {"p50", texts.duration(part.p50)},
+                                             {"p99", texts.duration(part.p99)},
+                                             {"longest", texts.duration(part.longest)}}) +
                     '\n';
     return text;
 }

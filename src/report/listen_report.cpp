@@ -40,7 +40,7 @@ std::string exchange_remarks(const Texts& texts, const Exchange& exchange) {
     const auto add = [&](const std::string& remark) { text += "; " + remark; };
     switch (exchange.outcome) {
         case Outcome::answered:
-        case Outcome::exception: add(milliseconds_text(exchange.response_time)); break;
+        case Outcome::exception: add(texts.duration(exchange.response_time)); break;
         case Outcome::unanswered: add(texts("app.listen.no_response")); break;
         case Outcome::broadcast: add(texts("app.listen.broadcast")); break;
         case Outcome::open: add(texts("app.listen.open")); break;
@@ -64,10 +64,10 @@ std::string poll_text(const listen::PollKey& key) {
     return key.quantity > 1 ? text + fmt::format("..{}", key.start + key.quantity - 1) : text;
 }
 
-std::string heard_period_text(const Poll::Period& period) {
+std::string heard_period_text(const Texts& texts, const Poll::Period& period) {
     if (period.median == Duration::zero()) return {};
-    return fmt::format("{} ({} – {})", milliseconds_text(period.median), milliseconds_text(period.least),
-                       milliseconds_text(period.greatest));
+    return fmt::format("{} ({} – {})", texts.duration(period.median), texts.duration(period.least),
+                       texts.duration(period.greatest));
 }
 
 std::string count_text(std::uint64_t count) {
@@ -140,7 +140,7 @@ std::string polls_table(const Texts& texts, const ListenRun& run, const MasterNu
             const auto number = numbers.find({unit, i});
             table.add({std::to_string(unit), poll_text(poll.key),
                        number != numbers.end() ? std::to_string(number->second) : std::string(),
-                       heard_period_text(poll.period()), std::to_string(poll.requests),
+                       heard_period_text(texts, poll.period()), std::to_string(poll.requests),
                        std::to_string(poll.normal + poll.exceptions), count_text(poll.unanswered),
                        count_text(poll.repeats)});
         }
@@ -157,7 +157,7 @@ std::string masters_text(const Texts& texts, const std::vector<listen::HeardMast
         const auto& master = masters[i];
         text += "  " +
                 texts("app.listen.master_line", {{"number", std::to_string(i + 1)},
-                                                 {"cycle", heard_period_text(master.cycle)},
+                                                 {"cycle", heard_period_text(texts, master.cycle)},
                                                  {"polls", std::to_string(master.polls.size())},
                                                  {"requests", std::to_string(master.requests)}}) +
                 '\n';
@@ -177,7 +177,7 @@ std::string line_head(const Texts& texts, const ListenRun& run) {
         {{"port", run.one_of_several ? texts("app.listen.of_line", {{"file", run.port}, {"line", run.line}})
                                      : run.port},
          {"setting", line_setting_text(run.connection, run.has_settings)},
-         {"time", seconds_text(counts.last - counts.first)}});
+         {"time", texts.duration(counts.last - counts.first)}});
     if (run.has_settings)
         text += ", " + texts("app.listen.busy", {{"share", percent_text(busy_share(counts))}});
     text += '\n' + texts("app.listen.counts", {{"requests", std::to_string(counts.requests)},

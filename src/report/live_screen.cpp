@@ -37,8 +37,8 @@ bool has_trouble(const host::Snapshot::Line& line) {
            std::ranges::any_of(line.requests, &poll::RequestStatistics::overrun);
 }
 
-std::string cycle_text(Duration cycle) {
-    return cycle > Duration::zero() ? milliseconds_text(cycle) : "–";
+std::string cycle_text(const Texts& texts, Duration cycle) {
+    return cycle > Duration::zero() ? texts.duration(cycle) : "–";
 }
 
 std::string live_line_text(const Texts& texts, const host::Snapshot& snapshot, std::size_t index) {
@@ -46,8 +46,8 @@ std::string live_line_text(const Texts& texts, const host::Snapshot& snapshot, s
     auto text = texts("app.ctl.line", {{"line", snapshot.configuration->project().lines[index].name},
                                        {"state", texts(fmt::format("app.link.{}", link_word(line)))},
                                        {"load", percent_text(line.statistics.recent_utilization)},
-                                       {"measured", cycle_text(line.statistics.measured_cycle)},
-                                       {"planned", cycle_text(line.statistics.planned_cycle)}});
+                                       {"measured", cycle_text(texts, line.statistics.measured_cycle)},
+                                       {"planned", cycle_text(texts, line.statistics.planned_cycle)}});
     const auto overrun = std::ranges::count_if(line.requests, &poll::RequestStatistics::overrun);
     if (overrun > 0)
         text += texts("app.ctl.overrun", {{"count", std::to_string(overrun)},
@@ -85,10 +85,10 @@ std::string live_times_text(const Texts& texts, const host::Snapshot& snapshot, 
             late += (late.empty() ? "" : ", ") +
                     texts("app.live.late.device", {{"device", devices[d].name},
                                                    {"late", std::to_string(measured.late)},
-                                                   {"lateness", milliseconds_text(measured.lateness)}});
+                                                   {"lateness", texts.duration(measured.lateness)}});
         if (measured.exchanges > 0)
-            turnaround += (turnaround.empty() ? "" : ", ") + devices[d].name + ' ' +
-                          milliseconds_text(measured.longest);
+            turnaround +=
+                (turnaround.empty() ? "" : ", ") + devices[d].name + ' ' + texts.duration(measured.longest);
     }
     if (!late.empty()) late = texts("app.live.late", {{"devices", late}});
     if (!turnaround.empty()) turnaround = texts("app.live.turnaround", {{"devices", turnaround}});
@@ -182,7 +182,7 @@ std::vector<std::string> value_row(const Texts& texts, const host::Snapshot& sna
     const bool aged = !info.local && slot.sampled_at;
     return {device_name(configuration, id), info.name,
             value::is_empty(slot.value) ? "–" : value_text(configuration, id, slot.value),
-            aged ? age_text(std::max(Duration{}, snapshot.t - *slot.sampled_at)) : "",
+            aged ? texts.duration(std::max(Duration{}, snapshot.t - *slot.sampled_at)) : "",
             slot.quality == Quality::good ? "" : texts.quality(slot.quality, slot.reason)};
 }
 

@@ -94,8 +94,9 @@ std::string output_line(const Texts& texts, const file::Json& output) {
          {"delivered", scalar_text(member(output, "delivered"))},
          {"waiting", scalar_text(member(output, "waiting"))}});
     if (const auto* const age = output.find("oldest_waiting_ms"); age != nullptr && !age->is_null())
-        text += texts("app.output.oldest",
-                      {{"age", age_text(time_member(output, "oldest_waiting_ms").value_or(Duration{}))}});
+        text +=
+            texts("app.output.oldest",
+                  {{"age", texts.duration(time_member(output, "oldest_waiting_ms").value_or(Duration{}))}});
     if (const auto dropped = scalar_text(member(output, "dropped")); !dropped.empty() && dropped != "0")
         text += texts("app.output.dropped", {{"count", dropped}});
     if (const auto gaps = scalar_text(member(output, "gaps")); !gaps.empty() && gaps != "0")
@@ -121,7 +122,7 @@ std::string output_line(const Texts& texts, const file::Json& output) {
     if (!torn.empty() && torn != "0") text += texts("app.output.torn", {{"count", torn}});
     const auto waits =
         journal != nullptr ? time_member(*journal, "disk_waits_ms").value_or(Duration{}) : Duration{};
-    if (waits > Duration{}) text += texts("app.output.disk_waits", {{"age", age_text(waits)}});
+    if (waits > Duration{}) text += texts("app.output.disk_waits", {{"age", texts.duration(waits)}});
     if (const auto aside = journal != nullptr ? scalar_text(member(*journal, "set_aside")) : std::string();
         !aside.empty())
         text += texts("app.output.journal_set_aside", {{"file", aside}});

@@ -85,7 +85,8 @@ std::string owen_entries_text(const Texts& texts, const table::OwenTable& table,
                   bit ? fmt::format("{} {}", owen_type_name(entry), entry.type_and_bit >> 4)
                       : owen_type_name(entry),
                   fmt::format("{} {} × {}", function_column(entry), entry.start, entry.quantity),
-                  fmt::format("0x{:02X}", entry.flags), own ? fmt::format("{} ms", entry.period_ms) : "–",
+                  fmt::format("0x{:02X}", entry.flags),
+                  own ? texts.duration(std::chrono::milliseconds(entry.period_ms)) : "–",
                   std::to_string(entry.data),
                   index_column(entry.read_trigger) + " / " + index_column(entry.write_trigger),
                   index_column(entry.status)});

@@ -90,12 +90,14 @@ std::vector<std::vector<std::size_t>> rows_by_turn(const std::vector<plan::Reque
     return rows;
 }
 
-/// "1000 ms +200 +400".
-std::string turns_text(const std::vector<plan::Request>& requests, const std::vector<std::size_t>& turns) {
+/// "1 s +200, 400 ms".
+std::string turns_text(const Texts& texts, const std::vector<plan::Request>& requests,
+                       const std::vector<std::size_t>& turns) {
     constexpr std::size_t kMostPhases = 6;
-    std::string text = milliseconds_text(*requests[turns.front()].period);
+    std::string text = texts.duration(*requests[turns.front()].period);
     for (std::size_t i = 0; i < std::min(turns.size(), kMostPhases); ++i)
-        text += fmt::format(" +{}", milliseconds(requests[turns[i]].phase));
+        text += fmt::format("{}{}", i == 0 ? " +" : ", ", milliseconds(requests[turns[i]].phase));
+    text += ' ' + texts("unit.ms");
     if (turns.size() > kMostPhases) text += fmt::format(" … ({})", turns.size());
     return text;
 }
@@ -110,18 +112,18 @@ std::vector<std::string> figure_headings(const Texts& texts, const plan::LineGua
 }
 
 /// @param turns  the requests of one row
-std::vector<std::string> figure_cells(const plan::LinePlan& planned, const std::vector<std::size_t>& turns,
-                                      const plan::Shares& shares, const plan::LineGuarantee* guarantee,
-                                      Figures figures) {
-    const auto cell = [](const std::optional<Duration>& time) {
-        return time ? milliseconds_text(*time) : std::string(kDash);
+std::vector<std::string> figure_cells(const Texts& texts, const plan::LinePlan& planned,
+                                      const std::vector<std::size_t>& turns, const plan::Shares& shares,
+                                      const plan::LineGuarantee* guarantee, Figures figures) {
+    const auto cell = [&](const std::optional<Duration>& time) {
+        return time ? texts.duration(*time) : std::string(kDash);
     };
     const auto* const bound = guarantee ? &guarantee->requests[turns.front()] : nullptr;
     if (bound && figures == Figures::proof)
         return {cell(bound->transaction), cell(bound->response), cell(bound->deadline), cell(bound->age)};
     double share = 0;
     for (const std::size_t turn : turns) share += shares.requests[turn];
-    std::vector<std::string> cells{milliseconds_text(planned.requests[turns.front()].bus_time),
+    std::vector<std::string> cells{texts.duration(planned.requests[turns.front()].bus_time),
                                    share > 0 ? percent_text(share) : kDash};
     if (bound) cells.push_back(cell(bound->age));
     return cells;
@@ -150,8 +152,10 @@ std::string requests_text(const Texts& texts, const model::Project& project, con
         const auto& request = planned.requests[turns.front()];
         const auto& device = line.devices[request.device];
         add({device.name, std::to_string(device.address.value), request_text(request),
-             turns.size() > 1 ? turns_text(planned.requests, turns) : when_text(texts, project, request)},
-            figure_cells(planned, turns, shares, guarantee, style.figures), variables_text(device, request));
+             turns.size() > 1 ? turns_text(texts, planned.requests, turns)
+                              : when_text(texts, project, request)},
+            figure_cells(texts, planned, turns, shares, guarantee, style.figures),
+            variables_text(device, request));
     }
     const auto rows = table.lines(style.columns - std::min(style.columns, kRowIndent.size()));
     std::string text = std::string(kRowIndent) + rows.front() + '\n';
@@ -211,7 +215,7 @@ std::string causes_text(const Texts& texts, const RequestCauses& causes) {
     const auto append = [&when](const std::string& text) { when += (when.empty() ? "" : ", ") + text; };
     if (causes.period)
         append(*causes.period == Duration::zero() ? texts("app.when.always")
-                                                  : turn_text(*causes.period, causes.phase));
+                                                  : turn_text(texts, *causes.period, causes.phase));
     if (!causes.read_trigger.empty())
         append(texts("app.when.read_trigger", {{"local", causes.read_trigger}}));
     if (causes.on_change) append(texts("app.when.change"));
@@ -241,7 +245,7 @@ std::string line_heading(const Texts& texts, const model::Project& project, cons
     return texts("app.plan.line", {{"line", line.name},
                                    {"framing", std::string(wire::name(line.framing)) + baud_text(line)},
                                    {"requests", requests},
-                                   {"cycle", milliseconds_text(planned.cycle)},
+                                   {"cycle", texts.duration(planned.cycle)},
                                    {"utilization", percent_text(plan::busy(planned))}});
 }
 

@@ -183,7 +183,7 @@ std::string probe_summary(const Texts& texts, const ProbeFindings& findings, con
     return text +
            texts("app.probe.summary", {{"requests", std::to_string(findings.requests())},
                                        {"sent", std::to_string(run.transmissions)},
-                                       {"time", rough_time(run.duration)}}) +
+                                       {"time", texts.duration(run.duration)}}) +
            '\n';
 }
 

@@ -302,7 +302,7 @@ private:
 
     [[nodiscard]] std::string tried() const {
         return texts_("problem.tried.probe", {{"attempts", std::to_string(settings().attempts)},
-                                              {"pause", age_text(device().back_off)}});
+                                              {"pause", texts_.duration(device().back_off)}});
     }
 
     /// Only the transaction id of the last response is another one.
@@ -562,7 +562,7 @@ std::string problem_line(const Texts& texts, const file::Json& problem) {
                                            {"of", count_member(problem, "of")},
                                            {"percent", percent_text(*of > 0 ? *count / *of : 0)}});
     if (const auto since = time_member(problem, "since_ms"))
-        text += texts("problem.since", {{"age", age_text(*since)}});
+        text += texts("problem.since", {{"age", texts.duration(*since)}});
     std::vector<std::string> names;
     for (const auto& name : array_member(problem, "variables"))
         names.push_back(std::get<std::string>(name.value()));

@@ -23,18 +23,6 @@ std::size_t done_percent(const Done& done) {
 
 }  // namespace
 
-std::string rough_time(Duration time) {
-    const auto seconds = std::max<std::int64_t>(time / 1s, 0);
-    if (seconds < 60) return fmt::format("{} s", seconds);
-    const auto parts = [](std::int64_t whole, const char* large, std::int64_t rest, const char* small) {
-        auto text = fmt::format("{} {}", whole, large);
-        if (rest > 0) text += fmt::format(" {} {}", rest, small);
-        return text;
-    };
-    if (seconds < 3600) return parts(seconds / 60, "min", seconds % 60, "s");
-    return parts(seconds / 3600, "h", seconds / 60 % 60, "min");
-}
-
 std::string progress_bar(std::size_t done, std::size_t total, std::size_t width) {
     const std::size_t full = total == 0 ? 0 : std::min(done, total) * width / total;
     return '[' + std::string(full, '#') + std::string(width - full, '-') + ']';
@@ -53,8 +41,9 @@ std::string progress_line(const Texts& texts, const Done& done, Duration elapsed
     const double left =
         seconds / static_cast<double>(done.done) * static_cast<double>(done.total - done.done);
     const double nanoseconds = std::min(left * 1e9, kMostNanoseconds);
-    return text + texts("app.progress.left",
-                        {{"time", rough_time(Duration(static_cast<std::int64_t>(nanoseconds)))}});
+    return text +
+           texts("app.progress.left", {{"time", texts.duration(std::chrono::floor<std::chrono::seconds>(
+                                                    Duration(static_cast<std::int64_t>(nanoseconds))))}});
 }
 
 std::string progress_with_bar(const Texts& texts, const Done& done, Duration elapsed, const std::string& what,

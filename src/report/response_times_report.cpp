@@ -68,9 +68,9 @@ std::string turnaround_text(const Texts& texts, const model::Device& device,
                              : device.learn_turnaround ? "app.turnaround.learnt"
                                                        : "app.turnaround.measured";
     const std::string p999 =
-        measured.has_p999() ? texts("app.turnaround.p999", {{"p999", milliseconds_text(measured.p999)}}) : "";
+        measured.has_p999() ? texts("app.turnaround.p999", {{"p999", texts.duration(measured.p999)}}) : "";
     return texts(code, {{"device", device.name},
-                        {"longest", milliseconds_text(measured.longest)},
+                        {"longest", texts.duration(measured.longest)},
                         {"p999", p999},
                         {"count", std::to_string(measured.exchanges)},
                         {"advised", advised_turnaround(device, measured)}});
@@ -82,7 +82,7 @@ std::string late_responses_text(const Texts& texts, const model::Device& device,
     return texts("app.late_responses", {{"device", device.name},
                                         {"late", std::to_string(measured.late)},
                                         {"attempts", std::to_string(measured.attempts)},
-                                        {"lateness", milliseconds_text(measured.lateness)}});
+                                        {"lateness", texts.duration(measured.lateness)}});
 }
 
 std::string response_times_text(const Texts& texts, const model::Device& device,

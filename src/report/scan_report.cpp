@@ -151,7 +151,7 @@ std::string identity_text(const discover::UnitIdentity& identity) {
 
 std::string device_line(const Texts& texts, const FoundDevice& device) {
     auto line = fmt::format("{} --unit {}  {}", url_of(device.line), device.unit.unit.value,
-                            milliseconds_text(device.unit.response_time));
+                            texts.duration(device.unit.response_time));
     for (const auto& part : {identity_text(device.unit.identity), proof_text(texts, device.unit),
                              found_unit_remarks(texts, device.unit)})
         if (!part.empty()) line += "  " + part;
@@ -220,7 +220,7 @@ std::string scan_project(const Texts& texts, const ScanFindings& findings,
 std::string scan_summary(const Texts& texts, const ScanFindings& findings) {
     const Texts::Arguments arguments{{"count", std::to_string(findings.devices.size())},
                                      {"requests", std::to_string(findings.requests)},
-                                     {"time", rough_time(findings.duration)},
+                                     {"time", texts.duration(findings.duration)},
                                      {"absent", std::to_string(findings.absent_hosts)}};
     auto text = texts("app.scan.summary", arguments) + '\n';
     if (findings.absent_hosts > 0) text += texts("app.scan.absent", arguments) + '\n';

@@ -15,12 +15,6 @@ namespace {
 using selftest::Subject;
 using timing::LatencyStatistics;
 
-std::string sample_time_text(Duration time) {
-    using std::chrono::microseconds;
-    if (time >= std::chrono::milliseconds(1)) return milliseconds_text(time);
-    return std::to_string(std::chrono::round<microseconds>(time).count()) + " µs";
-}
-
 /// Counts in rows that end at 1, 2, 5, 10 µs and so on.
 struct HistogramRow {
     Duration upper{};
@@ -55,11 +49,11 @@ std::string bar_of(std::uint64_t count) {
     return std::string(length, '#');
 }
 
-std::string histogram_text(const LatencyStatistics& statistics) {
+std::string histogram_text(const Texts& texts, const LatencyStatistics& statistics) {
     using enum TextTable::Align;
     TextTable table({right, right, left});
     for (const auto& row : histogram_rows(statistics))
-        table.add({"< " + sample_time_text(row.upper), std::to_string(row.count), bar_of(row.count)});
+        table.add({"< " + texts.duration(row.upper), std::to_string(row.count), bar_of(row.count)});
     return table.render("  ");
 }
 
@@ -68,7 +62,7 @@ void add_rows(TextTable& table, const Texts& texts, const SelftestRun& run) {
         const auto& measured = run[static_cast<std::size_t>(subject)];
         if (!measured) continue;
         const bool any = measured->count() > 0;
-        const auto text = [&](Duration time) { return any ? sample_time_text(time) : std::string("–"); };
+        const auto text = [&](Duration time) { return any ? texts.duration(time) : std::string("–"); };
         table.add({"  " + texts("selftest." + std::string(name(subject))), std::to_string(measured->count()),
                    text(measured->min()), text(measured->percentile(50)), text(measured->percentile(99)),
                    text(measured->percentile(99.9)), text(measured->max())});
@@ -152,7 +146,7 @@ std::string selftest_text(const Texts& texts, const SelftestReport& report) {
         if (!measured || measured->count() == 0) continue;
         text += '\n' +
                 texts("selftest.histogram", {{"subject", texts("selftest." + std::string(name(subject)))}}) +
-                '\n' + histogram_text(*measured);
+                '\n' + histogram_text(texts, *measured);
     }
     if (!is_whole(report.idle) || !is_whole(report.loaded))
         return text + '\n' + texts("selftest.no_host") + '\n';

@@ -233,9 +233,9 @@ file::Json line_state_json(const Texts& texts, const host::Snapshot& snapshot, s
 
 // ---- text of JSON
 
-std::string milliseconds_or_dash(const file::Json& object, std::string_view key) {
+std::string milliseconds_or_dash(const Texts& texts, const file::Json& object, std::string_view key) {
     const auto time = time_member(object, key);
-    return time ? milliseconds_text(*time) : "–";
+    return time ? texts.duration(*time) : "–";
 }
 
 std::string percentage_or_dash(const file::Json& object, std::string_view key) {
@@ -276,8 +276,8 @@ std::string line_state_text(const Texts& texts, const file::Json& line, std::siz
         texts("app.ctl.line", {{"line", string_member(line, "name")},
                                {"state", word_text(texts, "app.link.", string_member(line, "state"))},
                                {"load", percent_text(number_member(line, "load").value_or(0))},
-                               {"measured", milliseconds_or_dash(line, "measured_cycle_ms")},
-                               {"planned", milliseconds_or_dash(line, "planned_cycle_ms")}});
+                               {"measured", milliseconds_or_dash(texts, line, "measured_cycle_ms")},
+                               {"planned", milliseconds_or_dash(texts, line, "planned_cycle_ms")}});
     if (count_member(line, "overrun") != "0")
         text += texts("app.ctl.overrun", {{"count", count_member(line, "overrun")},
                                           {"requests", count_member(line, "requests")}});
@@ -293,7 +293,7 @@ std::string line_state_text(const Texts& texts, const file::Json& line, std::siz
                    device_state_text(texts, string_member(device, "state"), string_member(device, "cause"),
                                      device.find("fails_often") != nullptr),
                    values_counted(texts, member(device, "values")),
-                   milliseconds_or_dash(device, "response_ms"), count_member(device, "sent"),
+                   milliseconds_or_dash(texts, device, "response_ms"), count_member(device, "sent"),
                    count_member(device, "failed"), count_member(device, "outages"),
                    percentage_or_dash(device, "availability_percent")});
     text += table.render("  ", columns);
@@ -313,9 +313,9 @@ std::string value_with_unit(const file::Json& value) {
     return text + (unit.empty() ? "" : ' ' + unit) + (words.empty() ? "" : " (" + words + ')');
 }
 
-std::string value_age(const file::Json& value) {
+std::string value_age(const Texts& texts, const file::Json& value) {
     const auto age = time_member(value, "age_ms");
-    return age && !string_member(value, "device").empty() ? age_text(*age) : "";
+    return age && !string_member(value, "device").empty() ? texts.duration(*age) : "";
 }
 
 }  // namespace
@@ -354,12 +354,6 @@ std::string device_state_text(const Texts& texts, const poll::DeviceStatistics& 
     const auto failed = device.failure != value::Reason::ok;
     return device_state_text(texts, poll::name(device.state),
                              failed ? reason_word(device.failure) : std::string(), is_troubled(device));
-}
-
-std::string age_text(Duration age) {
-    if (age < 1s) return fmt::format("{} ms", age / 1ms);
-    if (age < 1min) return seconds_text(age);
-    return rough_time(age);
 }
 
 file::Json status_json(const Texts& texts, const host::Snapshot& snapshot, const std::string& time) {
@@ -442,7 +436,7 @@ std::string status_text(const Texts& texts, const file::Json& status, std::size_
     const auto uptime = time_member(status, "uptime_ms");
     std::string text =
         texts("app.ctl.status", {{"health", word_text(texts, "app.health.", string_member(status, "health"))},
-                                 {"time", age_text(uptime.value_or(Duration{}))},
+                                 {"time", texts.duration(uptime.value_or(Duration{}))},
                                  {"values", values_counted(texts, member(status, "values"))}}) +
         '\n';
     text += wrapped(problems_text(texts, member(status, "problems"), kMostProblems), columns);
@@ -475,7 +469,7 @@ std::string values_text(const Texts& texts, const file::Json& values, std::size_
                texts("app.ctl.quality")});
     for (const auto& entry : array_member(values, "values"))
         table.add({string_member(entry, "device"), string_member(entry, "name"),
-                   fitted(value_with_unit(entry), columns / 3), value_age(entry),
+                   fitted(value_with_unit(entry), columns / 3), value_age(texts, entry),
                    quality_text(texts, entry)});
     return table.render("", columns);
 }

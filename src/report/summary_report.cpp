@@ -32,8 +32,8 @@ std::string exceptions(const bus::TransactionCounters& counters, const Texts& te
 }
 
 /// "–" if nothing was measured.
-std::string measured_text(bool measured, Duration time) {
-    return measured ? milliseconds_text(time) : "–";
+std::string measured_text(const Texts& texts, bool measured, Duration time) {
+    return measured ? texts.duration(time) : "–";
 }
 
 file::Json measured_json(bool measured, Duration time) {
@@ -43,8 +43,9 @@ file::Json measured_json(bool measured, Duration time) {
 std::string request_period_text(const poll::RequestStatistics& request, const Texts& texts) {
     if (!request.period) return texts("app.on_demand");
     const Duration real = request.overrun ? request.recent_period : request.real_period.mean();
-    return fmt::format("{} → {}{}", milliseconds_text(*request.period),
-                       measured_text(request.real_period.count() > 0, real), request.overrun ? " !" : "");
+    return fmt::format("{} → {}{}", texts.duration(*request.period),
+                       measured_text(texts, request.real_period.count() > 0, real),
+                       request.overrun ? " !" : "");
 }
 
 /// "time-outs: 3"; empty for 0.
@@ -136,8 +137,8 @@ CountTable request_table(const host::Snapshot& snapshot, const Texts& texts, std
             {line.devices[request.device].name, request_text(request), std::to_string(counters.sent)},
             {std::to_string(counters.answered), std::to_string(counters.timeouts),
              std::to_string(failed_exchanges(counters)), exceptions(counters, texts)},
-            {measured_text(measured, counters.time.mean()), measured_text(measured, counters.time.max()),
-             request_period_text(statistics, texts)},
+            {measured_text(texts, measured, counters.time.mean()),
+             measured_text(texts, measured, counters.time.max()), request_period_text(statistics, texts)},
             joined({counted(texts, "app.timeouts", counters.timeouts),
                     counted(texts, "app.faults", failed_exchanges(counters)), exceptions(counters, texts)}));
     }
@@ -161,7 +162,7 @@ CountTable device_table(const host::Snapshot& snapshot, const Texts& texts, std:
         table.add({devices[i].name, device_state_text(texts, device), std::to_string(device.counters.sent),
                    std::to_string(device.counters.answered)},
                   {std::to_string(failed), exceptions(device.counters, texts)},
-                  {std::to_string(device.outages), downtime_text(availability.downtime),
+                  {std::to_string(device.outages), texts.duration(availability.downtime),
                    availability_text(availability.share())},
                   joined({counted(texts, "app.failed", failed), exceptions(device.counters, texts)}));
     }
@@ -212,15 +213,16 @@ std::string line_response_times_text(const host::Snapshot& snapshot, const Texts
 std::string line_summary_heading(const host::Snapshot& snapshot, const Texts& texts, std::size_t line) {
     const auto& statistics = snapshot.lines[line].statistics;
     const auto availability = statistics.availability.at(snapshot.t);
-    return texts("app.summary.line", {{"line", snapshot.configuration->project().lines[line].name},
-                                      {"duration", seconds_text(snapshot.t - snapshot.started)},
-                                      {"planned", milliseconds_text(statistics.planned_cycle)},
-                                      {"measured", measured_text(statistics.measured_cycle > Duration{},
-                                                                 statistics.measured_cycle)},
-                                      {"utilization", percent_text(statistics.utilization)}}) +
+    return texts("app.summary.line",
+                 {{"line", snapshot.configuration->project().lines[line].name},
+                  {"duration", texts.duration(snapshot.t - snapshot.started)},
+                  {"planned", texts.duration(statistics.planned_cycle)},
+                  {"measured",
+                   measured_text(texts, statistics.measured_cycle > Duration{}, statistics.measured_cycle)},
+                  {"utilization", percent_text(statistics.utilization)}}) +
            "\n  " +
            texts("app.summary.availability", {{"available", availability_text(availability.share())},
-                                              {"down", downtime_text(availability.downtime)}}) +
+                                              {"down", texts.duration(availability.downtime)}}) +
            '\n';
 }
 

@@ -195,8 +195,8 @@ std::string device_text(const Texts& texts, const std::string& name, int unit, D
                         Duration timeout, int attempts) {
     return texts("app.table.device", {{"name", name},
                                       {"unit", std::to_string(unit)},
-                                      {"period", milliseconds_text(period)},
-                                      {"timeout", milliseconds_text(timeout)},
+                                      {"period", texts.duration(period)},
+                                      {"timeout", texts.duration(timeout)},
                                       {"attempts", std::to_string(attempts)}}) +
            '\n';
 }

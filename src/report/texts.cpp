@@ -2,7 +2,9 @@
 
 #include <cerrno>
 
+#include "takt/plan/guarantee_findings.hpp"
 #include "takt/text/catalogue.hpp"
+#include "takt/text/duration.hpp"
 
 namespace takt::report {
 namespace {
@@ -15,12 +17,13 @@ std::string filled_message(text::Language language, std::string_view code,
     return text::message(language, code, views);
 }
 
-Texts::Arguments finding_arguments(const model::Finding& finding) {
+Texts::Arguments finding_arguments(text::Language language, const model::Finding& finding) {
     Texts::Arguments arguments{
         {"value", finding.value}, {"allowed", finding.allowed}, {"path", finding.path}};
     const auto dot = finding.path.rfind('.');
     arguments.emplace_back("field", dot == std::string::npos ? finding.path : finding.path.substr(dot + 1));
     arguments.insert(arguments.begin(), finding.arguments.begin(), finding.arguments.end());
+    for (auto& [name, value] : arguments) value = text::with_local_unit(language, value);
     return arguments;
 }
 
@@ -39,17 +42,26 @@ std::string Texts::operator()(std::string_view code, const Arguments& arguments)
     return filled_message(language_, code, arguments);
 }
 
+std::string Texts::duration(Duration duration) const {
+    return text::duration_text(language_, duration);
+}
+
+std::string Texts::exact(Duration duration) const {
+    return text::with_local_unit(language_, plan::time_text(duration));
+}
+
 std::string Texts::message(const model::Finding& finding) const {
-    return filled_message(language_, variant_of(finding, finding.code), finding_arguments(finding));
+    return filled_message(language_, variant_of(finding, finding.code),
+                          finding_arguments(language_, finding));
 }
 
 std::string Texts::advice(const model::Finding& finding) const {
     const std::string with_allowed = finding.code + ".advice_allowed";
     if (!finding.allowed.empty() && text::has(text::Language::english, with_allowed))
-        return filled_message(language_, with_allowed, finding_arguments(finding));
+        return filled_message(language_, with_allowed, finding_arguments(language_, finding));
     const std::string code = variant_of(finding, finding.code + ".advice");
     if (!text::has(text::Language::english, code)) return {};
-    auto arguments = finding_arguments(finding);
+    auto arguments = finding_arguments(language_, finding);
     for (auto& [name, text] : arguments)
         if (name == "remedies") text = remedies(text, finding.arguments);
     return filled_message(language_, code, arguments);

@@ -48,14 +48,13 @@ std::string caption_of(const Texts& texts, const plan::LinePlan& plan, const pla
                        const plan::Timeline& timeline) {
     if (timeline.cut)
         return texts("app.svg.cut", {{"count", std::to_string(timeline.bars.size())},
-                                     {"time", milliseconds_text(timeline.bars.back().end())}});
-    if (plan.utilization > 1) return texts("app.svg.overrun", {{"time", milliseconds_text(round.length)}});
+                                     {"time", texts.duration(timeline.bars.back().end())}});
+    if (plan.utilization > 1) return texts("app.svg.overrun", {{"time", texts.duration(round.length)}});
     if (round.repeats == Duration::zero()) return texts("app.svg.endless");
     if (!round.whole)
-        return texts(
-            round.repeats == Duration::max() ? "app.svg.no_repeat" : "app.svg.part",
-            {{"time", milliseconds_text(round.length)}, {"repeats", milliseconds_text(round.repeats)}});
-    return texts("app.svg.repeats", {{"repeats", milliseconds_text(round.repeats)}});
+        return texts(round.repeats == Duration::max() ? "app.svg.no_repeat" : "app.svg.part",
+                     {{"time", texts.duration(round.length)}, {"repeats", texts.duration(round.repeats)}});
+    return texts("app.svg.repeats", {{"repeats", texts.duration(round.repeats)}});
 }
 
 }  // namespace
@@ -90,7 +89,7 @@ double draw_timeline(Svg& svg, const Texts& texts, const model::Project& project
         }
         svg.text(kMargin, y, "caption",
                  texts("app.svg.enlarged", {{"begin", fmt::format("{:.4g}", ms(enlarged.begin))},
-                                            {"end", milliseconds_text(enlarged.end)}}));
+                                            {"end", texts.duration(enlarged.end)}}));
         y += 10;
     }
     Strip strip(svg, texts, project, plan, enlarged, bars.first(burst), y);

@@ -191,17 +191,16 @@ std::string Strip::tooltip(const Bar& bar) const {
         const Duration length = bar.end_of(part) - bar.begin_of(part);
         if (length == Duration::zero()) continue;
         parts += (parts.empty() ? "" : ", ") + texts_(std::string("app.svg.") + kPartStyles[i]) + ' ' +
-                 milliseconds_text(length);
+                 texts_.duration(length);
     }
     std::string text = fmt::format("{} {}  {}\n{}\n", device.name, device.address.value,
                                    request_text(request), variables_text(device, request));
     text += texts_("app.svg.sent", {{"when", when_text(texts_, project_, request)},
-                                    {"due", milliseconds_text(bar.due)},
-                                    {"start", milliseconds_text(bar.start)}});
-    text +=
-        fmt::format("\n{} {}: {}\n{}: {}\n{}", texts_("app.bus_time"), milliseconds_text(request.bus_time),
-                    parts, texts_("app.share"), percent_text(shares_.requests[bar.request]),
-                    texts_(request.why.code, request.why.arguments));
+                                    {"due", texts_.duration(bar.due)},
+                                    {"start", texts_.duration(bar.start)}});
+    text += fmt::format("\n{} {}: {}\n{}: {}\n{}", texts_("app.bus_time"), texts_.duration(request.bus_time),
+                        parts, texts_("app.share"), percent_text(shares_.requests[bar.request]),
+                        texts_(request.why.code, request.why.arguments));
     return text;
 }
 

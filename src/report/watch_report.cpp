@@ -35,8 +35,8 @@ void append_wrapped(std::vector<std::string>& lines, const std::string& text, st
     lines.push_back(fitted(line, width));
 }
 
-std::string measured_time_text(const bus::TimeStatistics& time, Duration value) {
-    return time.count() == 0 ? std::string("–") : milliseconds_text(value);
+std::string measured_time_text(const Texts& texts, const bus::TimeStatistics& time, Duration value) {
+    return time.count() == 0 ? std::string("–") : texts.duration(value);
 }
 
 file::Json milliseconds_json(const bus::TimeStatistics& time, Duration value) {
@@ -141,8 +141,8 @@ std::vector<std::string> WatchReport::table(const Screen& screen, Instant now,
         const auto& watched = values[i];
         table.add({variables_[i].name, value_text(i, watched),
                    watched.changed && watched.changes > 0 ? "*" : "",
-                   watched.read_at ? age_text(now - *watched.read_at) : "", std::to_string(watched.changes),
-                   watched.trouble});
+                   watched.read_at ? texts_.duration(now - *watched.read_at) : "",
+                   std::to_string(watched.changes), watched.trouble});
     }
     for (auto& line : table.lines(width)) lines.push_back(std::move(line));
     for (auto& line : below) lines.push_back(std::move(line));
@@ -165,9 +165,9 @@ std::string WatchReport::statistics_text(const WatchStatistics& statistics) cons
     return texts_("app.watch.statistics", {{"samples", std::to_string(statistics.samples)},
                                            {"answers", std::to_string(time.count())},
                                            {"errors", std::to_string(statistics.errors)},
-                                           {"min", measured_time_text(time, time.min())},
-                                           {"mean", measured_time_text(time, time.mean())},
-                                           {"max", measured_time_text(time, time.max())}});
+                                           {"min", measured_time_text(texts_, time, time.min())},
+                                           {"mean", measured_time_text(texts_, time, time.mean())},
+                                           {"max", measured_time_text(texts_, time, time.max())}});
 }
 
 std::string reason_text(const Texts& texts, const Error& error) {

@@ -40,8 +40,10 @@ std::string_view hop_state_word(HopState state) {
 /// The hops of a variable of a device.
 class Way {
 public:
-    Way(const host::Snapshot& snapshot, value::SlotId slot, const value::VariableIndex& index)
-        : snapshot_(snapshot),
+    Way(const report::Texts& texts, const host::Snapshot& snapshot, value::SlotId slot,
+        const value::VariableIndex& index)
+        : texts_(texts),
+          snapshot_(snapshot),
           slot_(snapshot.values.at(slot.value)),
           index_(index),
           project_(snapshot.configuration->project()),
@@ -103,18 +105,17 @@ private:
             hops_.push_back({HopKind::period,
                              HopState::ok,
                              "web.why.period_free",
-                             {{"real", report::milliseconds_text(real)}},
+                             {{"real", texts_.duration(real)}},
                              real});
             return;
         }
-        hops_.push_back(
-            {HopKind::period,
-             overrun ? HopState::trouble : HopState::ok,
-             overrun              ? "web.why.overrun"
-             : real == Duration{} ? "web.why.period_unmeasured"
-                                  : "web.why.period",
-             {{"period", report::milliseconds_text(set)}, {"real", report::milliseconds_text(real)}},
-             overrun ? real : set});
+        hops_.push_back({HopKind::period,
+                         overrun ? HopState::trouble : HopState::ok,
+                         overrun              ? "web.why.overrun"
+                         : real == Duration{} ? "web.why.period_unmeasured"
+                                              : "web.why.period",
+                         {{"period", texts_.duration(set)}, {"real", texts_.duration(real)}},
+                         overrun ? real : set});
     }
 
     void queue() {
@@ -126,7 +127,7 @@ private:
                          busy ? "web.why.busy" : "web.why.queue",
                          {{"line", line_.name},
                           {"load", report::percent_text(line.recent_utilization)},
-                          {"cycle", report::milliseconds_text(cycle)}},
+                          {"cycle", texts_.duration(cycle)}},
                          cycle});
     }
 
@@ -148,7 +149,7 @@ private:
         const auto time = its.recent_time;
         WhyHop hop{.kind = HopKind::device,
                    .text = "web.why.answers",
-                   .arguments = {{"device", device_.name}, {"time", report::milliseconds_text(time)}},
+                   .arguments = {{"device", device_.name}, {"time", texts_.duration(time)}},
                    .time = time};
         if (its.state == poll::DeviceState::not_answering) {
             hop = {.kind = HopKind::device,
@@ -184,11 +185,12 @@ private:
                          HopState::wait,
                          "web.why.back_off",
                          {{"device", device_.name},
-                          {"first", report::seconds_text(pause.first)},
-                          {"limit", report::seconds_text(pause.limit)}},
+                          {"first", texts_.duration(pause.first)},
+                          {"limit", texts_.duration(pause.limit)}},
                          pause.limit});
     }
 
+    const report::Texts& texts_;
     const host::Snapshot& snapshot_;
     const value::Slot& slot_;
     value::VariableIndex index_;
@@ -215,10 +217,10 @@ file::Json hop_json(const report::Texts& texts, WhyHop hop) {
 
 }  // namespace
 
-std::vector<WhyHop> why(const host::Snapshot& snapshot, value::SlotId slot) {
+std::vector<WhyHop> why(const report::Texts& texts, const host::Snapshot& snapshot, value::SlotId slot) {
     const auto owner = snapshot.configuration->slots().owner(slot);
     if (const auto* const index = std::get_if<value::VariableIndex>(&owner))
-        return Way(snapshot, slot, *index).hops();
+        return Way(texts, snapshot, slot, *index).hops();
     return {{HopKind::period, HopState::ok, "web.why.local"}};
 }
 
@@ -231,7 +233,7 @@ file::Json why_json(const report::Texts& texts, const host::Snapshot& snapshot, 
     if (const auto* const index = std::get_if<value::VariableIndex>(&owner))
         proved = proved_age(*snapshot.configuration, *index);
     auto hops = file::Json::array();
-    for (auto& hop : why(snapshot, slot)) hops.push_back(hop_json(texts, std::move(hop)));
+    for (auto& hop : why(texts, snapshot, slot)) hops.push_back(hop_json(texts, std::move(hop)));
     auto object = file::Json::object();
     object.set("variable", snapshot.configuration->info(slot).name);
     object.set("quality", value::name(its.quality));

@@ -31,7 +31,8 @@ struct WhyHop {
 };
 
 /// @param snapshot  with values, statistics and plan
-[[nodiscard]] std::vector<WhyHop> why(const host::Snapshot& snapshot, value::SlotId slot);
+[[nodiscard]] std::vector<WhyHop> why(const report::Texts& texts, const host::Snapshot& snapshot,
+                                      value::SlotId slot);
 
 /// The object of GET /why.
 [[nodiscard]] file::Json why_json(const report::Texts& texts, const host::Snapshot& snapshot,

@@ -115,7 +115,7 @@ ExitCode exit_code_of(const file::Json& answer) {
 /// How old the last good value is, as a part of a sentence.
 std::string age_words(const Texts& texts, const file::Json& value) {
     const auto age = time_member(value, "age_ms");
-    return age ? texts("app.ctl.age", {{"age", report::age_text(*age)}}) : std::string();
+    return age ? texts("app.ctl.age", {{"age", texts.duration(*age)}}) : std::string();
 }
 
 /// The value on stdout; what is wrong with it on stderr.

@@ -61,7 +61,7 @@ TEST(LearntReport, ConfirmedRefusedAndLimited) {
         const auto text = learnt_text(texts, project, 0);
         expect_complete(text);
         expect_contains(text, texts("app.learnt.confirmed_items", {{"items", "0..4"}}));
-        expect_contains(text, texts("app.learnt.age", {{"hours", "1"}, {"minutes", "30"}}));
+        expect_contains(text, texts.duration(90min));
         expect_contains(text, texts("app.learnt.most_items", {{"count", "16"}}));
         EXPECT_EQ(count_of(text, "\n"), 1U);
     }

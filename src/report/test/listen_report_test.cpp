@@ -89,7 +89,7 @@ TEST_F(ListenReport, TheSummaryHasDevicesMastersAndRequests) {
         send(i * 100ms + 50ms, 9, "04 0007 0001");
     }
     const auto text = listen_summary(events.texts, run(), 200);
-    EXPECT_NE(text.find("/dev/ttyS1: 9600 8N1, RTU, time 1.9 s"), std::string::npos) << text;
+    EXPECT_NE(text.find("/dev/ttyS1: 9600 8N1, RTU, time 1950 ms"), std::string::npos) << text;
     EXPECT_NE(text.find("never answers"), std::string::npos) << text;
     EXPECT_NE(text.find("1: cycle 100 ms (100 ms – 100 ms), different requests 2, all requests 40"),
               std::string::npos)

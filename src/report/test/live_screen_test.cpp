@@ -74,13 +74,14 @@ TEST(LiveScreen, ResponseTimesAreBelowTheDevicesWhereTheyFit) {
     for (const auto language : kLanguages) {
         const Texts texts(language);
         LiveSelection selection;
-        const auto turnaround = texts("app.live.turnaround", {{"devices", "Котёл 7.60 ms"}});
+        const auto turnaround =
+            texts("app.live.turnaround", {{"devices", "Котёл " + texts.duration(7600us)}});
         times.late = 0;
         EXPECT_EQ(live_screen(texts, snapshot, selection, {24, 80})[2], "  " + turnaround);
         times.late = 3;
         times.lateness = 412ms;
-        const auto one =
-            texts("app.live.late.device", {{"device", "Котёл"}, {"late", "3"}, {"lateness", "412 ms"}});
+        const auto one = texts("app.live.late.device",
+                               {{"device", "Котёл"}, {"late", "3"}, {"lateness", texts.duration(412ms)}});
         const auto lines = live_screen(texts, snapshot, selection, {24, 80});
         EXPECT_EQ(lines[2], "  " + texts("app.live.late", {{"devices", one}}) + "; " + turnaround);
         for (const auto& line : lines) expect_complete(line);
@@ -147,10 +148,11 @@ TEST(LiveScreen, ARowForEachKindOfValue) {
                 if (c != ' ' || !text.ends_with(' ')) text += c;
             text += '\n';
         }
-        expect_contains(text, "Котёл Level 17 мм 1.5 s\n");
+        expect_contains(text, "Котёл Level 17 мм " + texts.duration(1500ms) + "\n");
         expect_contains(text, "Котёл Pump – " + texts.quality(Quality::never_read, Reason::ok));
-        expect_contains(text, "Котёл Tag " + kHostileLine + " 0 ms\n");  // an age is never negative
-        expect_contains(text, "\n go true\n");                           // a local has no device and no age
+        expect_contains(
+            text, "Котёл Tag " + kHostileLine + " " + texts.duration(0s) + "\n");  // an age is never negative
+        expect_contains(text, "\n go true\n");  // a local has no device and no age
     }
 }
 

@@ -39,7 +39,8 @@ TEST(OutputsReport, ALineForEachOutput) {
             expect_contains(text, part);
         expect_contains(text, texts("app.output.gaps", {{"count", "2"}}));
         expect_contains(text, texts("app.output.torn", {{"count", "77"}}));
-        expect_contains(text, texts("app.output.oldest", {{"age", age_text(std::chrono::seconds(90))}}));
+        expect_contains(text,
+                        texts("app.output.oldest", {{"age", texts.duration(std::chrono::seconds(90))}}));
     }
     EXPECT_EQ(outputs_text(english(), {}, 0), "");
 }
@@ -63,7 +64,8 @@ TEST(OutputsReport, ADiskThatHangsAndSamplesThatAreTooLargeAreShown) {
     for (const auto language : kLanguages) {
         const Texts texts(language);
         const auto text = output_text(texts, made, 0);
-        expect_contains(text, texts("app.output.disk_waits", {{"age", age_text(std::chrono::seconds(3))}}));
+        expect_contains(text,
+                        texts("app.output.disk_waits", {{"age", texts.duration(std::chrono::seconds(3))}}));
         expect_contains(text, texts("app.output.too_large", {{"count", "4"}}));
     }
     EXPECT_JSON(*output_json(english(), made, 0).find("journal")->find("disk_waits_ms"), 3000.0);

@@ -151,13 +151,13 @@ TEST(PlanReport, TheCausesOfARequest) {
     request.period = 0ms;
     EXPECT_EQ(text(), english()("app.when.always"));
     request.period = 1s;
-    EXPECT_EQ(text(), "1000 ms");
+    EXPECT_EQ(text(), "1 s");
     request.phase = 300ms;
-    EXPECT_EQ(text(), "1000 ms +300");
+    EXPECT_EQ(text(), "1 s +300 ms");
     request.read_trigger = 0;
     request.write_on_change = true;
     request.write_trigger = 1;
-    EXPECT_EQ(text(), "1000 ms +300, " + english()("app.when.read_trigger", {{"local", "go"}}) + ", " +
+    EXPECT_EQ(text(), "1 s +300 ms, " + english()("app.when.read_trigger", {{"local", "go"}}) + ", " +
                           english()("app.when.change") + ", " +
                           english()("app.when.write_trigger", {{"local", "save"}}));
 }
@@ -173,7 +173,7 @@ TEST(PlanReport, RequestsThatTakeTurnsShareARow) {
         requests.insert(requests.begin() + 1 + i, turn);
     }
     const auto text = plan_text(english(), project, plan);
-    expect_contains(text, "+50 +100 +150 +200 +250 … (9)");
+    expect_contains(text, "500 ms +0, 50, 100, 150, 200, 250 ms … (9)");
     EXPECT_EQ(count_of(text, "└ "), requests.size() - 8);
 }
 

@@ -276,7 +276,7 @@ TEST(Problems, ASilentDeviceHasTheSentenceOfARead) {
     EXPECT_EQ(found[0].kind, Kind::silent);
     expect_contains(found[0].text, "no answer within");
     expect_contains(found[0].advice, "Check the unit address");
-    expect_contains(found[0].tried, "at least each 8.0 s");
+    expect_contains(found[0].tried, "at least each 8 s");
     EXPECT_EQ(health_word(snapshot, found), "failed");
 
     device.failure = value::exception_reason(10);

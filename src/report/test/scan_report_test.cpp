@@ -214,7 +214,8 @@ TEST(ScanReport, SummaryAndProgress) {
         findings.absent_hosts = 0;
         EXPECT_EQ(
             scan_summary(texts, findings),
-            texts("app.scan.summary", {{"count", "1"}, {"requests", "7"}, {"time", "2 min 5 s"}}) + '\n');
+            texts("app.scan.summary", {{"count", "1"}, {"requests", "7"}, {"time", texts.duration(125s)}}) +
+                '\n');
         findings.complete = false;
         findings.absent_hosts = 4;
         const auto text = scan_summary(texts, findings);

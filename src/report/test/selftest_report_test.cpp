@@ -34,8 +34,8 @@ TEST(SelftestReport, ShowsBothRunsAHistogramAndTheHostLine) {
     const auto text = selftest_text(Texts(text::Language::english), complete());
     EXPECT_TRUE(has(text, "under load, threads: 2")) << text;
     EXPECT_TRUE(has(text, "1.23 ms")) << text;
-    EXPECT_TRUE(has(text, "< 20 µs  999  #########################\n")) << text;
-    EXPECT_TRUE(has(text, "< 50 µs    0\n")) << text;
+    EXPECT_TRUE(has(text, "< 20.0 µs  999  #########################\n")) << text;
+    EXPECT_TRUE(has(text, "< 50.0 µs    0\n")) << text;
     EXPECT_TRUE(has(text, "< 2.00 ms    1  #\n")) << text;
     EXPECT_TRUE(has(text, "host: {jitter: 1300us, overhead: 1300us}  # under load\n")) << text;
     EXPECT_TRUE(has(text, "host: {jitter: 100us, overhead: 100us}")) << text;

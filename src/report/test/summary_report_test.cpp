@@ -84,25 +84,25 @@ TEST(SummaryReport, TextInEveryLanguage) {
         const auto lines = lines_of(text);
         ASSERT_EQ(lines.size(), 2 + 2 + 2 + 1 + 1 + requests + 1) << text;
         EXPECT_EQ(lines[0], texts("app.summary.line", {{"line", "main"},
-                                                       {"duration", "10.0 s"},
-                                                       {"planned", "62.5 ms"},
-                                                       {"measured", "80.0 ms"},
+                                                       {"duration", texts.duration(10s)},
+                                                       {"planned", texts.duration(62500us)},
+                                                       {"measured", texts.duration(80ms)},
                                                        {"utilization", "12.3 %"}}));
         const auto of_code = [&](const char* count, const char* code) {
             return texts("app.exceptions.of_code", {{"count", count}, {"code", code}});
         };
         const auto exceptions = of_code("1", "?") + ", " + of_code("2", "2");
-        EXPECT_EQ(lines[1],
-                  ' ' + texts("app.summary.availability", {{"available", "100.00 %"}, {"down", "0.0 s"}}));
-        EXPECT_EQ(lines[3], " Котёл " + texts("app.state.not_answering") + " 20 9 15 " + exceptions +
-                                " 5 3.0 s 70.00 %");
+        EXPECT_EQ(lines[1], ' ' + texts("app.summary.availability",
+                                        {{"available", "100.00 %"}, {"down", texts.duration(0s)}}));
+        EXPECT_EQ(lines[3], " Котёл " + texts("app.state.not_answering") + " 20 9 15 " + exceptions + " 5 " +
+                                texts.duration(3s) + " 70.00 %");
         EXPECT_EQ(lines[4],
                   ' ' + texts("app.delays.response_timeout",
                               {{"where", "Котёл"}, {"delay", "148"}, {"limit", "100"}, {"advised", "300"}}));
         const auto key = request_text(snapshot.lines[0].plan->requests[0]);
         EXPECT_EQ(lines[5], ' ' + texts("app.noise", {{"where", "Котёл"}, {"count", "1"}}));
-        EXPECT_EQ(lines[8], " Котёл " + key + " 20 9 4 11 " + exceptions + " 20.0 ms 30.0 ms " +
-                                texts("app.on_demand"));
+        EXPECT_EQ(lines[8], " Котёл " + key + " 20 9 4 11 " + exceptions + " " + texts.duration(20ms) + " " +
+                                texts.duration(30ms) + " " + texts("app.on_demand"));
     }
 }
 
@@ -153,7 +153,7 @@ TEST(SummaryReport, PeriodsOfRequests) {
          R"("period_ms":500.0,"real_period_ms":510.0,"overrun":false)"},
         {500ms, real, true, "500 ms → 700 ms !",
          R"("period_ms":500.0,"real_period_ms":510.0,"overrun":true)"},
-        {0ms, real, false, "0.00 ms → 510 ms", R"("period_ms":0.0,"real_period_ms":510.0,"overrun":false)"},
+        {0ms, real, false, "0 ms → 510 ms", R"("period_ms":0.0,"real_period_ms":510.0,"overrun":false)"},
     };
     for (const auto& [period, measured_period, overrun, text, json] : cases) {
         auto snapshot = snapshot_of(plant());
@@ -253,7 +253,7 @@ TEST(SummaryReport, NothingMeasuredIsADashAndNull) {
     const auto lines = lines_of(summary_text(english(), snapshot));
     expect_contains(lines[0], "measured –");
     expect_contains(lines[1], "available –");
-    EXPECT_TRUE(lines[3].ends_with(" 0.0 s –")) << lines[3];
+    EXPECT_TRUE(lines[3].ends_with(" 0 ms –")) << lines[3];
     expect_contains(lines[6], " – – ");
     const auto line = at(summary_json(snapshot), "lines", 0);
     expect_contains(line.dump(), R"("measured_cycle_ms":null)");
@@ -300,14 +300,16 @@ TEST(SummaryReport, ResponseTimesOfADevice) {
         const Texts texts(language);
         const auto text = summary_text(texts, snapshot);
         expect_complete(text);
-        expect_contains(
-            text, texts("app.turnaround.late", {{"device", "Котёл"},
-                                                {"longest", "7.60 ms"},
-                                                {"p999", texts("app.turnaround.p999", {{"p999", "7.10 ms"}})},
-                                                {"count", "3120"}}));
-        expect_contains(
-            text, texts("app.late_responses",
-                        {{"device", "Котёл"}, {"late", "3"}, {"attempts", "3123"}, {"lateness", "412 ms"}}));
+        expect_contains(text,
+                        texts("app.turnaround.late",
+                              {{"device", "Котёл"},
+                               {"longest", texts.duration(7600us)},
+                               {"p999", texts("app.turnaround.p999", {{"p999", texts.duration(7100us)}})},
+                               {"count", "3120"}}));
+        expect_contains(text, texts("app.late_responses", {{"device", "Котёл"},
+                                                           {"late", "3"},
+                                                           {"attempts", "3123"},
+                                                           {"lateness", texts.duration(412ms)}}));
     }
     expect_contains(summary_text(english(), snapshot),
                     "Котёл: turnaround of responses in time at most 7.60 ms, 99.9 % within 7.10 ms");
@@ -329,7 +331,7 @@ TEST(SummaryReport, SeveralLinesAndNone) {
     EXPECT_JSON(at(json, "lines", 1, "name"), "net");
     EXPECT_EQ(at(json, "lines", 1, "requests").dump(), "[]");
     expect_contains(summary_text(english(), snapshot), "Meter");
-    expect_contains(summary_text(english(), snapshot), "\n\nnet: 10.0 s");
+    expect_contains(summary_text(english(), snapshot), "\n\nnet: 10 s");
 
     const auto none = snapshot_of(configuration_of({}));
     EXPECT_EQ(summary_text(english(), none), "");

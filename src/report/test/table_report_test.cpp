@@ -138,7 +138,7 @@ TEST(TableReport, TheTableOfAController) {
         expect_contains(text, "ascii, 19200 bit/s\n");
         expect_contains(text, "double word  0x03+0x10 0 × 2");
         expect_contains(text, "bit 3");
-        expect_contains(text, "1000 ms");
+        expect_contains(text, texts.duration(1s));
         expect_contains(text, "– / 1");
     }
 }

@@ -44,7 +44,8 @@ host::Snapshot state() {
 
 std::vector<std::string> codes(const host::Snapshot& snapshot, const std::string& name) {
     std::vector<std::string> result;
-    for (const auto& hop : why(snapshot, *snapshot.configuration->find(name)))
+    for (const auto& hop :
+         why(report::Texts(text::Language::english), snapshot, *snapshot.configuration->find(name)))
         result.push_back(std::string(hop.text.substr(8)) + (hop.state == WhyHop::State::ok     ? ""
                                                             : hop.state == WhyHop::State::wait ? "?"
                                                                                                : "!"));

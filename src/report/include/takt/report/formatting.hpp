@@ -10,11 +10,9 @@
 #include "takt/file/json.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/availability.hpp"
+#include "takt/report/texts.hpp"
 
 namespace takt::report {
-
-/// "12.3 ms", "0.85 ms", "1500 ms": three significant digits at least, no more than two decimals.
-[[nodiscard]] std::string milliseconds_text(Duration duration);
 
 /// For JSON.
 [[nodiscard]] double milliseconds(Duration duration);
@@ -23,17 +21,11 @@ namespace takt::report {
 /// "12.3 %". @param share  of 1
 [[nodiscard]] std::string percent_text(double share);
 
-/// A period, and behind it a phase that is not zero: "1000 ms", "1000 ms +300".
-[[nodiscard]] std::string turn_text(Duration period, Duration phase);
+/// A period, and behind it a phase that is not zero: "1 s", "1 s +300 ms".
+[[nodiscard]] std::string turn_text(const Texts& texts, Duration period, Duration phase);
 
 /// Rounded up, so that a bus time is never reported shorter than it is.
 [[nodiscard]] std::int64_t whole_microseconds(Duration duration);
-
-/// "12.3 s"
-[[nodiscard]] std::string seconds_text(Duration duration);
-
-/// "12.3 s" below 100 s, else "1:02:03": hours, minutes, seconds.
-[[nodiscard]] std::string downtime_text(Duration duration);
 
 /// "99.98 %", rounded down: 100.00 % is without any downtime. "–" if nothing is known.
 [[nodiscard]] std::string availability_text(std::optional<double> share);

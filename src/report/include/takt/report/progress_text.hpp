@@ -18,9 +18,6 @@ struct Done {
     std::optional<std::size_t> requests = {};  ///< sent so far: reported as a rate; nothing: not counted
 };
 
-/// "45 s", "3 min 5 s", "2 h 10 min". A negative time is 0 s.
-[[nodiscard]] std::string rough_time(Duration time);
-
 /// "[#####-----]" with `width` characters between the brackets.
 [[nodiscard]] std::string progress_bar(std::size_t done, std::size_t total, std::size_t width);
 

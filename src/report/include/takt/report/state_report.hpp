@@ -51,9 +51,6 @@ namespace takt::report {
 /// "bad, time-out", "bad, not answering (bad checksum)" of an entry of values_json() or of get_json().
 [[nodiscard]] std::string quality_text(const Texts& texts, const file::Json& value);
 
-/// The age of a value: "120 ms", "4.5 s", "3 min 20 s".
-[[nodiscard]] std::string age_text(Duration age);
-
 /// The state of a device in words, with the reason of its last failure. A device whose responses are damaged
 /// or do not fit is not called silent.
 /// @param state  poll::name()

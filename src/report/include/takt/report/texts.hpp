@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "takt/base/result.hpp"
+#include "takt/base/time.hpp"
 #include "takt/model/findings.hpp"
 #include "takt/text/language.hpp"
 #include "takt/value/value.hpp"
@@ -22,6 +23,11 @@ public:
 
     /// The message of `code` with its {placeholders} filled in.
     [[nodiscard]] std::string operator()(std::string_view code, const Arguments& arguments = {}) const;
+
+    /// A duration with its unit (text::duration_text()).
+    [[nodiscard]] std::string duration(Duration duration) const;
+    /// The same in milliseconds with all digits (plan::time_text()).
+    [[nodiscard]] std::string exact(Duration duration) const;
 
     /// The message of a finding, and its advice (empty where the code has none). The argument `variant` names
     /// one of several advices of a code.
