@@ -328,6 +328,20 @@ void settle_row(Node& row, bool decimal_comma, Reporter& reporter) {
     settle_default(row, decimal_comma);
 }
 
+std::optional<Node> read_row(std::span<const std::pair<std::string, std::string>> cells) {
+    Node row{.kind = Node::Kind::mapping};
+    for (const auto& [key, text] : cells) {
+        if (key == "name" && is_placeholder(text)) return std::nullopt;
+        if (text.empty()) continue;
+        append_cell(row, key, text, {});
+        if (!settle_cell({.key = {.text = key}, .unit = "ms"}, row.entries.back().value, true))
+            row.entries.pop_back();
+    }
+    Reporter unheard;
+    settle_row(row, true, unheard);
+    return row;
+}
+
 void settle_addresses(Node& list, const TableOptions& options, TableShape shape, Reporter& reporter) {
     const auto* const first = assume_areas(list, shape, false);
     auto assumed = first == nullptr ? std::nullopt : std::optional(first->location);

@@ -86,7 +86,8 @@ Duration Master::next_due() const {
 
 Bar Master::send(std::size_t index, Duration now) {
     Job& job = jobs_[index];
-    const Bar bar{job.request, job.background ? now : job.due, now, job.ends};
+    Bar bar{.request = job.request, .due = job.background ? now : job.due, .start = now, .ends = job.ends};
+    bar.late = !job.background && bar.end() - bar.due > job.deadline;
     cursor_ = index + 1;
     job.due = job.background ? now : job.due + job.period * ((now - job.due) / job.period + 1);
     return bar;

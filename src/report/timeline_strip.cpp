@@ -147,8 +147,7 @@ void Strip::draw_bar(const Row& row, const Bar& bar, double next, Legend& legend
     draw_parts(bar, y, legend);
     if (x(bar.end()) - x(bar.start) > kLeastWidthOfEdge)
         svg_.line(x(bar.start), y, x(bar.start), y + shape_.bar_height, "edge");
-    const Duration deadline = request.deadline.value_or(*request.period);
-    if (deadline > Duration::zero() && bar.end() - bar.due > deadline) {
+    if (bar.late) {
         const double right = std::min(x(bar.end()), kPlotLeft + kPlotWidth);
         svg_.rect({x(bar.start), y + shape_.bar_height, right - x(bar.start), 2.5}, "late");
         legend.late = true;

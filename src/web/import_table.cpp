@@ -19,18 +19,53 @@ using file::Json;
 
 constexpr std::array<std::string_view, 5> kKinds{"variables", "locals", "served", "list", "devices"};
 
-Json rows_json(const model::Node& rows, file::TableKind kind) {
-    Json::Array all;
-    for (const auto& its : rows.items) {
-        const auto row = kind == file::TableKind::devices ? file::device_settings(its) : its;
-        Json::Object cells;
-        for (const auto& [key, value] : row.entries)
-            cells.emplace_back(key.text, value.kind == model::Node::Kind::list
-                                             ? rows_json(value, file::TableKind::variables)
-                                             : Json(value.text));
-        all.emplace_back(std::move(cells));
+Json row_json(const model::Node& row) {
+    Json::Object cells;
+    for (const auto& [key, value] : row.entries) {
+        auto cell = Json(value.text);
+        if (value.kind == model::Node::Kind::list) {
+            cell = Json::array();
+            for (const auto& its : value.items) cell.push_back(row_json(its));
+        }
+        cells.emplace_back(key.text, std::move(cell));
     }
-    return Json(std::move(all));
+    return Json(std::move(cells));
+}
+
+Json rows_json(const model::Node& rows, file::TableKind kind) {
+    auto all = Json::array();
+    for (const auto& its : rows.items)
+        all.push_back(row_json(kind == file::TableKind::devices ? file::device_settings(its) : its));
+    return all;
+}
+
+/// Nothing: this is no list of texts alone.
+std::optional<std::vector<std::string>> texts_of(const Json& list) {
+    if (!std::holds_alternative<Json::Array>(list.value())) return std::nullopt;
+    std::vector<std::string> texts;
+    for (const auto& its : items_of(list)) {
+        const auto* const text = text_in(its);
+        if (text == nullptr) return std::nullopt;
+        texts.push_back(*text);
+    }
+    return texts;
+}
+
+/// The rows of cells without headings; nothing: the body is malformed.
+std::optional<Json> rows_of_cells(const Json& body) {
+    const auto keys = texts_of(member(body, "keys"));
+    const auto& cells = member(body, "cells");
+    if (!keys || !std::holds_alternative<Json::Array>(cells.value())) return std::nullopt;
+    auto rows = Json::array();
+    for (const auto& its : items_of(cells)) {
+        const auto texts = texts_of(its);
+        if (!texts || texts->size() > keys->size()) return std::nullopt;
+        std::vector<std::pair<std::string, std::string>> row;
+        for (std::size_t i = 0; i < texts->size(); ++i) row.emplace_back((*keys)[i], (*texts)[i]);
+        const auto read = file::read_row(row);
+        rows.push_back(read ? row_json(*read) : Json());
+    }
+    return rows;
 }
 
 /// What the pasted rows get from the project that they are for.
@@ -71,14 +106,26 @@ void take_names(file::LoadedTables::Table& table, const model::Node& devices) {
     }
 }
 
+ApiResponse malformed(const ApiRequest& request, const char* subject) {
+    return ApiResponse::error(400, "malformed",
+                              request.texts("web.project.malformed", {{"subject", subject}}));
+}
+
+ApiResponse import_cells(const ApiRequest& request, const Json& body) {
+    auto rows = rows_of_cells(body);
+    if (!rows) return malformed(request, "cells");
+    auto object = Json::object();
+    object.set("rows", *std::move(rows));
+    return ApiResponse::json(object);
+}
+
 }  // namespace
 
 ApiResponse import_table(const ApiRequest& request) {
     const auto body = Json::parse(request.body, file::kMaxFileBytes);
+    if (body && body->find("cells") != nullptr) return import_cells(request, *body);
     const auto* const text = body ? text_in(member(*body, "text")) : nullptr;
-    if (text == nullptr)
-        return ApiResponse::error(400, "malformed",
-                                  request.texts("web.project.malformed", {{"subject", "text"}}));
+    if (text == nullptr) return malformed(request, "text");
     auto read = file::load_tables_text({{request.texts("web.import.name"), *text}},
                                        {.addresses = file::Addresses::automatic, .devices = true});
     auto table = read.tables.front();

@@ -11,6 +11,7 @@
 #include "import_table.hpp"
 #include "project_parts.hpp"
 #include "protected_keys.hpp"
+#include "requests_json.hpp"
 #include "saved_project.hpp"
 #include "take_over.hpp"
 #include "takt/file/convert.hpp"
@@ -145,6 +146,7 @@ struct ProjectApi::Impl {
             const auto draft = proved(request, saved, std::move(sent->document));
             if (const auto as = request.parameter("as"); !as.empty()) return exported(request, draft, as);
             auto object = plan_object(request, draft);
+            object.set("courses", courses(draft));
             const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
             object.set("took_ms", took.count());
             return ApiResponse::json(object);
@@ -182,6 +184,15 @@ struct ProjectApi::Impl {
     static Json plan_object(const ApiRequest& request, const Draft& draft) {
         if (!draft.proof) return report::no_plan_json(request.texts, draft.loaded);
         return report::project_plan_json(request.texts, draft.loaded, *draft.proof, nullptr, true);
+    }
+
+    /// Of each line, in the order of the plan.
+    static Json courses(const Draft& draft) {
+        auto all = Json::array();
+        if (draft.proof)
+            for (const auto& planned : draft.proof->plan.lines)
+                all.push_back(course_json(draft.loaded.project.lines[planned.line], planned));
+        return all;
     }
 
     /// The formed requests as a file.

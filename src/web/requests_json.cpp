@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "takt/plan/timeline.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/line_times_report.hpp"
 
@@ -86,6 +87,20 @@ file::Json requests_json(const host::Snapshot& snapshot) {
     }
     auto object = file::Json::object();
     object.set("lines", std::move(lines));
+    return object;
+}
+
+file::Json course_json(const model::Line& line, const plan::LinePlan& planned) {
+    constexpr std::size_t kMostBars = 1000;  // about 25 bytes each
+    auto course = plan::timeline(line, planned, plan::round_window(planned).length, kMostBars);
+    if (course.cut) course.window = course.bars.back().end();
+    auto bars = file::Json::array();
+    for (const auto& bar : course.bars)
+        bars.push_back(file::Json(file::Json::Array{bar.request, report::microseconds(bar.start),
+                                                    report::microseconds(bar.end()), bar.late}));
+    auto object = file::Json::object();
+    object.set("length_ms", report::milliseconds(course.window));
+    object.set("bars", std::move(bars));
     return object;
 }
 

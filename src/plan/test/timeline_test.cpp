@@ -81,6 +81,13 @@ TEST(Timeline, GoesRoundByAddressWhereTheLineDoes) {
     EXPECT_EQ(Round(made).sent(200ms), (std::vector{0, 7, 7}));
 }
 
+TEST(Timeline, BeginsANewRoundAfterIdleTime) {
+    auto made = singles(
+        {int16(0).read(3).every(100ms), int16(4).read(3).every(200ms), int16(7).read(3).every(200ms)});
+    made.lines[0].order = model::PollOrder::address;
+    EXPECT_EQ(Round(made).sent(300ms), (std::vector{0, 4, 7, 0, 0, 4, 7}));
+}
+
 TEST(Timeline, WaitsForThePhase) {
     Round round(singles({int16(0).read(3)}));
     round.plan.requests[0].phase = 30ms;

@@ -102,6 +102,8 @@ TEST_F(ProjectApiTest, EvaluatesADocumentWithoutSavingIt) {
     EXPECT_NE(text_at(plan, {"lines"}).find("\"Level\""), std::string::npos);
     EXPECT_NE(text_at(plan, {"lines"}).find("\"compare\""), std::string::npos);
     EXPECT_NE(plan.find("took_ms"), nullptr);
+    EXPECT_EQ(text_at(plan, {"courses"}),
+              R"([{"length_ms":1000.0,"bars":[[0,0.0,15026.042,false],[1,15026.042,31770.834,false]]}])");
     const auto wrong =
         call(Method::post, "/project/evaluate", body_of(changed(document, R"("16")", R"("300")")));
     ASSERT_EQ(wrong.status, 200);
@@ -460,6 +462,39 @@ TEST_F(ProjectApiTest, GivesFieldsSchemaAndImportedRows) {
     const auto both = Json::parse(call(Method::post, "/import", pasted).body).value();
     EXPECT_EQ(text_at(both, {"kind"}), "devices");
     EXPECT_NE(text_at(both, {"rows"}).find(R"("variables":[{"name":"A","type":"int16")"), std::string::npos);
+}
+
+TEST_F(ProjectApiTest, ReadsPastedCellsWithoutHeadings) {
+    const auto answer = [&](const std::string& body) {
+        return call(Method::post, "/import", Json::parse(body).value());
+    };
+    const auto rows = [&](const std::string& cells) {
+        const auto read =
+            answer(R"({"keys":["name","type","read","register","period","default"],"cells":)" + cells + "}");
+        return text_at(Json::parse(read.body).value(), {"rows"});
+    };
+    const struct {
+        const char* word;
+        const char* type;
+    } types[] = {{"Целочисленный без знака", "uint16"},
+                 {"WORD", "uint16"},
+                 {"DWORD", "uint32"},
+                 {"Целочисленн...", "int16"},
+                 {"2-register int", "int32"},
+                 {"С плавающей запя…", "float"},
+                 {"Булевское", "bool"},
+                 {"flot", "flot"}};
+    for (const auto& [word, type] : types)
+        EXPECT_EQ(rows(std::string(R"([["A",")") + word + R"("]])"),
+                  std::string(R"([{"name":"A","type":")") + type + R"("}])");
+    EXPECT_EQ(rows(R"([["< не выбрана >","int"],["B","Булевское","03 (0x03) Read","–","100 мс","Да"],[]])"),
+              R"([null,{"name":"B","type":"bool","read":"0x03","period":"100ms","default":"true"},{}])");
+    EXPECT_EQ(
+        rows(R"([["C","real","нет","10h","1,5","0,01"]])"),
+        R"([{"name":"C","type":"real","read":"none","register":"0x10","period":"1.5ms","default":"0.01"}])");
+    for (const auto* wrong : {R"({"cells":[]})", R"({"keys":["a"],"cells":[["1","2"]]})",
+                              R"({"keys":["a"],"cells":[1]})", R"({"keys":[1],"cells":[]})"})
+        EXPECT_EQ(code_of(answer(wrong)), "400 malformed") << wrong;
 }
 
 TEST_F(ProjectApiTest, PastedRowsAreCheckedAsInAProject) {

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -74,6 +75,11 @@ struct TableOptions {
 /// The same from bytes.
 [[nodiscard]] Loaded load_table_text(const std::string& name, const std::string& bytes,
                                      const TableOptions& options = {});
+
+/// A row of cells without a heading line, under keys of a variable or a device: in the words of a project
+/// file, without the cells that give no value. Numbers may have decimal commas; a duration without a unit is
+/// in milliseconds. Nothing: the row is the empty choice of an IDE.
+[[nodiscard]] std::optional<model::Node> read_row(std::span<const std::pair<std::string, std::string>> cells);
 
 /// Several tables. `loaded` has no root; its files[1] is the first table.
 struct LoadedTables {

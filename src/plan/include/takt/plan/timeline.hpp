@@ -21,6 +21,7 @@ struct Bar {
     std::size_t request = 0;  ///< index into the plan's requests
     Duration due{};           ///< due time; for period 0 its own start
     Duration start{};
+    bool late = false;  ///< ends after its deadline; never of period 0
     /// The end of each part, from `start`, rounded up to nanoseconds. The last one is the bus time.
     std::array<Duration, kParts> ends{};
 
