@@ -80,13 +80,6 @@ std::pair<std::string, std::string> name_and_address(const std::string& title) {
     return {title.substr(0, comma), address};
 }
 
-// The IDE shows the number also where it has no effect.
-void drop_idle_limit(Node& settings) {
-    if (model::parse_bool(text_of(settings, "group_requests")) == false)
-        std::erase_if(settings.entries,
-                      [](const auto& entry) { return entry.key.text == "registers_per_request"; });
-}
-
 // Distributes the rows of a table to their devices.
 class Gathering {
 public:
@@ -202,7 +195,6 @@ private:
         std::vector<Node> devices(lines_.count(), collection(Node::Kind::list));
         if (devices_.empty()) devices_.push_back({.settings = mapping_of(surroundings_.device)});
         for (auto& [settings, variables, line] : devices_) {
-            drop_idle_limit(settings);
             variables.kind = Node::Kind::list;
             set(settings, "variables", std::move(variables));
             devices[line].items.push_back(std::move(settings));
@@ -455,7 +447,6 @@ model::Node device_settings(const model::Node& row) {
     for (auto& [key, cell] : settings.entries)
         for (const auto& [column, name] : kRenamed)
             if (key.text == column) key.text = name;
-    drop_idle_limit(settings);
     return settings;
 }
 

@@ -81,8 +81,17 @@ private:
             keep(column);
         }
         if (options_.strict || (!unknown.empty() && !has_required())) unknown_is_error_ = true;
+        if (unknown_is_error_ && is_no_header(unknown))
+            return reporter_.error("file.csv.no_header", source_.location(unknown.front()->offset));
         for (const auto* const cell : unknown)
             take_unknown(columns_[static_cast<std::size_t>(cell - header.cells.data())], *cell);
+    }
+
+    // Whether few cells of the first line are like headings: the table begins with its rows.
+    [[nodiscard]] bool is_no_header(const std::vector<const Cell*>& cells) const {
+        const auto alike = std::ranges::count_if(
+            cells, [](const Cell* cell) { return likely_heading(cell->text).typing_mistake; });
+        return std::ranges::none_of(columns_, &Column::kept) && 2 * alike < std::ssize(cells);
     }
 
     // An unknown column may be the missing required one. Then every row would be incomplete, so none is read.

@@ -204,6 +204,17 @@ TEST(Convert, AColumnThatIsNotKnownIsOneFinding) {
     EXPECT_EQ(errors_of(project_of("Kind,type\n1,int\n2,int\n")), Findings{"file.csv.unknown_column Kind"});
 }
 
+TEST(Convert, TheLimitOfADeviceWithoutGroupsStaysAndIsReported) {
+    const auto project = project_of(
+        "Имя;Устройство\nАдрес;16\nГруппировать запросы;Нет\nКол-во регистров в запросе;20\n",
+        {.devices = true});
+    const auto checked = model::interpret(project.document);
+    EXPECT_EQ(checked.project.lines.at(0).devices.at(0).registers_per_request, 20);
+    EXPECT_EQ(std::ranges::count(checked.findings, std::string_view("field.without_effect"),
+                                 &model::Finding::code),
+              1);
+}
+
 TEST(Convert, RegistersOfAValueMayStandInAColumn) {
     const auto project = project_of(
         "name;type;read;register;Количество "
