@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import type { PlannedLine, PlannedRequest } from '../src/api/types';
 import { agesOf, bytesOf, gapsOf, lineStrategy, unmeasured } from '../src/views/requests/figures';
-import { courseOf, shifted, ticks, visible, zoomed } from '../src/views/requests/timeline';
+import { blocksOf, shifted, ticks, visible, zoomed } from '../src/views/requests/timeline';
 
 const request = (parts: Partial<PlannedRequest>): PlannedRequest => ({
   device: 'D',
@@ -83,37 +83,9 @@ test('the strategy of a line is that of all its devices', () => {
   );
 });
 
-test('the course polls by deadline and does not interrupt a request', () => {
-  const { blocks, length } = courseOf(
-    [request({ period_ms: 100, deadline_us: 100_000 }), request({ period_ms: 50, deadline_us: 50_000 })],
-    'deadline',
-  );
-  assert.equal(length, 100);
-  assert.deepEqual(
-    blocks.map((its) => [its.request, its.start, its.end]),
-    [
-      [1, 0, 10],
-      [0, 10, 20],
-      [1, 50, 60],
-    ],
-  );
-});
-
-test('the course of an overloaded line ends, starves no request, and shows what is late', () => {
-  const short = request({ period_ms: 30, deadline_us: 30_000 });
-  const { blocks, length } = courseOf([short, short, short, short, request({ period_ms: 300 })], 'deadline');
-  assert.equal(length, 300);
-  assert.equal(blocks.length, 30);
-  assert.ok(blocks.some((its) => its.late));
-  assert.equal(new Set(blocks.map((its) => its.request)).size, 5);
-});
-
-test('requests without a pause fill the line', () => {
-  const { blocks } = courseOf([request({ period_ms: 50 }), request({ period_ms: 0 })], 'deadline');
-  assert.deepEqual(
-    blocks.map((its) => its.request),
-    [0, 1, 1, 1, 1],
-  );
+test('the course of the program is drawn in milliseconds', () => {
+  const course = { length_ms: 100, bars: [[1, 0, 10_000, false] as [number, number, number, boolean]] };
+  assert.deepEqual(blocksOf(course), [{ request: 1, start: 0, end: 10, late: false }]);
 });
 
 test('zoom keeps the point under the pointer and stays inside', () => {

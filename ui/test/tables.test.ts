@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { functionOf, isPlaceholder, milliseconds, nodeText, rawOf } from '../src/views/project/cells';
+import { milliseconds, nodeText, rawOf } from '../src/views/project/cells';
 import type { Mapping } from '../src/api/types';
 import * as rows from '../src/views/project/rows';
 import { formatTable, isImport, parseTable } from '../src/views/project/tsv';
@@ -51,15 +51,9 @@ test('tables and windows of the IDE are known from their text', () => {
     assert.ok(!isImport(text), text);
 });
 
-test('the words of the IDE become those of the file', () => {
-  assert.equal(rawOf('type', 'Целочисленн...'), 'int16');
-  assert.equal(rawOf('type', 'С плавающей запя…'), 'float');
-  assert.equal(rawOf('type', 'Булевское'), 'bool');
+test('typed texts become those of the file', () => {
   assert.equal(rawOf('type', 'uint32'), 'uint32');
-  assert.equal(rawOf('type', 'flot'), 'flot');
-  assert.equal(rawOf('boolean', '☑'), 'true');
-  assert.equal(rawOf('boolean', 'Нет'), 'false');
-  assert.equal(rawOf('local', '‹ не выбр...'), undefined);
+  assert.equal(rawOf('text', ' '), undefined);
   assert.equal(rawOf('duration', '100'), '100ms');
   assert.equal(rawOf('duration', '1.5s'), '1.5s');
   assert.equal(rawOf('number', '0,01'), '0.01');
@@ -67,15 +61,6 @@ test('the words of the IDE become those of the file', () => {
   assert.deepEqual(rawOf('list', 'energy, daily'), ['energy', 'daily']);
   assert.deepEqual(rawOf('list', '0..99'), ['0..99']);
   assert.equal(rawOf('list', 'true'), 'true');
-  assert.ok(isPlaceholder('< не выбрана >') && isPlaceholder('«не выбрана»') && !isPlaceholder('Pump'));
-});
-
-test('functions are understood as people write them', () => {
-  assert.equal(functionOf('03 (0x03) Read Holding Registers'), '0x03');
-  assert.equal(functionOf('16'), '0x10');
-  assert.equal(functionOf('0xf'), '0x0F');
-  assert.equal(functionOf('Нет'), 'none');
-  assert.equal(functionOf('read'), undefined);
 });
 
 test('durations are milliseconds', () => {
@@ -132,20 +117,25 @@ test('filling down counts names and addresses on', () => {
 
 test('a pasted table overwrites, adds rows and leaves out the empty choice', () => {
   const list = [float('A', '0'), float('B', '2')];
+  const row = (name: string, register: string) => ({
+    cells: { name, register },
+    columns: [NAME, REGISTER],
+  });
+  const empty = { cells: null, columns: [NAME, REGISTER] };
+  const narrow = { cells: { name: 'W' }, columns: [NAME] };
   const next = rows.pasted(
     list,
     [1, 0],
-    [
-      ['X', '7'],
-      ['< не выбрана >', '8'],
-      ['Y', '9'],
-      ['Z', '11'],
-    ],
-    { row: 0, column: 0 },
-    [NAME, REGISTER],
-    () => ({ type: 'int16' }),
+    [row('X', '7'), empty, row('Y', '9'), row('Z', '11'), narrow],
+    0,
+    () => ({ type: 'int16', register: '0' }),
   );
-  assert.deepEqual(next, [float('Y', '9'), float('X', '7'), { type: 'int16', name: 'Z', register: '11' }]);
+  assert.deepEqual(next, [
+    float('Y', '9'),
+    float('X', '7'),
+    { type: 'int16', name: 'Z', register: '11' },
+    { type: 'int16', name: 'W', register: '0' },
+  ]);
   assert.deepEqual(list, [float('A', '0'), float('B', '2')]);
 });
 

@@ -242,9 +242,15 @@ export interface PlannedLine {
     strategies: Record<Strategy, Cost & { saved_percent: Record<string, number> }>;
   };
 }
+/** When the requests of a line occupy it: request, start and end in microseconds, whether it is late. */
+export interface Course {
+  length_ms: number;
+  bars: [number, number, number, boolean][];
+}
 export interface Evaluation {
   findings: Finding[];
   lines: PlannedLine[];
+  courses: Course[];
   took_ms: number;
 }
 

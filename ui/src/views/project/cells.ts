@@ -1,4 +1,4 @@
-// The cells of the tables: the kinds of their values, and the words of IDE and spreadsheets for them. Pure.
+// The cells of the tables: the kinds of their values, and their texts. Pure.
 import type { Mapping, Node } from '../../api/types';
 import { isMapping } from '../../store/document';
 
@@ -37,54 +37,15 @@ export const typeClass = (type: string | undefined): string => {
   return its === 'string' ? 'type-string' : its ? 'type-int' : '';
 };
 
-const TYPE_WORDS: [RegExp, string][] = [
-  [/^(бул|лог|boolean|bit|біт|бит)/, 'bool'],
-  [/^(с плав|з плав|вещ|real|float)/, 'float'],
-  [/^(цел|ціл|integer|word$|int$).*(2 рег|dword|32)/, 'int32'],
-  [/^(цел|ціл|integer|word$|int$)/, 'int16'],
-  [/^(строк|рядок|рядк|text|string)/, 'string'],
-];
-const YES = /^(true|yes|on|1|да|так|вкл|☑|☒|✓|✔|x)$/i;
-const NO = /^(false|no|off|0|нет|ні|выкл|☐)$/i;
-/** The IDE's empty choice, in any brackets, also cut. */
-const PLACEHOLDER = /^[‹<«(]?\s*(не выб|не виб|none chosen|not chosen)[^›>»)]*(…|\.\.\.)?\s*[›>»)]?$/i;
-
-export const isPlaceholder = (text: string) => PLACEHOLDER.test(text.trim());
-
 export function isYes(raw: string | null | undefined): boolean {
-  return raw !== null && raw !== undefined && YES.test(raw.trim());
+  return raw?.toLowerCase() === 'true';
 }
 
-/** "0x03" of "3", "03 (0x03) Read Holding Registers", "0x3"; undefined: it is no function. */
-export function functionOf(text: string): string | undefined {
-  const its = text.trim();
-  if (/^(none|нет|ні|no|-|–|—)$/i.test(its)) return 'none';
-  const inside = /0x([0-9a-f]{1,2})\b/i.exec(its)?.[1];
-  const number = inside ? Number.parseInt(inside, 16) : /^\d{1,2}$/.test(its) ? Number(its) : Number.NaN;
-  if (Number.isNaN(number)) return undefined;
-  return `0x${number.toString(16).toUpperCase().padStart(2, '0')}`;
-}
-
-function typeOf(text: string): string {
-  const its = text.trim().toLowerCase();
-  if (TYPES.includes(its) || ALIASES[its]) return its;
-  return TYPE_WORDS.find(([pattern]) => pattern.test(its))?.[1] ?? text.trim();
-}
-
-/**
- * The raw text for the file from what was typed or pasted. undefined: the key is left out. Texts that are not
- * understood stay as they are, so that the check names them.
- */
+/** The raw text for the file from what was typed. undefined: the key is left out. */
 export function rawOf(kind: CellKind, typed: string): Node | undefined {
   const text = typed.trim();
-  if (text === '' || isPlaceholder(text)) return undefined;
+  if (text === '') return undefined;
   switch (kind) {
-    case 'boolean':
-      return YES.test(text) ? 'true' : NO.test(text) ? 'false' : text;
-    case 'type':
-      return typeOf(text);
-    case 'function':
-      return functionOf(text) ?? text;
     case 'number':
       return /^[-+]?\d+,\d+$/.test(text) ? text.replace(',', '.') : text;
     case 'duration':

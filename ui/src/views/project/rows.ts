@@ -1,7 +1,7 @@
 // What the tables do with their rows: pure functions on the list of a document.
-import type { Mapping } from '../../api/types';
+import type { Cells, Mapping } from '../../api/types';
 import { asNew } from '../../store/document';
-import { type CellKind, cellText, isPlaceholder, plainType, rawOf } from './cells';
+import { type CellKind, cellText, plainType, rawOf } from './cells';
 
 export interface CellColumn {
   key: string;
@@ -83,11 +83,15 @@ export const without = (list: Mapping[], indices: number[]): Mapping[] => {
   return list.filter((_, index) => !gone.has(index));
 };
 
-function withCell(row: Mapping, column: CellColumn, text: string): Mapping {
+/** The cells of a row, in the words of the file, in place of those of some columns. */
+function withRow(row: Mapping, columns: CellColumn[], cells: Cells): Mapping {
   const next = { ...row };
-  const raw = rawOf(column.kind, text);
-  if (raw === undefined) delete next[column.key];
-  else next[column.key] = raw;
+  for (const { key, kind } of columns) {
+    if (kind === 'source') continue;
+    const raw = rawOf(kind, cells[key] ?? '');
+    if (raw === undefined) delete next[key];
+    else next[key] = raw;
+  }
   return next;
 }
 
@@ -95,12 +99,10 @@ export function withCells(
   list: Mapping[],
   indices: number[],
   columns: CellColumn[],
-  text: string,
+  cells: Cells,
 ): Mapping[] {
   const next = [...list];
-  for (const index of indices)
-    for (const column of columns)
-      if (column.kind !== 'source') next[index] = withCell(next[index]!, column, text);
+  for (const index of indices) next[index] = withRow(next[index]!, columns, cells);
   return next;
 }
 
@@ -142,33 +144,29 @@ export function filledDown(
   return next;
 }
 
+/** A pasted row, as the program reads it. */
+export interface PastedRow {
+  cells: Cells | null; // null: the IDE's empty choice
+  columns: CellColumn[];
+}
+
 /**
- * A pasted table, from one cell to the right and down. Rows that are missing are made; a single cell fills
- * all selected ones. Rows of the IDE's empty choice are left out.
+ * A pasted table, from a row down. Rows that are missing are made; rows of the IDE's empty choice are left out.
  * @param order  the rows as they are shown, as indices of the list
  * @param fresh  makes a row for the end of the list
  */
 export function pasted(
   list: Mapping[],
   order: number[],
-  cells: string[][],
-  start: { row: number; column: number },
-  columns: CellColumn[],
+  read: PastedRow[],
+  start: number,
   fresh: (list: Mapping[]) => Mapping,
 ): Mapping[] {
   const next = [...list];
-  const nameColumn = columns.findIndex((its) => its.key === 'name') - start.column;
-  const kept = cells.filter((row) => !(nameColumn >= 0 && isPlaceholder(row[nameColumn] ?? '')));
-  for (const [r, row] of kept.entries()) {
-    let index = order[start.row + r];
-    if (index === undefined) {
-      index = next.length;
-      next.push(fresh(next));
-    }
-    for (const [c, text] of row.entries()) {
-      const column = columns[start.column + c];
-      if (column && column.kind !== 'source') next[index] = withCell(next[index]!, column, text);
-    }
+  const kept = read.filter((its) => its.cells !== null);
+  for (const [r, { cells, columns }] of kept.entries()) {
+    const index = order[start + r] ?? next.length;
+    next[index] = withRow(next[index] ?? fresh(next), columns, cells!);
   }
   return next;
 }

@@ -4,7 +4,7 @@ import type { Finding } from '../../api/types';
 import { t } from '../../i18n';
 import { formatPath, type Path, parsePath } from '../../store/document';
 import { findingsByPath } from '../../store/project';
-import { toast } from '../../shell/toasts';
+import { toast, toastError } from '../../shell/toasts';
 import { type Column, Grid, type GridCell } from '../../widgets/grid';
 import { cellText } from './cells';
 import { CellEditor, cellChoices } from './cell_editor';
@@ -140,7 +140,7 @@ export function VariableTable({ path, object, label }: { path: Path; object: Tab
   const paste = (text: string) => {
     if (state.locked || text.trim() === '') return;
     if (object !== 'bank' && isImport(text)) importing.value = { text, path };
-    else state.paste(text);
+    else state.paste(text).catch(toastError);
   };
   const findings = currentFindings(state);
   const column = state.current && state.columns[state.current.column];

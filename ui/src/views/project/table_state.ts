@@ -1,6 +1,7 @@
 // The state of a table: what is shown, selected and edited, and its operations on the draft.
 import { useMemo, useRef, useState } from 'preact/hooks';
-import type { Mapping, Node } from '../../api/types';
+import { post } from '../../api/client';
+import type { Cells, Mapping, Node } from '../../api/types';
 import { t } from '../../i18n';
 import { formatPath, listAt, type Path } from '../../store/document';
 import { draft, setNode } from '../../store/project';
@@ -49,11 +50,19 @@ export interface TableState {
   clear: () => void;
   fillDown: () => void;
   copyText: () => string;
-  paste: (text: string) => void;
+  paste: (text: string) => Promise<void>;
   /** Pasted rows that leave open which coil they mean; null: there are none. */
   openPaste: Mapping[] | null;
   /** Stores the pasted rows with that meaning; null: leaves the list as it was. */
   settlePaste: (choice: CoilChoice | null) => void;
+}
+
+/** What the program understands of cells: the words of the file for those of IDE and spreadsheets. */
+async function readCells(columns: TableColumn[], cells: string[][]): Promise<rows.PastedRow[]> {
+  const rowsOf = cells.map((row) => row.slice(0, columns.length).map((its) => its.trim()));
+  const keys = columns.map((its) => its.key);
+  const answer = await post<{ rows: (Cells | null)[] }>('import', { keys, cells: rowsOf });
+  return answer.rows.map((its, r) => ({ cells: its, columns: columns.slice(0, rowsOf[r]!.length) }));
 }
 
 export function useTable(path: Path, object: TableObject): TableState {
@@ -193,23 +202,26 @@ export function useTable(path: Path, object: TableObject): TableState {
       setAnchor(cell);
       setExtra(new Set());
     },
-    clear: () => store(rows.withCells(list, selectedRows(), selectedColumns(), ''), 'clear'),
+    clear: () => store(rows.withCells(list, selectedRows(), selectedColumns(), {}), 'clear'),
     fillDown: () => store(rows.filledDown(list, selectedRows(), selectedColumns(), takenNames()), 'fill'),
     copyText: () => formatTable(rows.copied(list, selectedRows(), selectedColumns())),
-    paste: (text) => {
+    paste: async (text) => {
       const cells = parseTable(text);
       const only = cells.length === 1 && cells[0]!.length === 1 ? cells[0]![0]! : null;
       const chosen = selectedRows();
-      if (only !== null && chosen.length > 0) {
-        storePasted(rows.withCells(list, chosen, selectedColumns(), only));
-        return;
-      }
-      const start = {
-        row: range ? range[0]! : order.length,
-        column: current && from ? Math.min(current.column, from.column) : 0,
-      };
-      const make = (now: Mapping[]) => fresh(now.at(-1), rows.namesIn(now));
-      storePasted(rows.pasted(list, order, cells, start, columns, make));
+      const fill = only !== null && chosen.length > 0;
+      const first = current && from && !fill ? Math.min(current.column, from.column) : 0;
+      const start = range ? range[0]! : order.length;
+      const into = fill ? selectedColumns() : columns.slice(first);
+      const read = await readCells(into, fill ? [into.map(() => only)] : cells);
+      // The list may have changed meanwhile.
+      const now = listAt(draft.peek(), path);
+      const make = (before: Mapping[]) => fresh(before.at(-1), rows.namesIn(before));
+      storePasted(
+        fill
+          ? rows.withCells(now, chosen, into, read[0]!.cells ?? {})
+          : rows.pasted(now, order, read, start, make),
+      );
     },
     openPaste: pending?.open ?? null,
     settlePaste: (choice) => {

@@ -1,7 +1,7 @@
 // The plan that is shown: the last one without wrong values, the line of the selection, and what the last
 // edit changed.
 import { batch, computed, effect, signal } from '@preact/signals';
-import type { PlannedLine } from '../../api/types';
+import type { Course, PlannedLine } from '../../api/types';
 import { at, isMapping, listAt } from '../../store/document';
 import { draft, evaluation, loaded } from '../../store/project';
 import { selected } from '../project/selection';
@@ -11,7 +11,8 @@ const SHOWN_MS = 9000;
 /** Evaluations that follow each other this quickly are one change. */
 const TOGETHER_MS = 1200;
 
-export const plan = signal<PlannedLine[]>([]);
+export type DrawnLine = PlannedLine & { course: Course };
+export const plan = signal<DrawnLine[]>([]);
 /** The values are wrong: the plan is that of before. */
 export const outdated = signal(false);
 
@@ -62,15 +63,16 @@ effect(() => {
     const file = loaded.peek();
     const now = Date.now();
     const before = plan.peek();
+    const lines = its.lines.map((line, i) => ({ ...line, course: its.courses[i]! }));
     if (file !== baselineFile || baseline === null) {
       baselineFile = file;
-      baseline = its.lines;
+      baseline = lines;
     } else {
       if (now - changedAt > TOGETHER_MS) baseline = before;
-      note(baseline, its.lines);
+      note(baseline, lines);
     }
     changedAt = now;
-    plan.value = its.lines;
+    plan.value = lines;
   });
 });
 
@@ -86,6 +88,6 @@ export const lineNode = computed(() => {
   const node = at(draft.value, ['lines', lineNumber.value]);
   return isMapping(node) ? node : undefined;
 });
-export const shownLine = computed<PlannedLine | undefined>(
+export const shownLine = computed<DrawnLine | undefined>(
   () => plan.value.find((its) => its.name === lineNode.value?.name) ?? plan.value[lineNumber.value],
 );

@@ -1,5 +1,5 @@
-// The course of a line in time: when its polled requests occupy it, without failures. Pure.
-import type { PlannedRequest } from '../../api/types';
+// The view of a line's course: what of it is drawn at which scale. Pure.
+import type { Course } from '../../api/types';
 
 export interface Block {
   request: number;
@@ -7,96 +7,9 @@ export interface Block {
   end: number;
   late: boolean;
 }
-export interface Course {
-  blocks: Block[];
-  length: number; // ms
-}
 
-const MOST_BLOCKS = 4000;
-const LONGEST_MS = 60_000;
-
-interface Task {
-  request: number;
-  period: number;
-  deadline: number;
-  cost: number;
-  release: number;
-}
-
-/**
- * Non-preemptive polling, as the master does it: first what has waited for longer than its deadline, then the
- * shortest deadline; or rounds in the order of addresses. Requests with the period 0 fill the rest, in turn.
- */
-export function courseOf(requests: PlannedRequest[], order: string): Course {
-  const tasks: Task[] = [];
-  const fillers: Task[] = [];
-  for (const [index, its] of requests.entries()) {
-    if (its.period_ms === null || its.function === null) continue;
-    const task = {
-      request: index,
-      period: its.period_ms,
-      deadline: its.deadline_us === null ? its.period_ms : its.deadline_us / 1000,
-      cost: its.bus_time_us / 1000,
-      release: its.phase_ms ?? 0,
-    };
-    (its.period_ms > 0 ? tasks : fillers).push(task);
-  }
-  if (order === 'address')
-    tasks.sort((a, b) => requests[a.request]!.unit - requests[b.request]!.unit || a.request - b.request);
-  const busy = [...tasks, ...fillers].reduce((sum, its) => sum + its.cost, 0);
-  const longest = tasks.reduce((most, its) => Math.max(most, its.period), 0);
-  const length = Math.min(LONGEST_MS, Math.max(longest, busy));
-  return { blocks: run(tasks, fillers, length, order === 'address'), length };
-}
-
-function mostUrgent(tasks: Task[], now: number, rounds: boolean, cursor: number): number {
-  let best = -1;
-  let bestClass = 2;
-  let bestTime = 0;
-  for (let i = 0; i < tasks.length; ++i) {
-    const its = tasks[(cursor + i) % tasks.length]!;
-    if (its.release > now + 1e-9) continue;
-    if (rounds) return (cursor + i) % tasks.length;
-    const overdue = now - its.release > its.deadline;
-    const own = overdue ? 0 : 1;
-    const time = overdue ? its.release + its.deadline : its.deadline;
-    if (own > bestClass || (own === bestClass && time >= bestTime)) continue;
-    best = i;
-    bestClass = own;
-    bestTime = time;
-  }
-  return best;
-}
-
-function run(tasks: Task[], fillers: Task[], length: number, rounds: boolean): Block[] {
-  const blocks: Block[] = [];
-  let [now, turn, cursor] = [0, 0, 0];
-  const occupy = (task: Task, late: boolean) => {
-    blocks.push({ request: task.request, start: now, end: now + task.cost, late });
-    now += Math.max(task.cost, 1e-3);
-  };
-  while (now < length && blocks.length < MOST_BLOCKS) {
-    const index = mostUrgent(tasks, now, rounds, cursor);
-    const due = tasks[index];
-    if (due) {
-      if (rounds) cursor = (index + 1) % tasks.length;
-      const start = now;
-      occupy(due, start + due.cost > due.release + due.deadline + 1e-6);
-      // Releases that passed while it waited are skipped.
-      do due.release += due.period;
-      while (due.release <= start);
-      continue;
-    }
-    const next = tasks.reduce((least, its) => Math.min(least, its.release), Number.POSITIVE_INFINITY);
-    const filler = fillers[turn % Math.max(1, fillers.length)];
-    if (filler) {
-      ++turn;
-      occupy(filler, false);
-    } else if (next < length) now = next;
-    else break;
-  }
-  return blocks;
-}
+export const blocksOf = (course: Course): Block[] =>
+  course.bars.map(([request, start, end, late]) => ({ request, start: start / 1000, end: end / 1000, late }));
 
 export interface Window {
   from: number;

@@ -2,11 +2,10 @@
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import type { PlannedLine } from '../../api/types';
 import { formatDuration, formatNumber, t } from '../../i18n';
-import { textAt } from '../../store/document';
 import { Icon } from '../../widgets/icon';
 import { lightRequest, lit, revealVariable } from '../project/selection';
-import { lineNode, lineNumber } from './plan';
-import { type Block, courseOf, shifted, ticks, visible, type Window, zoomed } from './timeline';
+import { type DrawnLine, lineNumber } from './plan';
+import { type Block, blocksOf, shifted, ticks, visible, type Window, zoomed } from './timeline';
 import { requestKey, requestWords } from './words';
 
 const LANE = 16;
@@ -74,19 +73,19 @@ function Blocks(props: {
   );
 }
 
-export function Timeline({ line }: { line: PlannedLine }) {
+export function Timeline({ line }: { line: DrawnLine }) {
   const texts = t.value.requests.timeline;
-  const order = textAt(lineNode.value, ['order']) ?? 'deadline';
-  const course = useMemo(() => courseOf(line.requests, order), [line, order]);
+  const blocks = useMemo(() => blocksOf(line.course), [line]);
+  const length = line.course.length_ms;
   const [view, setView] = useState<Window | null>(null);
   const [svg, width] = useWidth<SVGSVGElement>();
-  const all = { from: 0, to: course.length };
-  const window = view && view.to <= course.length + 1e-6 ? view : all;
+  const all = { from: 0, to: length };
+  const window = view && view.to <= length + 1e-6 ? view : all;
   const zoom = (factor: number, center = (window.from + window.to) / 2) => {
-    const next = zoomed(window, factor, center, course.length);
-    setView(next.to - next.from >= course.length ? null : next);
+    const next = zoomed(window, factor, center, length);
+    setView(next.to - next.from >= length ? null : next);
   };
-  const move = (share: number) => setView(shifted(window, share * (window.to - window.from), course.length));
+  const move = (share: number) => setView(shifted(window, share * (window.to - window.from), length));
   useEffect(() => {
     const element = svg.current;
     const onWheel = (event: WheelEvent) => {
@@ -101,7 +100,7 @@ export function Timeline({ line }: { line: PlannedLine }) {
     element?.addEventListener('wheel', onWheel, { passive: false });
     return () => element?.removeEventListener('wheel', onWheel);
   });
-  if (course.blocks.length === 0) return <p class="muted small">{texts.none}</p>;
+  if (blocks.length === 0) return <p class="muted small">{texts.none}</p>;
   const names = [...new Set(line.requests.filter((its) => its.period_ms !== null).map((its) => its.device))];
   const lanes = names.length <= MOST_LANES ? names.length : 1;
   const lane = (request: number) => (lanes > 1 ? names.indexOf(line.requests[request]!.device) : 0);
@@ -138,7 +137,7 @@ export function Timeline({ line }: { line: PlannedLine }) {
         height={height}
         tabindex={0} // SVG has no tabIndex
         role="img"
-        aria-label={`${texts.label}: ${formatDuration(course.length)}. ${texts.hint}`}
+        aria-label={`${texts.label}: ${formatDuration(length)}. ${texts.hint}`}
         onKeyDown={(event) => {
           const run = keys[event.key];
           if (!run || event.ctrlKey) return;
@@ -160,13 +159,7 @@ export function Timeline({ line }: { line: PlannedLine }) {
             )}
           </g>
         ))}
-        <Blocks
-          line={line}
-          blocks={visible(course.blocks, window, width, lane)}
-          lane={lane}
-          x={x}
-          lanes={lanes}
-        />
+        <Blocks line={line} blocks={visible(blocks, window, width, lane)} lane={lane} x={x} lanes={lanes} />
       </svg>
       <div class="zoom">
         {button('add', texts.zoomIn, () => zoom(0.5))}
