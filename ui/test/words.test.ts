@@ -1,4 +1,6 @@
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
 import test from 'node:test';
 import type { Frame } from '../src/api/types';
 
@@ -6,6 +8,7 @@ import type { Frame } from '../src/api/types';
 const browser = globalThis as unknown as Record<string, unknown>;
 browser.location = { href: 'http://127.0.0.1/?lang=ru' };
 browser.localStorage = { getItem: () => null, setItem: () => {} };
+browser.document = { documentElement: {} };
 
 const frame = (words: string, fault?: string): Frame => ({
   t: 0,
@@ -51,12 +54,16 @@ test('a fault of the frame is named, an exception is described', async () => {
   );
 });
 
-test('units in texts of the program are those of the language', async () => {
-  const { withUnits } = await import('../src/i18n');
-  assert.equal(
-    withUnits('отвечает в среднем за 12.6 ms, цикл 1 s; turnaround: 4ms; 5 sensors'),
-    'отвечает в среднем за 12.6 мс, цикл 1 с; turnaround: 4ms; 5 sensors',
-  );
+test('durations are those of the program in each language', async () => {
+  const { formatDuration, setLanguage } = await import('../src/i18n');
+  const rows = readFileSync(join(process.cwd(), '../src/text/test/durations.inc'), 'utf8').split('\n');
+  const cells = rows.map((row) => row.split(' | ')).filter((row) => /^-?\d+$/.test(row[0]!));
+  assert.ok(cells.length > 20);
+  for (const [i, language] of (['en', 'ru', 'uk'] as const).entries()) {
+    setLanguage(language);
+    for (const row of cells) assert.equal(formatDuration(Number(row[0]) / 1e6), row[i + 1]);
+  }
+  setLanguage('ru');
 });
 
 test('a late or surplus response is one row with its bytes', async () => {

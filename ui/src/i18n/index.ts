@@ -57,22 +57,27 @@ export function slavic(code: 'ru' | 'uk', n: number, one: string, few: string, m
 /** As the program, its messages and the file write numbers, in each language: 1234567.8 */
 export const formatNumber = (value: number, digits = 0): string => String(Number(value.toFixed(digits)));
 
-/** Milliseconds with the unit that people would choose. */
+/** Nanoseconds as a number of units with that many decimals; halves are rounded up. */
+const decimal = (ns: number, unit: number, digits: number) =>
+  (Math.floor((ns * 10 ** digits + unit / 2) / unit) / 10 ** digits).toFixed(digits);
+
+/** Milliseconds with their unit, as the program writes them (src/text/duration.cpp). */
 export function formatDuration(ms: number): string {
   const u = t.value.units;
-  if (ms < 1) return `${formatNumber(ms, 3)} ${u.ms}`;
-  if (ms < 1000) return `${formatNumber(ms, ms < 100 ? 1 : 0)} ${u.ms}`;
-  if (ms < 60_000) return `${formatNumber(ms / 1000, 1)} ${u.s}`;
+  const ns = Math.round(ms * 1e6);
+  const digits = (unit: number, name: string) =>
+    `${decimal(ns, unit, ns < unit * 9.995 ? 2 : ns < unit * 99.95 ? 1 : 0)} ${name}`;
   const parts = (whole: number, large: string, rest: number, small: string) =>
     `${whole} ${large}${rest > 0 ? ` ${rest} ${small}` : ''}`;
-  if (ms < 3_600_000) return parts(Math.floor(ms / 60_000), u.min, Math.floor((ms % 60_000) / 1000), u.s);
-  return parts(Math.floor(ms / 3_600_000), u.h, Math.floor((ms % 3_600_000) / 60_000), u.min);
+  if (ns < 0) return `-${formatDuration(-ms)}`;
+  if (ns === 0) return `0 ${u.ms}`;
+  if (ns < 1e5) return digits(1e3, u.us);
+  const seconds = Math.floor(ns / 1e9);
+  if (ns >= 36e11) return parts(Math.floor(seconds / 3600), u.h, Math.floor((seconds % 3600) / 60), u.min);
+  if (ns >= 6e10) return parts(Math.floor(seconds / 60), u.min, seconds % 60, u.s);
+  if (ns % 1e9 === 0) return `${seconds} ${u.s}`;
+  return ns >= 1e10 ? digits(1e9, u.s) : digits(1e6, u.ms);
 }
-/** Texts of the program have the units of its tables: "12.6 ms" in each language. */
-export const withUnits = (text: string): string =>
-  text.replace(/(\d) (ms|s|min|h)(?!\w)/g, (_, digit: string, unit: 'ms' | 's' | 'min' | 'h') => {
-    return `${digit} ${t.value.units[unit]}`;
-  });
 export function formatClock(ms: number, millis = false): string {
   const date = new Date(ms);
   const base = date.toLocaleTimeString(language.value, { hour12: false });

@@ -3,7 +3,6 @@
 import { type Signal, signal } from '@preact/signals';
 import { openStream, type Stream } from '../api/stream';
 import type { LiveValue, Notice, ReadBatch, Snapshot, Status, ValueBatch } from '../api/types';
-import { withUnits } from '../i18n';
 import { withoutDefault } from '../views/live/format';
 import { checkClock } from './clock';
 import { connected, loadInfo, status } from './info';
@@ -113,16 +112,10 @@ export function startLive(): Stream {
       values: onValues,
       reads: onReads,
       status: (its: Status) => {
-        const problems = its.problems.map((one) => ({
-          ...one,
-          text: withUnits(one.text),
-          ...(one.tried && { tried: withUnits(one.tried) }),
-          ...(one.advice && { advice: withUnits(one.advice) }),
-        }));
-        status.value = { ...its, problems };
+        status.value = its;
       },
       notice: (its: Notice) => {
-        notices.value = [...notices.peek(), { ...its, text: withUnits(its.text) }].slice(-MOST_NOTICES);
+        notices.value = [...notices.peek(), its].slice(-MOST_NOTICES);
       },
       configuration: () => {
         void loadInfo().catch(() => {});

@@ -2,7 +2,7 @@
 import { batch, computed, signal } from '@preact/signals';
 import { ApiError, download, get, post, put } from '../api/client';
 import type { Evaluation, FilePart, Finding, Mapping, Node, ProjectFile, Saved } from '../api/types';
-import { language, t, withUnits } from '../i18n';
+import { language, t } from '../i18n';
 import { type Path, parsePath, textAt, withNode } from './document';
 import { merged, rebased } from './merge';
 
@@ -45,13 +45,7 @@ export const isUnreadable = computed(() => loaded.value !== null && loaded.value
 export const isChanged = computed(
   () => loaded.value !== null && !isUnreadable.value && draft.value !== loaded.value.document,
 );
-export const findings = computed<Finding[]>(() =>
-  (evaluation.value?.findings ?? loaded.value?.findings ?? []).map((its) => ({
-    ...its,
-    message: withUnits(its.message),
-    advice: withUnits(its.advice),
-  })),
-);
+export const findings = computed<Finding[]>(() => evaluation.value?.findings ?? loaded.value?.findings ?? []);
 export const findingsByPath = computed(() => {
   const map = new Map<string, Finding[]>();
   for (const its of findings.value) {

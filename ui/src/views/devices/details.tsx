@@ -1,5 +1,5 @@
 import type { DeviceStatus, LineStatus } from '../../api/types';
-import { formatDuration, formatNumber, t, withUnits } from '../../i18n';
+import { formatDuration, formatNumber, t } from '../../i18n';
 import { ProblemList } from '../../shell/problems';
 import { toast } from '../../shell/toasts';
 import { status } from '../../store/info';
@@ -82,7 +82,7 @@ export function Details({ line, device }: { line: LineStatus; device: DeviceStat
                 formatNumber(late.requests),
                 formatDuration(late.longest_ms),
               )}
-            {delays && <p>{withUnits(delays.text)}</p>}
+            {delays && <p>{delays.text}</p>}
             {delays?.advised_ms && (
               <Advice setting={`${delays.setting}: ${Math.ceil(delays.advised_ms)}ms`} />
             )}

@@ -85,7 +85,7 @@ export function AgeCell({ row }: { row: Row }) {
   const age = now - sampled_at;
   // The program judges the age: a value that is older than proved is not good any more.
   const late = quality !== 'good' && typeof proved_age_ms === 'number' && age > proved_age_ms;
-  return <span class={late ? 'late' : ''}>{formatDuration(age < 1000 ? Math.round(age) : age)}</span>;
+  return <span class={late ? 'late' : ''}>{formatDuration(age)}</span>;
 }
 
 const WIDTH = 110;

@@ -2,7 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { get } from '../../api/client';
 import type { Why } from '../../api/types';
-import { formatDuration, t, withUnits } from '../../i18n';
+import { formatDuration, t } from '../../i18n';
 import { Dialog } from '../../shell/dialog';
 import { errorText } from '../../shell/toasts';
 
@@ -45,7 +45,7 @@ export function WhyDialog({ variable, onClose }: { variable: string; onClose: ()
               <li key={hop.hop + hop.text}>
                 <i class={`dot ${DOTS[hop.state]}`} />
                 <b>{texts.hops[hop.hop]}</b>
-                <span>{withUnits(hop.text)}</span>
+                <span>{hop.text}</span>
                 <span class="muted">{hop.ms === undefined ? '' : formatDuration(hop.ms)}</span>
               </li>
             ))}

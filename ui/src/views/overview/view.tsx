@@ -103,7 +103,7 @@ function AgeRow({ its }: { its: DeviceAge }) {
         <span class={its.late ? 'late' : 'ok'} style={{ width: `${Math.min(1, full) * 100}%` }} />
       </span>
       <span class={`figure ${its.late ? 'bad' : ''}`}>
-        {formatDuration(its.age_ms < 1000 ? Math.round(its.age_ms) : its.age_ms)}
+        {formatDuration(its.age_ms)}
         {' / '}
         {formatDuration(its.proved_ms)}
       </span>

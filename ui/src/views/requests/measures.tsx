@@ -1,6 +1,6 @@
 // Measures that would make the deadlines hold. One click applies all changes of a measure.
 import type { Measure, PlannedLine } from '../../api/types';
-import { t, withUnits } from '../../i18n';
+import { t } from '../../i18n';
 import { parsePath } from '../../store/document';
 import { seekingMeasures, setNodes } from '../../store/project';
 import { readOnly } from '../project/edit';
@@ -74,7 +74,7 @@ export function Measures({ line }: { line: PlannedLine }) {
           return (
             <div key={i} class="measure">
               <div>
-                <b>{withUnits(its.text)}</b>
+                <b>{its.text}</b>
                 <span class="muted small">
                   {texts.response(its.variable, time(its.response_before_us), time(its.response_after_us))}
                 </span>

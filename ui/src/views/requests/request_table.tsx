@@ -1,7 +1,7 @@
 // The formed requests of a line. A selected request lights up its variables, and the other way round.
 import { useEffect, useMemo, useState } from 'preact/hooks';
 import type { PlannedLine, PlannedRequest } from '../../api/types';
-import { t, withUnits } from '../../i18n';
+import { t } from '../../i18n';
 import { type Column, Grid, type GridCell } from '../../widgets/grid';
 import { lightRequest, lit, revealVariable } from '../project/selection';
 import { bytesOf, gapsOf, variablesOf } from './figures';
@@ -109,8 +109,8 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
       line: 3,
       wraps: true,
       cell: (its) => (
-        <span class="text muted small" title={withUnits(its.why)}>
-          {withUnits(its.why)}
+        <span class="text muted small" title={its.why}>
+          {its.why}
         </span>
       ),
     },
@@ -136,7 +136,7 @@ function Details({ its, line, gaps }: { its: PlannedRequest; line: PlannedLine; 
         </span>
       </p>
       <p>
-        {withUnits(its.why)}
+        {its.why}
         {gaps > 0 && `. ${its.bridged ?? texts.details.gaps(gaps)}`}
       </p>
       <p class="chips">
