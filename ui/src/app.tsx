@@ -1,13 +1,14 @@
-import { effect, signal } from '@preact/signals';
+import { computed, effect, signal } from '@preact/signals';
 import type { ComponentType } from 'preact';
 import { LANGUAGES, type Language, language, setLanguage, t } from './i18n';
 import { keepFocus } from './shell/focus';
 import { ProblemsDialog } from './shell/problems';
-import { VIEWS, type View, view, isViewNamed, show } from './shell/route';
+import { go, VIEWS, type View, view, isViewNamed, show } from './shell/route';
 import { theme, toggleTheme } from './shell/theme';
 import { Toasts } from './shell/toasts';
 import { connected, info, mayWrite, status } from './store/info';
-import { redo, undo } from './store/project';
+import { listAt } from './store/document';
+import { loaded, redo, undo } from './store/project';
 import { DevicesView } from './views/devices/view';
 import { LiveView } from './views/live/view';
 import { OverviewView } from './views/overview/view';
@@ -39,18 +40,28 @@ const stop = effect(() => {
   queueMicrotask(() => stop());
 });
 
+/** The project has neither devices nor servers nor instruments: there is nothing that can be well. */
+const runsNothing = computed(() => {
+  const document = loaded.value?.document;
+  const none = (key: string) => listAt(document ?? undefined, [key]).length === 0;
+  const devices = status.value?.lines.some((line) => line.devices.length > 0) ?? true;
+  return document !== undefined && document !== null && !devices && none('servers') && none('instruments');
+});
+
 function Health() {
-  const health = connected.value ? status.value?.health : undefined;
-  const text = t.value.health[health ?? 'unknown'];
+  const idle = runsNothing.value;
+  const health = connected.value && !idle ? status.value?.health : undefined;
+  const text = connected.value && idle ? t.value.overview.noDevice : t.value.health[health ?? 'unknown'];
   return (
     <button
       type="button"
       class="button quiet health"
       title={text}
       aria-label={text}
-      aria-haspopup="dialog"
+      aria-haspopup={idle ? undefined : 'dialog'}
       onClick={() => {
-        listed.value = true;
+        if (idle) go('project');
+        else listed.value = true;
       }}
     >
       <i class={`dot ${health ? DOTS[health] : ''}`} />

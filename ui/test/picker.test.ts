@@ -79,7 +79,7 @@ test('an imported table goes where its kind fits', () => {
 });
 
 test('an imported table can go to a new device or a new line', () => {
-  const names = { device: (line: string) => `${line}: new`, line: 'new' };
+  const names = { device: (line: string) => `${line}: new`, line: 'new', server: 'slave' };
   const made = (kind: Parameters<typeof newTargets>[1]) =>
     newTargets(document, kind, names).map((its) => `${its.path.join('/')} ${its.makes}`);
   assert.deepEqual(made('list'), [
@@ -88,7 +88,7 @@ test('an imported table can go to a new device or a new line', () => {
     'lines/2/devices/0/variables line',
   ]);
   assert.deepEqual(made('devices'), ['lines/2/devices line']);
-  assert.deepEqual(made('served'), []);
+  assert.deepEqual(made('served'), ['servers/1/units/0/variables server']);
   const line = (transport: Parameters<typeof lineOf>[1]['transport'], port = '', host = '') =>
     lineOf(document.lines, { transport, port, host, tcp_port: '' }, { line: 'north', simulated: 'toy' });
   assert.equal(line('serial', ' ', 'plc'), undefined);

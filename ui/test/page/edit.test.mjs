@@ -344,6 +344,23 @@ test('a project of 1,024 variables stays quick', async () => {
   }
 });
 
+/** A table without headings, and one of a slave, which gets a new server. */
+async function pasteTables(page) {
+  await page.getByRole('button', { name: 'Paste a table' }).click();
+  const dialog = page.getByRole('dialog');
+  await dialog.getByRole('textbox', { name: 'Pasted table' }).fill('Alarm\tbool\t0x01\tnone\t17');
+  await dialog.locator('.error', { hasText: 'the first line of a table must name its columns' }).waitFor();
+  await dialog
+    .getByRole('textbox', { name: 'Pasted table' })
+    .fill('Name\tType\tRegister\tUsed\nServed\tint\t0\tyes');
+  await dialog.locator('option', { hasText: 'A new server' }).waitFor({ state: 'attached' });
+  await dialog.getByRole('button', { name: 'Take over' }).click();
+  const grid = page.getByRole('grid', { name: 'Variables' });
+  await grid.getByText('Served', { exact: true }).waitFor();
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await grid.waitFor({ state: 'detached' });
+}
+
 test('an empty project begins with an example, which runs after saving', async () => {
   plant = await startWith('takt: 1\nlines: []\n');
   await context.route('**/search/targets*', (route) =>
@@ -364,6 +381,8 @@ test('an empty project begins with an example, which runs after saving', async (
   // Nothing was changed, so nothing can be undone.
   const undo = page.getByRole('button', { name: 'Undo' });
   assert.ok(await undo.isDisabled());
+  await page.locator('.health', { hasText: 'No device yet' }).waitFor();
+  await pasteTables(page);
   // A table gets the line that the user describes, as one step.
   await page.getByRole('button', { name: 'Paste a table' }).click();
   const dialog = page.getByRole('dialog');
@@ -561,7 +580,14 @@ test('a paste says what is wrong, what it renames and what it replaces', async (
   await dialog.getByText('Replaces 1 row: Pump.Level').waitFor();
   await take.click();
   await dialog.waitFor({ state: 'detached' });
+  // Rows without headings have the words of the IDE too.
+  await pasteInto(
+    grid,
+    'Word\tWORD\t3\tнет\t40\nPlain\tЦелочисленный без знака\t03 (0x03) Read Holding Registers\tнет\t41',
+  );
+  await grid.getByText('Plain', { exact: true }).waitFor();
   await save(page);
+  assert.match(text(), /name: Word, type: uint16, .*\n.*name: Plain, type: uint16, /);
   for (const name of ['Tank.Level', 'Pump.Level', 'Tank.Old value', 'Pump.Old value', 'Pump.Tank.Level'])
     assert.ok(text().includes(`{name: ${name}, `), text());
 });

@@ -210,6 +210,17 @@ export function cutTexts() {
         found.add(`${text.data} in ${its.closest('[aria-label]')?.ariaLabel}`);
     }
   }
+  const ARROW = 18;
+  const pen = document.createElement('canvas').getContext('2d');
+  for (const its of document.querySelectorAll('.form select')) {
+    if (!its.checkVisibility()) continue;
+    const style = getComputedStyle(its);
+    pen.font = style.font;
+    const chosen = its.selectedOptions[0]?.textContent ?? '';
+    const padding = Number.parseFloat(style.paddingLeft) + Number.parseFloat(style.paddingRight);
+    if (pen.measureText(chosen).width > its.clientWidth - padding - ARROW + 1)
+      found.add(`${chosen} in ${its.id}`);
+  }
   return [...found];
 }
 

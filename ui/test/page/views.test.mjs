@@ -94,6 +94,14 @@ const FURTHER = {
       '.form .group',
     ],
     [
+      'line',
+      async (page) => {
+        await page.locator('.tree .line').first().click();
+        await page.locator('.more summary').click();
+      },
+      '.form .group',
+    ],
+    [
       'instrument',
       async (page) => {
         await page.locator('.tree-pane .bottom button').last().click();

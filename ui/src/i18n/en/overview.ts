@@ -1,7 +1,8 @@
 import { of } from './plural';
 
 export const overview = {
-  empty: 'The project has no device yet.',
+  empty: 'The project has no device yet. Search for devices, paste a table, or begin with the example:',
+  noDevice: 'No device yet',
   lines: 'Load of the lines',
   now: (load: string) => `now ${load}`,
   planned: (load: string) => `planned ${load}`,

@@ -169,6 +169,7 @@ export const project = {
     line: (n: number, column: string) => (column ? `Line ${n}, ${column}: ` : `Line ${n}: `),
     into: 'Into',
     newLine: 'A new line',
+    newServer: 'A new server',
     newDevice: (line: string) => `${line}: a new device`,
     simulated:
       'A simulated line has no hardware: the program invents the answers of its devices. Choose another ' +

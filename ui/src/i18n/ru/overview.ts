@@ -3,7 +3,8 @@ import { slavic } from '..';
 import type { overview as source } from '../en/overview';
 
 export const overview: Translated<typeof source> = {
-  empty: 'В проекте пока нет устройств.',
+  empty: 'В проекте ещё нет устройств. Найдите устройства, вставьте таблицу или начните с примера:',
+  noDevice: 'Устройств ещё нет',
   lines: 'Загрузка линий',
   now: (load) => `сейчас ${load}`,
   planned: (load) => `по расчёту ${load}`,

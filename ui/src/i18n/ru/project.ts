@@ -182,6 +182,7 @@ export const project: Translated<typeof source> = {
     line: (n, column) => (column ? `Строка ${n}, ${column}: ` : `Строка ${n}: `),
     into: 'Куда',
     newLine: 'Новая линия',
+    newServer: 'Новый сервер',
     newDevice: (line) => `${line}: новое устройство`,
     simulated:
       'За имитацией линии нет оборудования: ответы устройств придумывает программа. ' +

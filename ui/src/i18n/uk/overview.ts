@@ -3,7 +3,8 @@ import { slavic } from '..';
 import type { overview as source } from '../en/overview';
 
 export const overview: Translated<typeof source> = {
-  empty: 'У проєкті поки немає пристроїв.',
+  empty: 'У проєкті ще немає пристроїв. Знайдіть пристрої, вставте таблицю або почніть із прикладу:',
+  noDevice: 'Пристроїв ще немає',
   lines: 'Завантаження ліній',
   now: (load) => `зараз ${load}`,
   planned: (load) => `за розрахунком ${load}`,

@@ -180,6 +180,7 @@ export const project: Translated<typeof source> = {
     line: (n, column) => (column ? `Рядок ${n}, ${column}: ` : `Рядок ${n}: `),
     into: 'Куди',
     newLine: 'Нова лінія',
+    newServer: 'Новий сервер',
     newDevice: (line) => `${line}: новий пристрій`,
     simulated:
       'За імітацією лінії немає обладнання: відповіді пристроїв вигадує програма. Для справжніх пристроїв ' +

@@ -12,7 +12,7 @@ import {
 } from '../../store/document';
 import { change, draft, isReadOnlyPart, setNodes } from '../../store/project';
 import { mayEdit } from '../../store/info';
-import { deviceOf } from './importing';
+import { deviceOf, serverOf } from './importing';
 import { namesIn } from './rows';
 import { select } from './selection';
 
@@ -110,20 +110,7 @@ export function addDevice(line: number, name: string): void {
 }
 
 export function addServer(name: string): void {
-  const servers = listAt(draft.peek(), ['servers']);
-  const used = new Set(servers.map((its) => Number(its.tcp_port)));
-  let port = 1502;
-  while (used.has(port)) ++port;
-  append(
-    ['servers'],
-    {
-      name: freeName(name, namesIn(servers)),
-      listen: '127.0.0.1',
-      tcp_port: String(port),
-      units: [{ address: '1', banks: [{ area: 'holding_register', items: ['0..99'] }], variables: [] }],
-    },
-    'server',
-  );
+  append(['servers'], serverOf(listAt(draft.peek(), ['servers']), name), 'server');
 }
 
 /** A free name of lower-case letters, digits and hyphens, as outputs and instruments have. */

@@ -33,6 +33,7 @@ import {
   merged,
   newTargets,
   replacedBy,
+  serverOf,
   type Target,
   targetAt,
   targetsFor,
@@ -154,7 +155,7 @@ type Change = { path: Path; value: Node };
 
 /** The line and the device that a target makes; undefined: its connection is incomplete. */
 function madeFor(target: Target, connection: Connection): Change[] | undefined {
-  const { newDevice, newLine } = t.peek().project.tree;
+  const { newDevice, newLine, newServer } = t.peek().project.tree;
   const changes: Change[] = [];
   if (target.makes === 'line') {
     const names = { line: newLine, simulated: wordText('simulated') };
@@ -162,7 +163,12 @@ function madeFor(target: Target, connection: Connection): Change[] | undefined {
     if (!line) return undefined;
     changes.push({ path: target.path.slice(0, 2), value: line });
   }
-  if (target.makes && target.path.at(-1) === 'variables')
+  if (target.makes === 'server')
+    changes.push({
+      path: target.path.slice(0, 2),
+      value: serverOf(listAt(draft.value, ['servers']), newServer),
+    });
+  else if (target.makes && target.path.at(-1) === 'variables')
     changes.push({
       path: target.path.slice(0, 4),
       value: deviceOf(listAt(draft.value, target.path.slice(0, 3)), newDevice),
@@ -186,7 +192,11 @@ export function ImportDialog({ start, path }: { start: string; path: Path | null
           locals: t.value.project.tree.locals,
           devices: t.value.keys.devices,
         }),
-        ...newTargets(draft.value, found.kind, { device: texts.newDevice, line: texts.newLine }),
+        ...newTargets(draft.value, found.kind, {
+          device: texts.newDevice,
+          line: texts.newLine,
+          server: texts.newServer,
+        }),
       ]
     : [];
   const target = targets.find((its) => formatPath(its.path) === into) ?? targetAt(targets, path);

@@ -15,7 +15,7 @@ export interface Target {
   title: string;
   object: TableObject;
   /** The line, or the device, that is made first. */
-  makes?: 'line' | 'device';
+  makes?: 'line' | 'device' | 'server';
 }
 
 /** How a new line is connected. */
@@ -62,13 +62,17 @@ export function targetsFor(
   );
 }
 
-/** What a table of a master can be put into besides: a new device of each line, and a new line. */
+/** What a table can be put into besides: a new device of each line and a new line, or a new server. */
 export function newTargets(
   document: Mapping,
   kind: ImportedRows['kind'],
-  names: { device: (line: string) => string; line: string },
+  names: { device: (line: string) => string; line: string; server: string },
 ): Target[] {
-  if (kind === 'locals' || kind === 'served') return [];
+  if (kind === 'locals') return [];
+  if (kind === 'served') {
+    const path: Path = ['servers', listAt(document, ['servers']).length, 'units', 0, 'variables'];
+    return [{ path, title: names.server, makes: 'server', object: 'served_variable' }];
+  }
   const lines = listAt(document, ['lines']);
   const made = (path: Path, title: string, makes: 'line' | 'device'): Target => ({
     path,
@@ -102,6 +106,19 @@ export function lineOf(
     transport,
     ...Object.fromEntries(place.map((key) => [key, its[key].trim()]).filter(([, text]) => text !== '')),
     devices: [],
+  };
+}
+
+/** A server at a free port of this computer. */
+export function serverOf(servers: Mapping[], name: string): Mapping {
+  const used = new Set(servers.map((its) => Number(its.tcp_port)));
+  let port = 1502;
+  while (used.has(port)) ++port;
+  return {
+    name: freeName(name, namesIn(servers)),
+    listen: '127.0.0.1',
+    tcp_port: String(port),
+    units: [{ address: '1', banks: [{ area: 'holding_register', items: ['0..99'] }], variables: [] }],
   };
 }
 
