@@ -97,7 +97,7 @@ def test_values(plant):
                                                                                                  "good", "")
     assert level["age_ms"] >= 0
     text = takt("ctl", plant, "values", "*v*l").out
-    assert re.search(r"(?m)^Node1 +Level +0 mm +\d+ ms +good$", text), text
+    assert re.search(r"(?m)^Node1 +Level +0 mm +[\d.]+ m?s +good$", text), text
     assert "Ratio" not in text
     assert ctl_json(plant, "values", "At", code=1)["values"] == [], "case counts"
     assert "`At`" in takt("ctl", plant, "values", "At", code=1).err

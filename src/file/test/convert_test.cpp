@@ -205,14 +205,14 @@ TEST(Convert, AColumnThatIsNotKnownIsOneFinding) {
 }
 
 TEST(Convert, TheLimitOfADeviceWithoutGroupsStaysAndIsReported) {
-    const auto project = project_of(
-        "Имя;Устройство\nАдрес;16\nГруппировать запросы;Нет\nКол-во регистров в запросе;20\n",
-        {.devices = true});
+    const auto project =
+        project_of("Имя;Устройство\nАдрес;16\nГруппировать запросы;Нет\nКол-во регистров в запросе;20\n",
+                   {.devices = true});
     const auto checked = model::interpret(project.document);
     EXPECT_EQ(checked.project.lines.at(0).devices.at(0).registers_per_request, 20);
-    EXPECT_EQ(std::ranges::count(checked.findings, std::string_view("field.without_effect"),
-                                 &model::Finding::code),
-              1);
+    EXPECT_EQ(
+        std::ranges::count(checked.findings, std::string_view("field.without_effect"), &model::Finding::code),
+        1);
 }
 
 TEST(Convert, RegistersOfAValueMayStandInAColumn) {

@@ -5,7 +5,17 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { after, afterEach, before, beforeEach, test } from 'node:test';
 import { plantProject } from '../measure/field.mjs';
-import { browser, closePages, newContext, openPage, Plant, serve, toast } from './program.mjs';
+import {
+  browser,
+  closePages,
+  newContext,
+  openPage,
+  Plant,
+  serve,
+  toast,
+  pasteInto,
+  pasteTables,
+} from './program.mjs';
 
 const SMALL = `takt: 1
 # Scenario 1 of the source takes its place.
@@ -344,23 +354,6 @@ test('a project of 1,024 variables stays quick', async () => {
   }
 });
 
-/** A table without headings, and one of a slave, which gets a new server. */
-async function pasteTables(page) {
-  await page.getByRole('button', { name: 'Paste a table' }).click();
-  const dialog = page.getByRole('dialog');
-  await dialog.getByRole('textbox', { name: 'Pasted table' }).fill('Alarm\tbool\t0x01\tnone\t17');
-  await dialog.locator('.error', { hasText: 'the first line of a table must name its columns' }).waitFor();
-  await dialog
-    .getByRole('textbox', { name: 'Pasted table' })
-    .fill('Name\tType\tRegister\tUsed\nServed\tint\t0\tyes');
-  await dialog.locator('option', { hasText: 'A new server' }).waitFor({ state: 'attached' });
-  await dialog.getByRole('button', { name: 'Take over' }).click();
-  const grid = page.getByRole('grid', { name: 'Variables' });
-  await grid.getByText('Served', { exact: true }).waitFor();
-  await page.getByRole('button', { name: 'Undo' }).click();
-  await grid.waitFor({ state: 'detached' });
-}
-
 test('an empty project begins with an example, which runs after saving', async () => {
   plant = await startWith('takt: 1\nlines: []\n');
   await context.route('**/search/targets*', (route) =>
@@ -536,14 +529,6 @@ test('the window of a device is pasted as the IDE shows it', async () => {
   assert.doesNotMatch(saved, /protocol|Device 1/);
 });
 
-const pasteInto = (grid, text) =>
-  grid.evaluate((element, pasted) => {
-    const data = new DataTransfer();
-    data.setData('text/plain', pasted);
-    element.focus();
-    element.dispatchEvent(new ClipboardEvent('paste', { clipboardData: data, bubbles: true }));
-  }, text);
-
 test('a paste says what is wrong, what it renames and what it replaces', async () => {
   plant = await startWith(SMALL);
   const page = await open();
@@ -581,10 +566,7 @@ test('a paste says what is wrong, what it renames and what it replaces', async (
   await take.click();
   await dialog.waitFor({ state: 'detached' });
   // Rows without headings have the words of the IDE too.
-  await pasteInto(
-    grid,
-    'Word\tWORD\t3\tнет\t40\nPlain\tЦелочисленный без знака\t03 (0x03) Read Holding Registers\tнет\t41',
-  );
+  await pasteInto(grid, 'Word\tWORD\t3\tнет\t40\nPlain\tЦелочисленный без знака\t3\tнет\t41');
   await grid.getByText('Plain', { exact: true }).waitFor();
   await save(page);
   assert.match(text(), /name: Word, type: uint16, .*\n.*name: Plain, type: uint16, /);

@@ -231,3 +231,29 @@ export async function closePages(context) {
     await page.close();
   }
 }
+
+/** Pastes a text with the focus at a table. */
+export const pasteInto = (grid, text) =>
+  grid.evaluate((element, pasted) => {
+    const data = new DataTransfer();
+    data.setData('text/plain', pasted);
+    element.focus();
+    element.dispatchEvent(new ClipboardEvent('paste', { clipboardData: data, bubbles: true }));
+  }, text);
+
+/** A table without headings, and one of a slave, which gets a new server. */
+export async function pasteTables(page) {
+  await page.getByRole('button', { name: 'Paste a table' }).click();
+  const dialog = page.getByRole('dialog');
+  await dialog.getByRole('textbox', { name: 'Pasted table' }).fill('Alarm\tbool\t0x01\tnone\t17');
+  await dialog.locator('.error', { hasText: 'the first line of a table must name its columns' }).waitFor();
+  await dialog
+    .getByRole('textbox', { name: 'Pasted table' })
+    .fill('Name\tType\tRegister\tUsed\nServed\tint\t0\tyes');
+  await dialog.locator('option', { hasText: 'A new server' }).waitFor({ state: 'attached' });
+  await dialog.getByRole('button', { name: 'Take over' }).click();
+  const grid = page.getByRole('grid', { name: 'Variables' });
+  await grid.getByText('Served', { exact: true }).waitFor();
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await grid.waitFor({ state: 'detached' });
+}

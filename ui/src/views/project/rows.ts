@@ -151,7 +151,8 @@ export interface PastedRow {
 }
 
 /**
- * A pasted table, from a row down. Rows that are missing are made; rows of the IDE's empty choice are left out.
+ * A pasted table, from a row down. Rows that are missing are made; those of the IDE's empty choice are left
+ * out.
  * @param order  the rows as they are shown, as indices of the list
  * @param fresh  makes a row for the end of the list
  */
