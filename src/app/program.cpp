@@ -7,6 +7,7 @@
 #include <array>
 #include <csignal>
 #include <cstdlib>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -57,9 +58,6 @@ bool is_of_ctl(std::string_view command) {
 
 std::string unknown_command_text(const Texts& texts, const std::string& command,
                                  const std::vector<std::string>& commands) {
-    if (is_of_ctl(command)) return texts("app.command_of_ctl", {{"command", command}});
-    if (command == "new" || command == "init" || command == "create")
-        return texts("app.command_new", {{"command", command}});
     const std::vector<std::string_view> candidates(commands.begin(), commands.end());
     const std::string nearest(model::nearest(command, candidates));
     // Two of the distance are one mistake.
@@ -68,6 +66,23 @@ std::string unknown_command_text(const Texts& texts, const std::string& command,
     std::string known;
     for (const auto& one : commands) known += (known.empty() ? "" : ", ") + one;
     return texts("app.unknown_command", {{"command", command}, {"known", known}});
+}
+
+/// The error about the first of these arguments, or about the command of a group behind it; empty: none.
+std::string command_error(const Texts& texts, const CommandLine& line, std::span<const std::string> given) {
+    if (given.empty() || given[0].starts_with('-')) return {};
+    const auto commands = line.commands();
+    const auto& command = given[0];
+    if (std::ranges::find(commands, command) == commands.end()) {
+        if (is_of_ctl(command)) return texts("app.command_of_ctl", {{"command", command}});
+        if (command == "new" || command == "init" || command == "create")
+            return texts("app.command_new", {{"command", command}});
+        return unknown_command_text(texts, command, commands);
+    }
+    const auto below = line.commands(command);
+    if (below.empty() || given.size() < 2 || given[1].starts_with('-')) return {};
+    const bool known = std::ranges::find(below, given[1]) != below.end();
+    return known ? std::string() : unknown_command_text(texts, given[1], below);
 }
 
 }  // namespace
@@ -104,20 +119,18 @@ int run_program(int argc, char** argv) {
         print_status(Texts(language_of({}))("app.first_steps") + '\n');
         return static_cast<int>(ExitCode::usage);
     }
-    if (!arguments.empty() && arguments.front() == "help") {  // `takt help check` is `takt check --help`
-        std::ranges::rotate(arguments, arguments.begin() + 1);
-        arguments.back() = "--help";
-    }
-    const auto commands = line.commands();
-    const auto& command = arguments.empty() ? std::string() : arguments.front();
-    const bool known =
-        command.empty() || command.starts_with('-') || std::ranges::find(commands, command) != commands.end();
-    if (!known) {
-        print_error(unknown_command_text(Texts(language_of(wanted_language(argc, argv))), command, commands));
-        return static_cast<int>(ExitCode::usage);
+    const std::span given(arguments.begin() + static_cast<std::ptrdiff_t>(line.command_index(arguments)),
+                          arguments.end());
+    if (!given.empty() && given.front() == "help") {  // `takt help check` is `takt check --help`
+        std::ranges::rotate(given, given.begin() + 1);
+        given.back() = "--help";
     }
     // Where the parsing ends early, `language` is not set yet.
     const auto early_language = [&] { return language_of(wanted_language(argc, argv)); };
+    if (const auto error = command_error(Texts(early_language()), line, given); !error.empty()) {
+        print_error(error);
+        return static_cast<int>(ExitCode::usage);
+    }
     const auto parsed = line.parse(std::move(arguments), [&] { return Texts(early_language()); });
     if (parsed.asked == CommandLine::Asked::text) {
         print_wrapped(parsed.text);

@@ -64,6 +64,10 @@ def test_a_command_of_ctl_is_named_as_such(language, words):
 
 def test_what_was_meant_is_named():
     assert "the nearest known one is `check`" in refused(takt("ckeck", code=2)).err
+    for options in ["--lang", "en"], ["--log=x", "--lang=en"]:
+        assert "the nearest known one is `read`" in refused(takt(*options, "raed", code=2)).err
+        assert takt(*options, "help", "check").out == takt("check", "--help").out
+    assert "the nearest known one is `build`" in refused(takt("table", "biuld", "p.yaml", code=2)).err
     assert "takt run --new FILE" in refused(takt("new", code=2)).err
     assert takt("help", "check").out == takt("check", "--help").out
     assert takt("help").out == takt("--help").out

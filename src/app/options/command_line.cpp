@@ -374,11 +374,24 @@ Command CommandLine::root() {
     return Command(app_.get(), &chosen_);
 }
 
-std::vector<std::string> CommandLine::commands() const {
+std::vector<std::string> CommandLine::commands(const std::string& group) const {
     std::vector<std::string> names;
-    for (const auto* command : app_->get_subcommands([](const CLI::App*) { return true; }))
+    const auto* const above = group.empty() ? app_.get() : app_->get_subcommand(group);
+    for (const auto* command : above->get_subcommands([](const CLI::App*) { return true; }))
         names.push_back(command->get_name());
     return names;
+}
+
+std::size_t CommandLine::command_index(std::span<const std::string> arguments) const {
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+        const auto& argument = arguments[i];
+        if (!argument.starts_with('-')) return i;
+        const auto equals = argument.find('=');
+        const auto* const option = app_->get_option_no_throw(argument.substr(0, equals));
+        if (option == nullptr) break;
+        if (option->get_items_expected_min() > 0 && equals == std::string::npos) ++i;
+    }
+    return arguments.size();
 }
 
 CommandLine::Parsed CommandLine::parse(std::vector<std::string> arguments,

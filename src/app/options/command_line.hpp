@@ -9,6 +9,7 @@
 #include <functional>
 #include <initializer_list>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -122,8 +123,11 @@ public:
         kept_.push_back(options);
         return *options;
     }
-    /// The names of the commands below root().
-    [[nodiscard]] std::vector<std::string> commands() const;
+    /// The names of the commands below root(), or below one of those.
+    [[nodiscard]] std::vector<std::string> commands(const std::string& group = {}) const;
+    /// Where the command stands: behind options of all commands and their values. Without one, or behind an
+    /// option that no command has: the number of arguments.
+    [[nodiscard]] std::size_t command_index(std::span<const std::string> arguments) const;
 
     enum class Asked { command, text, nothing_valid };
     struct Parsed {
