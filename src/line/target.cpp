@@ -6,10 +6,13 @@
 #include <array>
 #include <charconv>
 #include <optional>
+#include <span>
 #include <utility>
-#include <vector>
 
+#include "takt/base/ascii.hpp"
+#include "takt/model/fields.hpp"
 #include "takt/model/nearest.hpp"
+#include "takt/model/synonyms.hpp"
 
 namespace takt::line {
 namespace {
@@ -27,8 +30,10 @@ constexpr std::array kSchemes{
     Scheme{"rtu", model::Transport::serial, wire::Framing::rtu, 0},
     Scheme{"ascii", model::Transport::serial, wire::Framing::ascii, 0},
 };
-constexpr std::string_view kSchemeNames = "tcp, tls, rtu+tcp, rtu, ascii";
-constexpr std::string_view kKeys = "baud, parity, stop_bits, data_bits, rs485";
+// tls is read, but no driver has it yet.
+constexpr std::array<std::string_view, 4> kSchemeNames{"tcp", "rtu+tcp", "rtu", "ascii"};
+constexpr std::array<std::string_view, 5> kKeys{"baud", "parity", "stop_bits", "data_bits", "rs485"};
+constexpr std::string_view kPort = "/dev/ttyUSB0";
 
 std::unexpected<Error> wrong(std::string_view part, std::string_view right = {}) {
     constexpr std::size_t kShown = 60;
@@ -38,17 +43,63 @@ std::unexpected<Error> wrong(std::string_view part, std::string_view right = {})
     return fail(Code::syntax, subject);
 }
 
-// One of `words`, which a comma and a blank separate.
-std::unexpected<Error> wrong_word(std::string_view part, std::string_view value, std::string_view words) {
-    std::vector<std::string_view> all;
-    for (auto rest = words; !rest.empty();) {
-        const auto end = std::min(rest.find(", "), rest.size());
-        all.push_back(rest.substr(0, end));
-        rest.remove_prefix(std::min(end + 2, rest.size()));
+std::string list(std::span<const std::string_view> words) {
+    std::string text;
+    for (const auto word : words) text.append(text.empty() ? "" : ", ").append(word);
+    return text;
+}
+
+// Not one of `words`. @param key  of the value; empty: it is a key itself, or a scheme
+std::unexpected<Error> wrong_word(std::string_view part, std::string_view key, std::string_view value,
+                                  std::span<const std::string_view> words) {
+    auto meant = model::value_synonym(key, words, value);
+    if (meant.empty() && !value.empty()) {
+        meant = model::nearest(value, words);
+        if (model::is_unlike(value, meant)) meant = {};
     }
-    const auto nearest = model::nearest(value, all);
-    if (value.empty() || model::is_unlike(value, nearest)) return wrong(part, words);
-    return wrong(part, std::string(nearest).append(" → ").append(words));
+    return wrong(part, (meant.empty() ? "" : std::string(meant) + " → ") + list(words));
+}
+
+// Where a parameter of a serial port begins: "parity=E" in "/dev/ttyS0&parity=E"; npos: nowhere.
+std::size_t find_parameter(std::string_view text) {
+    std::size_t first = std::string_view::npos;
+    for (const auto key : kKeys) first = std::min(first, text.find(std::string(key) + '='));
+    return first;
+}
+
+// "parity=E,baud=9600" as "?parity=even&baud=9600"
+std::string query_of(std::string_view parameters) {
+    std::string query;
+    while (!parameters.empty()) {
+        const auto end = std::min(parameters.find_first_of("&,; "), parameters.size());
+        const auto one = parameters.substr(0, end);
+        parameters.remove_prefix(std::min(end + 1, parameters.size()));
+        const auto equals = std::min(one.find('=') + 1, one.size());
+        const auto meant = model::value_synonym("parity", model::kParities, one.substr(equals));
+        const bool parity = one.starts_with("parity=") && !meant.empty();
+        query.append(query.empty() ? "?" : "&").append(parity ? one.substr(0, equals) : one);
+        if (parity) query.append(meant);
+    }
+    return query;
+}
+
+// The number of "COM3"; 0: it is no such name.
+unsigned com_number(std::string_view text) {
+    constexpr std::string_view kCom = "com";
+    unsigned number = 0;
+    if (text.size() <= kCom.size() || !std::ranges::equal(text.substr(0, kCom.size()), kCom, {}, lower_case))
+        return 0;
+    const auto* const end = text.data() + text.size();
+    const auto read = std::from_chars(text.data() + kCom.size(), end, number);
+    return read.ec == std::errc() && read.ptr == end ? number : 0;
+}
+
+// The serial port that a name without a folder means.
+std::string port_of(std::string_view scheme, std::string_view name) {
+    const auto com = com_number(name);
+    if (com == 0) return std::string(scheme).append("/dev/").append(name);
+    return std::string(scheme).append(kPort).append(", ").append(scheme).append("/dev/ttyS") +
+           std::to_string(com - 1);
 }
 
 Result<std::uint32_t> parse_number(std::string_view name, std::string_view text, std::uint32_t least,
@@ -116,29 +167,19 @@ Result<void> apply_parameter(Target& target, std::string_view key, std::string_v
         TAKT_TRY(const auto bits, parse_number(key, value, rtu ? 8 : 7, 8));
         target.format.data_bits = static_cast<std::uint8_t>(bits);
     } else if (key == "parity") {
-        using wire::Parity;
-        if (value == "none")
-            target.format.parity = Parity::none;
-        else if (value == "even")
-            target.format.parity = Parity::even;
-        else if (value == "odd")
-            target.format.parity = Parity::odd;
-        else
-            return wrong_word(std::string("parity=").append(value), value, "none, even, odd");
+        const auto word = std::ranges::find(model::kParities, value);
+        if (word == model::kParities.end())
+            return wrong_word(std::string("parity=").append(value), key, value, model::kParities);
+        target.format.parity = static_cast<wire::Parity>(word - model::kParities.begin());
     } else if (key == "rs485") {
-        using model::Rs485;
-        if (value == "auto")
-            target.rs485 = Rs485::automatic;
-        else if (value == "kernel")
-            target.rs485 = Rs485::kernel;
-        else if (value == "rts")
-            target.rs485 = Rs485::rts;
-        else if (value == "none")
-            target.rs485 = Rs485::none;
-        else
-            return wrong_word(std::string("rs485=").append(value), value, "auto, kernel, rts, none");
+        const auto word = std::ranges::find(model::kRs485, value);
+        if (word == model::kRs485.end())
+            return wrong_word(std::string("rs485=").append(value), key, value, model::kRs485);
+        target.rs485 = static_cast<model::Rs485>(word - model::kRs485.begin());
+    } else if (key == "unit") {
+        return wrong(std::string("unit=").append(value), std::string("--unit ").append(value));
     } else {
-        return wrong_word(key, key, kKeys);
+        return wrong_word(key, {}, key, kKeys);
     }
     return {};
 }
@@ -148,8 +189,11 @@ Result<Target> parse_serial_target(Target target, std::string_view rest) {
     const auto path = rest.substr(0, question);
     auto query = rest.substr(question);
     const std::string scheme = target.framing == wire::Framing::rtu ? "rtu://" : "ascii://";
-    if (path.empty()) return wrong(scheme, scheme + "/dev/ttyUSB0");
-    if (!path.starts_with('/')) return wrong(path, scheme + "/dev/" + std::string(path));
+    if (path.empty()) return wrong(scheme, scheme + std::string(kPort));
+    if (!path.starts_with('/')) return wrong(path, port_of(scheme, path));
+    if (const auto at = find_parameter(path); at < path.size())
+        return wrong(path.substr(at - 1),
+                     scheme + std::string(path.substr(0, at - 1)) + query_of(path.substr(at)));
     if (path.find('\0') != std::string_view::npos) return wrong(path);
     target.port = path;
     target.format.data_bits = target.framing == wire::Framing::ascii ? 7 : 8;
@@ -160,7 +204,7 @@ Result<Target> parse_serial_target(Target target, std::string_view rest) {
         const auto parameter = query.substr(0, end);
         query.remove_prefix(std::min(end + 1, query.size()));
         const auto equals = parameter.find('=');
-        if (equals == std::string_view::npos) return wrong(parameter, kKeys);
+        if (equals == std::string_view::npos) return wrong(parameter, list(kKeys));
         TAKT_CHECK(apply_parameter(target, parameter.substr(0, equals), parameter.substr(equals + 1)));
     }
     return target;
@@ -173,7 +217,10 @@ Result<Target> parse_network_target(Target target, std::string_view scheme, std:
     if (beyond != std::string_view::npos) {
         const auto part = rest.substr(beyond);
         const auto host = part[0] == '@' ? part.substr(1) : rest.substr(0, beyond);
-        return wrong(part, std::string(scheme).append("://").append(host));
+        auto right = std::string(scheme).append("://").append(host.empty() ? "host:502" : host);
+        constexpr std::string_view kUnit = "?unit=";
+        if (part.starts_with(kUnit)) right.append(" --unit ").append(part.substr(kUnit.size()));
+        return wrong(part, right);
     }
     TAKT_TRY(const HostPort address, split_host_port(rest, 1));
     if (!is_host(address.host) && !is_ipv6(address.host)) return wrong(rest, "host:502");
@@ -185,6 +232,10 @@ Result<Target> parse_network_target(Target target, std::string_view scheme, std:
 // The probable meaning of a text without a scheme.
 std::string suggestion(std::string_view text) {
     if (text.starts_with('/')) return std::string("rtu://").append(text);
+    if (text.starts_with("dev/")) return std::string("rtu:///").append(text);
+    if (text.starts_with("tty") || com_number(text) > 0) return port_of("rtu://", text);
+    if (const auto at = find_parameter(text); at < text.size())
+        return std::string("rtu://").append(kPort).append(query_of(text.substr(at)));
     const auto address = split_host_port(text, 1);
     if (address && is_host(address->host)) return std::string("tcp://").append(text);
     if (is_ipv6(text)) return std::string("tcp://[").append(text).append("]");
@@ -210,7 +261,8 @@ Result<Target> parse_target(std::string_view url) {
     const auto colon = url.find("://");
     if (colon == std::string_view::npos) return wrong(url, suggestion(url));
     const auto scheme = std::ranges::find(kSchemes, url.substr(0, colon), &Scheme::name);
-    if (scheme == kSchemes.end()) return wrong_word(url.substr(0, colon), url.substr(0, colon), kSchemeNames);
+    if (scheme == kSchemes.end())
+        return wrong_word(url.substr(0, colon), {}, url.substr(0, colon), kSchemeNames);
     Target target;
     target.transport = scheme->transport;
     target.framing = scheme->framing;
