@@ -200,18 +200,33 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
         return;
     }
     const bool late = settle_late(t, frame.unit, frame_shape(frame.pdu), frame.transaction) != Lateness::none;
-    if (!late) note_surplus(t, frame.unit, frame.pdu, note_foreign(frame));
+    if (!late) {
+        notify(t, frame.unit, wire::Incident::surplus_response, {}, note_foreign(frame));
+        if (!numbered() || repeats(frame)) keep_surplus(t, frame.unit, frame.pdu);
+    }
     pass_over(late);
 }
 
-void TransactionCore::note_surplus(Instant t, UnitId unit, Bytes pdu,
-                                   const std::optional<Mismatch>& instead) {
-    notify(t, unit, wire::Incident::surplus_response, {}, instead);
-    if (numbered()) return;
+// Framing::tcp: the response to a request that has ended.
+bool TransactionCore::repeats(const wire::Frame& frame) const {
+    const auto waits = [&](const Slot& slot) {
+        return slot.in_flight() && slot.wire_id == frame.transaction;
+    };
+    return ids_.is_recent(frame.transaction) && std::ranges::none_of(slots_, waits);
+}
+
+void TransactionCore::note_surplus(Instant t, UnitId unit, Bytes pdu) {
+    notify(t, unit, wire::Incident::surplus_response);
+    if (!numbered()) keep_surplus(t, unit, pdu);
+}
+
+void TransactionCore::keep_surplus(Instant t, UnitId unit, Bytes pdu) {
     if (surplus_.size() == kMostSurplus) surplus_.drop_front(1);
     surplus_.push_back({unit, frame_shape(pdu), frame_hash(pdu), t});
 }
 
+// On a serial line a frame that is no response to the request is the request of another master: then a
+// response of another unit is that to the other master.
 // @returns what it came instead of; of several requests the last one
 std::optional<Mismatch> TransactionCore::note_foreign(const wire::Frame& frame) {
     const auto has_its_id = [&](const Slot& slot) {
@@ -219,12 +234,17 @@ std::optional<Mismatch> TransactionCore::note_foreign(const wire::Frame& frame) 
     };
     const bool known_id = std::ranges::any_of(slots_, has_its_id);
     const auto answers = [&](const Slot& slot) {
-        return slot.awaits_response() && answers_function(frame, slot.request) &&
-               (numbered() || slot.unit != frame.unit);
+        if (!slot.awaits_response() || slot.shared) return false;
+        return numbered() ? answers_function(frame, slot.request) : slot.unit != frame.unit;
     };
     const ForeignResponse came{frame.unit, frame.transaction, wire::requested_function(frame.pdu[0])};
     std::optional<Mismatch> instead;
     for (auto& slot : slots_) {
+        if (!numbered() && slot.awaits_response() && slot.unit != frame.unit &&
+            !wire::decode_response(slot.request, slot.content(), frame.pdu)) {
+            slot.shared = true;
+            slot.foreign.reset();
+        }
         if (!(known_id ? has_its_id(slot) : answers(slot))) continue;
         slot.foreign = came;
         instead = wire::mismatch(came, {slot.unit, slot.wire_id, slot.request.function});

@@ -134,7 +134,7 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
     slot.longest_delay = std::min(transaction.longest_delay.value_or(slot.wait), slot.wait);
     slot.in_order = transaction.in_order;
     slot.broadcast = broadcast;
-    slot.garbled = slot.unordered = false;
+    slot.garbled = slot.unordered = slot.shared = false;
     slot.noise = 0;
     slot.foreign.reset();
     slot.stray.reset();

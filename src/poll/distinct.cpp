@@ -40,6 +40,7 @@ void LinePoller::Run::on_surplus(const bus::SurplusFrame& frame) {
     if (!index) return;
     auto& device = devices_[*index];
     ++device.statistics.surplus;
+    if (engine_.config().framing == wire::Framing::tcp) return;  // it can answer no other request
     const auto since = device.times.step.on_surplus(frame);
     settle_held(frame.at, *index);
     if (!since) return;

@@ -7,9 +7,8 @@ namespace takt::poll {
 using value::CommandResult;
 using value::Reason;
 
-// On a serial line the response may be that to the request of another master.
 bool misdirected(const bus::Outcome& outcome) {
-    return outcome.status == bus::Status::timeout && outcome.foreign && outcome.wire_id != 0;
+    return outcome.status == bus::Status::timeout && outcome.foreign;
 }
 
 OutcomeClass classify(const bus::Outcome& outcome) {

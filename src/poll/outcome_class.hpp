@@ -21,7 +21,7 @@ struct OutcomeClass {
     [[nodiscard]] bool transient() const { return bus::OutcomeStatus{status(), answered, busy}.transient(); }
 };
 [[nodiscard]] OutcomeClass classify(const bus::Outcome& outcome);
-/// Over Framing::tcp a response came instead that does not belong to the request.
+/// A response came instead that does not belong to the request.
 [[nodiscard]] bool misdirected(const bus::Outcome& outcome);
 /// For a read-modify-write whose write is not sent: switched off if the read succeeded, else the class of the
 /// read.

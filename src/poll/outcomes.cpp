@@ -83,7 +83,8 @@ void LinePoller::Run::count_outcome(std::size_t index, const bus::Outcome& outco
         statistics.recent_time += timed == 0 ? time : (time - statistics.recent_time) / kRecentResponses;
     if (misdirected(outcome)) {
         ++statistics.foreign;
-        statistics.last_foreign = {*outcome.foreign, outcome.wire_id, outcome.request.function};
+        const wire::ExchangeKey request{outcome.unit, outcome.wire_id, outcome.request.function};
+        statistics.last_foreign = {*outcome.foreign, request};
     }
     measure_delay(index, outcome, answered);
 }

@@ -89,7 +89,7 @@ private:
         if (fails_often(device())) {
             if (!refused_by_gateway()) found_.push_back(failing_often());
         } else if (device().state == DeviceState::not_answering) {
-            found_.push_back(answers_late() ? too_late() : unanswering());
+            found_.push_back(answers_late(device()) ? too_late() : unanswering());
             name_values([](Reason) { return true; });
         } else {
             find_late();
@@ -223,8 +223,7 @@ private:
     }
 
     [[nodiscard]] Mismatch last_mismatch() const {
-        const auto& [response, wire_id, function] = *device().last_foreign;
-        return wire::mismatch(response, {settings().address, wire_id, function});
+        return wire::mismatch(device().last_foreign->response, device().last_foreign->request);
     }
 
     [[nodiscard]] std::string advice_on(Code code) const {
@@ -248,8 +247,9 @@ private:
         Failures most = failures_of(Reason::timeout);
         for (const auto reason : {Reason::bad_checksum, Reason::unexpected_reply, Reason::closed})
             if (auto failures = failures_of(reason); failures.count > most.count) most = std::move(failures);
-        const bool may_be_late = most.kind == unanswered || (most.kind == unfitting && has_other_id());
-        Problem problem = may_be_late && mostly_late() ? too_late() : counted(most);
+        const bool may_be_late =
+            most.kind == unanswered || (most.kind == unfitting && has_other_id(device()));
+        Problem problem = may_be_late && mostly_late(device()) ? too_late() : counted(most);
         problem.severity = warning;
         problem.since = before_snapshot(device().share.since());
         problem.variables = name_values([](Reason reason) { return !value::is_exception(reason); });
@@ -305,26 +305,6 @@ private:
                                               {"pause", texts_.duration(device().back_off)}});
     }
 
-    /// Only the transaction id of the last response is another one.
-    [[nodiscard]] bool has_other_id() const {
-        return device().last_foreign && last_mismatch().part == Mismatch::Part::transaction;
-    }
-
-    /// Most of the responses that were missed came after the time-out. A device that is slow enough answers
-    /// requests that the engine has forgotten.
-    [[nodiscard]] bool mostly_late() const {
-        const auto& late = device().delays;
-        const std::uint64_t forgotten = has_other_id() ? device().foreign : 0;
-        return late && late->setting != poll::DelayFinding::Setting::turnaround &&
-               2 * (late->count + forgotten) >= device().counters.timeouts;
-    }
-
-    [[nodiscard]] bool answers_late() const {
-        const auto code = code_of(device().failure);
-        return (code == Code::timed_out || (code == Code::unexpected_reply && has_other_id())) &&
-               mostly_late();
-    }
-
     [[nodiscard]] Problem slower(Problem::Severity severity) const {
         Problem problem = of_device(severity, slow);
         problem.text = event_text(
@@ -357,11 +337,19 @@ private:
         const auto& sent = device().counters.sent;
         for (const auto reason : {Reason::bad_checksum, Reason::unexpected_reply, Reason::timeout}) {
             const auto failures = failures_of(reason);
-            const bool late = is_listed(slow) && (reason == Reason::timeout || has_other_id());
-            if (late || is_listed(failures.kind) || failures.count < kFewestFailures ||
-                failures.count * kFewestInRequests < sent)
-                continue;
+            const bool late = is_listed(slow) && (reason == Reason::timeout || has_other_id(device()));
+            if (late || is_listed(failures.kind) || !is_frequent(failures.count, sent)) continue;
             found_.push_back(counted(failures));
+        }
+        // A device that is slow over TCP answers requests that the engine has forgotten: they look repeated.
+        const bool tcp = line_settings().framing == wire::Framing::tcp;
+        if (!device().shifted && !(tcp && device().delays) && is_frequent(device().surplus, sent)) {
+            Problem problem = of_device(note, repeated);
+            problem.count = device().surplus;
+            problem.of = sent;
+            problem.text = texts_("problem.repeated", {{"device", settings().name}});
+            problem.advice = texts_("problem.advice.repeated");
+            found_.push_back(std::move(problem));
         }
         if (!device().shifted) return;
         Problem problem = of_device(warning, shifted);
@@ -468,6 +456,26 @@ private:
                value::status_code(device().failure) % 256 == exception;
     }
 
+    [[nodiscard]] static bool is_frequent(std::uint64_t failures, std::uint64_t sent) {
+        return failures >= kFewestFailures && failures * kFewestInRequests >= sent;
+    }
+
+    /// What delays a request: the device is busy, the line waits for responses that do not come in time, or
+    /// there is more to send than the line takes.
+    [[nodiscard]] std::string advice_on_late(const bus::TransactionCounters& counters) const {
+        const std::uint64_t busy =
+            std::uint64_t{counters.exceptions_by_code[5]} + counters.exceptions_by_code[6];
+        if (is_frequent(busy, counters.sent))
+            return texts_("problem.advice.late.busy", {{"device", settings().name}});
+        const auto missed = [](const poll::DeviceStatistics& its) { return its.counters.timeouts; };
+        const auto worst = std::ranges::max_element(line().devices, {}, missed);
+        if (is_frequent(worst->counters.timeouts, worst->counters.sent)) {
+            const auto index = static_cast<std::size_t>(worst - line().devices.begin());
+            return texts_("problem.advice.late.waiting", {{"device", line_settings().devices[index].name}});
+        }
+        return texts_(line_settings().is_serial() ? "problem.advice.late" : "problem.advice.late.network");
+    }
+
     void find_late() {
         for_each_request([&](const plan::Request& request, const poll::RequestStatistics& statistics) {
             if (!statistics.overrun || !line().up || statistics.recent_period == Duration{}) return;
@@ -480,7 +488,7 @@ private:
                         {"request", problem.request},
                         {"real", host::milliseconds_number(statistics.recent_period)},
                         {"period", host::milliseconds_number(statistics.period.value_or(Duration{}))}});
-            problem.advice = texts_("problem.advice.late");
+            problem.advice = advice_on_late(statistics.counters);
             found_.push_back(std::move(problem));
         });
     }
@@ -495,18 +503,6 @@ private:
 };
 
 }  // namespace
-
-std::string_view name(Problem::Severity severity) {
-    constexpr std::array<std::string_view, 3> kNames{"error", "warning", "note"};
-    return kNames[static_cast<std::size_t>(severity)];
-}
-
-std::string_view name(Problem::Kind kind) {
-    constexpr std::array<std::string_view, 12> kNames{"link",    "silent",     "damaged", "unfitting",
-                                                      "refused", "output",     "values",  "late",
-                                                      "shifted", "unanswered", "slow",    "noise"};
-    return kNames[static_cast<std::size_t>(kind)];
-}
 
 std::vector<Problem> find_problems(const Texts& texts, const host::Snapshot& snapshot) {
     return ProblemFinder(texts, snapshot).find();
@@ -528,29 +524,6 @@ std::string_view health_word(const host::Snapshot& snapshot, const std::vector<P
     const bool trouble =
         std::ranges::any_of(problems, [](const Problem& problem) { return problem.severity != note; });
     return trouble ? "degraded" : "ok";
-}
-
-file::Json problem_json(const Problem& problem) {
-    auto object = file::Json::object();
-    object.set("severity", name(problem.severity));
-    object.set("kind", name(problem.kind));
-    const auto set = [&](std::string_view key, const std::string& text) {
-        if (!text.empty()) object.set(key, text);
-    };
-    set("line", problem.line);
-    set("device", problem.device);
-    set("output", problem.output);
-    set("request", problem.request);
-    auto variables = file::Json::array();
-    for (const auto& variable : problem.variables) variables.push_back(variable);
-    object.set("variables", std::move(variables));
-    if (problem.count) object.set("count", *problem.count);
-    if (problem.of) object.set("of", *problem.of);
-    if (problem.since) object.set("since_ms", milliseconds(*problem.since));
-    set("text", problem.text);
-    set("tried", problem.tried);
-    set("advice", problem.advice);
-    return object;
 }
 
 std::string problem_line(const Texts& texts, const file::Json& problem) {

@@ -31,6 +31,7 @@ struct Problem {
         output,      ///< an output loses or holds back samples
         values,      ///< values are not good for another reason
         shifted,     ///< responses may have been those to earlier requests
+        repeated,    ///< it answers requests more than once
         unanswered,  ///< some requests were not answered
         slow,        ///< a setting is too short for the device
         noise,

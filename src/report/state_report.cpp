@@ -29,7 +29,8 @@ namespace {
 using namespace std::chrono_literals;
 using value::Quality;
 
-constexpr std::size_t kMostProblems = 20;  // in the text
+constexpr std::size_t kMostProblems = 20;   // in the text
+constexpr std::string_view kLate = "late";  // of device_cause()
 
 // ---- values
 
@@ -186,7 +187,7 @@ file::Json device_state_json(const Texts& texts, const host::Snapshot& snapshot,
     object.set("name", settings.name);
     object.set("address", settings.address.value);
     object.set("state", poll::name(device.state));
-    if (device.failure != value::Reason::ok) object.set("cause", reason_word(device.failure));
+    if (auto cause = device_cause(device); !cause.empty()) object.set("cause", std::move(cause));
     if (is_troubled(device)) object.set("fails_often", true);
     object.set("back_off", back_off_json(device, snapshot.t));
     object.set("values", count_values(snapshot, line, index).json());
@@ -335,6 +336,7 @@ std::string device_state_text(const Texts& texts, std::string_view state, std::s
     if (state == poll::name(poll::DeviceState::not_answering)) {
         if (cause == reason_word(value::Reason::bad_checksum)) return texts("app.state.damaged");
         if (cause == reason_word(value::Reason::unexpected_reply)) return texts("app.state.unfitting");
+        if (cause == kLate) return texts("app.state.late");
     }
     return word_text(texts, "app.state.", std::string(state)) + cause_text(texts, cause);
 }
@@ -350,10 +352,34 @@ bool is_troubled(const poll::DeviceStatistics& device) {
                                    device.refusals.state() == poll::FailureShare::State::failing);
 }
 
+bool has_other_id(const poll::DeviceTraffic& device) {
+    return device.last_foreign &&
+           wire::mismatch(device.last_foreign->response, device.last_foreign->request).part ==
+               Mismatch::Part::transaction;
+}
+
+// A device that is slow enough answers requests that the engine has forgotten.
+bool mostly_late(const poll::DeviceStatistics& device) {
+    const auto& late = device.delays;
+    const std::uint64_t forgotten = has_other_id(device) ? device.foreign : 0;
+    return late && late->setting != poll::DelayFinding::Setting::turnaround &&
+           2 * (late->count + forgotten) >= device.counters.timeouts;
+}
+
+bool answers_late(const poll::DeviceStatistics& device) {
+    using value::Reason;
+    const bool missed = device.failure == Reason::timeout ||
+                        (device.failure == Reason::unexpected_reply && has_other_id(device));
+    return device.state == poll::DeviceState::not_answering && missed && mostly_late(device);
+}
+
+std::string device_cause(const poll::DeviceStatistics& device) {
+    if (device.failure == value::Reason::ok) return {};
+    return answers_late(device) ? std::string(kLate) : reason_word(device.failure);
+}
+
 std::string device_state_text(const Texts& texts, const poll::DeviceStatistics& device) {
-    const auto failed = device.failure != value::Reason::ok;
-    return device_state_text(texts, poll::name(device.state),
-                             failed ? reason_word(device.failure) : std::string(), is_troubled(device));
+    return device_state_text(texts, poll::name(device.state), device_cause(device), is_troubled(device));
 }
 
 file::Json status_json(const Texts& texts, const host::Snapshot& snapshot, const std::string& time) {

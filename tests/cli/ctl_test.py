@@ -10,7 +10,7 @@ import pytest
 import endpoints
 from fake_slave import TcpSlave, tcp_answer
 from program import start, takt, until
-from projects import tcp
+from projects import serial, tcp
 
 VARIABLES = [
     "name: Level, register: 0, type: int16, read: 0x03, unit: mm",
@@ -201,6 +201,23 @@ def test_a_bad_value(project, tmp_path, answer, code, words):
             until(lambda: ctl_json(control, "status")["lines"][0]["devices"][0]["state"] == "not_answering",
                   "the end of the attempts")
             until_code(control, "Level", code, "not answering (")
+
+
+def test_a_response_of_another_unit_on_a_serial_line(project, pair, tmp_path):
+    """It is no silence: state and finding name both units and the remedy, as over TCP."""
+    control = tmp_path / "control"
+    path = project(serial(["register: 0, type: int16, read: 0x03"], port=pair.a, address=9, attempts=2,
+                          response_timeout="500ms"))
+    with start("serve", "--port", pair.b, "--unit", 9, "--fault", "wrong_unit") as slave, \
+            start("run", path, "--control", control) as run:
+        wait_control(control)
+        until(lambda: ctl_json(control, "status")["lines"][0]["devices"][0]["state"] == "not_answering",
+              "the end of the attempts")
+        text = takt("ctl", control, "status").out
+        assert "answers do not fit" in text
+        assert "a response of unit 10 came, unit 9 was asked" in text and "Set `address: 10`" in text
+        run.interrupt()
+        slave.interrupt()
 
 
 def test_not_read_yet(plant):

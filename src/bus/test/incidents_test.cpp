@@ -83,6 +83,50 @@ TEST(Incidents, OverTcpResponsesOfOthersAreSurplus) {
     expect(frame(0, "00 05 05 04 02 00 07"), std::nullopt, std::nullopt);
 }
 
+// A frame that would answer the request, had it not another unit; not the response to another master, which
+// follows the request of that one.
+TEST(Incidents, OnASerialLineAResponseOfAnotherUnitIsForeign) {
+    const auto after = [](const std::vector<std::vector<std::uint8_t>>& frames) {
+        Rig rig;
+        rig.submit(at(0ms), transaction(1, 5, "03 00 6B 00 01"));
+        rig.run_until(at(20ms));
+        auto t = at(20ms);
+        for (const auto& frame : frames) {
+            rig.receive(t += 15ms, frame);
+            rig.run_until(t += 5ms);
+        }
+        rig.run_until(at(200ms));
+        return rig.last().foreign;
+    };
+    const auto response = rtu(1, "03 02 00 07");
+    EXPECT_EQ(after({response}), (ForeignResponse{UnitId{1}, 0, 3}));
+    EXPECT_EQ(after({rtu(1, "83 02")}), (ForeignResponse{UnitId{1}, 0, 3}));
+    EXPECT_EQ(after({rtu(1, "03 04 00 07 00 08")}), std::nullopt) << "of two registers";
+    const auto request = rtu(1, "03 00 6B 00 01");
+    EXPECT_EQ(after({request, response}), std::nullopt);
+    EXPECT_EQ(after({response, request}), std::nullopt);
+}
+
+// Over TCP a response that comes again has the id of a request that has ended.
+TEST(Incidents, OverTcpARepeatedResponseIsSurplus) {
+    Rig rig({.framing = wire::Framing::tcp, .margin = 2ms});
+    const auto response = mbap(1, "00 05 05 03 02 00 07");
+    rig.submit(at(0ms), transaction(1, 5, "03 00 6B 00 01"));
+    rig.run_until(at(20ms));
+    rig.receive(at(30ms), response);
+    EXPECT_EQ(rig.engine.take_surplus(), std::nullopt);
+    rig.receive(at(31ms), response);
+    const auto repeated = rig.engine.take_surplus();
+    ASSERT_TRUE(repeated);
+    EXPECT_EQ(repeated->unit, UnitId{5});
+    for (const std::uint16_t id : {0, 1, 2}) {  // of no request
+        const auto other = static_cast<std::uint16_t>(wire_id_of(response) + id + 1);
+        rig.receive(at(40ms), frame(other, "00 05 05 03 02 00 07"));
+    }
+    rig.receive(at(41ms), frame(0, "00 05 05 03 02 00 07"));
+    EXPECT_EQ(rig.engine.take_surplus(), std::nullopt);
+}
+
 TEST(Incidents, ALinkThatIsLostIsNoTimeout) {
     Log log;
     Rig rig(test::kLine, &log);

@@ -138,8 +138,9 @@ void Bench::transmit() {
         auto& player = players[bytes[0]];
         const auto response = player.answer(request);
         if (!response) continue;
-        const auto frame = wire::encode_frame(wire::Framing::rtu, UnitId{bytes[0]}, 0,
-                                              wire::encode(*response).value().span());
+        const auto frame =
+            wire::encode_frame(wire::Framing::rtu, UnitId{player.answers_as.value_or(bytes[0])}, 0,
+                               wire::encode(*response).value().span());
         const Duration length = wire::transmission_time(kFormat, bytes.size() + frame.size());
         std::vector<std::uint8_t> arriving = player.noise;
         arriving.insert(arriving.end(), frame.begin(), frame.end());

@@ -159,7 +159,8 @@ struct Player {
     std::function<bool()> refuses_now;        ///< a read, for no reason
     std::uint8_t refusal = 2;
     Duration turnaround = 3ms;
-    std::vector<std::uint8_t> noise;  ///< before each answer
+    std::vector<std::uint8_t> noise;         ///< before each answer
+    std::optional<std::uint8_t> answers_as;  ///< another unit
 
     std::optional<wire::Response> answer(const wire::Request& request);
 };

@@ -286,7 +286,7 @@ TEST(MisdirectedResponse, IsNoSilence) {
         EXPECT_EQ(device.foreign, device.counters.timeouts);
         ASSERT_TRUE(device.last_foreign);
         EXPECT_EQ(device.last_foreign->response.unit.value, std::string_view(kind) == "unit" ? 9 : 1);
-        EXPECT_EQ(device.last_foreign->response.wire_id == device.last_foreign->wire_id,
+        EXPECT_EQ(device.last_foreign->response.wire_id == device.last_foreign->request.wire_id,
                   std::string_view(kind) == "unit");
         EXPECT_EQ(device.share.state(), FailureShare::State::steady) << "it never answers";
     }

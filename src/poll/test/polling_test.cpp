@@ -62,6 +62,18 @@ TEST(Polling, ARequestThatIsNeverAnsweredIsNotUrgentWhenItIsDueAgain) {
     EXPECT_EQ(sent[2].start, 0);
 }
 
+TEST(Polling, AResponseOfAnotherUnitIsNoSilence) {
+    Bench bench(project({device(5, {int16("x", 0).read(3)})}));
+    bench.players[5].answers_as = 1;
+    bench.run_until(10s);
+    const auto device = bench.master.line(0).device(0);
+    EXPECT_EQ(device.state, DeviceState::not_answering);
+    EXPECT_EQ(device.failure, Reason::unexpected_reply);
+    EXPECT_EQ(device.foreign, device.counters.timeouts);
+    ASSERT_TRUE(device.last_foreign);
+    EXPECT_EQ(device.last_foreign->response.unit, UnitId{1});
+}
+
 TEST(Polling, RoundsByAscendingAddressWaitForThePeriod) {
     auto described = project({device(9, {int16("c", 0).read(3)}), device(2, {int16("a", 0).read(3)}),
                               device(5, {int16("b", 0).read(3)})});

@@ -163,11 +163,14 @@ TEST(Problems, ADeviceThatAnswersTooLateIsNotSilent) {
     EXPECT_EQ(found[0].kind, Kind::slow);
     EXPECT_EQ(found[0].count, 24U);
     expect_contains(found[0].text, "set 500ms");
+    EXPECT_EQ(device_state_text(english(), device), "answers come too late");
+    expect_contains(status_json(english(), snapshot, "").dump(), R"("cause":"late")");
 
     device.delays->count = 2;
     found = problems(snapshot);
     ASSERT_EQ(found.size(), 2U) << "most were lost, and some came late";
     EXPECT_EQ(found[0].kind, Kind::silent);
+    EXPECT_EQ(device_state_text(english(), device), "not answering (time-out)");
 }
 
 // All its responses have another unit, transaction id or function: it is no dead device.
@@ -178,7 +181,7 @@ TEST(Problems, ADeviceThatAnswersForAnotherOneIsNotSilent) {
     device.failure = Reason::unexpected_reply;
     device.counters.sent = device.counters.timeouts = device.foreign = 24;
     const auto asked = plant()->project().lines[0].devices[0].address;
-    device.last_foreign = {{UnitId{99}, 7, 3}, 7, 3};
+    device.last_foreign = {{UnitId{99}, 7, 3}, {asked, 7, 3}};
     const auto text = [&] {
         const auto found = problems(snapshot);
         EXPECT_EQ(found.size(), 1U);
@@ -189,7 +192,9 @@ TEST(Problems, ADeviceThatAnswersForAnotherOneIsNotSilent) {
     };
     expect_contains(text(), "a response of unit 99 came, unit " + std::to_string(asked.value) + " was asked");
     expect_contains(text(), "Set `address: 99`");
-    device.last_foreign->response.unit = asked;
+    device.last_foreign = {{UnitId{99}, 0, 3}, {asked, 0, 3}};  // on a serial line
+    expect_contains(text(), "a response of unit 99 came");
+    device.last_foreign = {{asked, 7, 3}, {asked, 7, 3}};
     device.last_foreign->response.function = 4;
     expect_contains(text(), "a response to function 4 came, function 3 was asked");
     device.last_foreign->response.function = 3;
@@ -242,7 +247,8 @@ TEST(Problems, ADeviceThatIsOftenLateIsNotUnanswering) {
     expect_late();
     device.delays->count = 13;
     device.foreign = 490;
-    device.last_foreign = {{plant()->project().lines[0].devices[0].address, 49403, 3}, 38435, 3};
+    const auto asked = plant()->project().lines[0].devices[0].address;
+    device.last_foreign = {{asked, 49403, 3}, {asked, 38435, 3}};
     expect_late();
 }
 
@@ -307,6 +313,29 @@ TEST(Problems, SomeDamagedResponsesAreANote) {
     EXPECT_EQ(problems(snapshot)[0].severity, Severity::warning);
 }
 
+TEST(Problems, RepeatedResponsesAreANote) {
+    auto snapshot = healthy();
+    auto& device = snapshot.lines[0].devices[0];
+    device.counters.sent = 100;
+    device.surplus = 2;
+    EXPECT_TRUE(problems(snapshot).empty());
+    device.surplus = 40;
+    const auto found = problems(snapshot);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].kind, Kind::repeated);
+    EXPECT_EQ(found[0].severity, Severity::note);
+    expect_contains(text_of(snapshot), "answers requests more than once, 40 of 100 requests");
+    device.shifted = true;
+    ASSERT_EQ(problems(snapshot).size(), 1U);
+    EXPECT_EQ(problems(snapshot)[0].kind, Kind::shifted);
+}
+
+TEST(Problems, EachKindHasItsWord) {
+    EXPECT_EQ(name(Kind::late), "late");
+    EXPECT_EQ(name(Kind::shifted), "shifted");
+    EXPECT_EQ(name(Kind::noise), "noise");
+}
+
 TEST(Problems, EachValueThatIsNotGoodIsNamedOnce) {
     for (const auto reason :
          {Reason::timeout, Reason::bad_checksum, Reason::unexpected_reply, Reason::link_lost, Reason::closed,
@@ -360,6 +389,19 @@ TEST(Problems, TheWorstComesFirst) {
     EXPECT_EQ(kinds, (std::vector{Kind::unanswered, Kind::late, Kind::noise}))
         << "by severity, causes before effects";
     expect_contains(text_of(snapshot), "polled every 900 ms instead of 500 ms");
+    const auto advice = [&] {
+        const auto found = problems(snapshot);
+        return std::ranges::find(found, Kind::late, &Problem::kind)->advice;
+    };
+    expect_contains(advice(), "higher bit rate");
+    snapshot.lines[0].devices[0].counters.timeouts = 200;
+    expect_contains(advice(), "waits for responses of Котёл");
+    auto& counters = snapshot.lines[0].requests[0].counters;
+    counters.sent = 100;
+    counters.exceptions_by_code[6] = 30;
+    expect_contains(advice(), "busy");
+    counters.exceptions_by_code[6] = 0;
+    snapshot.lines[0].devices[0].counters.timeouts = 0;
     snapshot.lines[0].requests[0].recent_period = {};
     EXPECT_FALSE(has_late(problems(snapshot))) << "it was not sent lately";
     snapshot.lines[0].requests[0].recent_period = 900ms;

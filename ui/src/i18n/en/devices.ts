@@ -5,6 +5,7 @@ const CAUSES: Record<string, string> = {
   bad_checksum: 'wrong checksum',
   unexpected_reply: 'unexpected answer',
   closed: 'closed by the peer',
+  late: 'after the time-out',
   ambiguous: 'ambiguous answer',
   link_lost: 'connection lost',
   not_answering: 'not answering',

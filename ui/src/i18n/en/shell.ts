@@ -22,6 +22,7 @@ export const shell = {
     link_down: 'no connection',
     damaged: 'answers are damaged',
     unfitting: 'answers do not fit',
+    late: 'answers come too late',
   },
   shell: {
     readOnly: 'read-only',

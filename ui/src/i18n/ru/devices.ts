@@ -7,6 +7,7 @@ const CAUSES: Record<string, string> = {
   bad_checksum: 'неверная контрольная сумма',
   unexpected_reply: 'неожиданный ответ',
   closed: 'закрыто другой стороной',
+  late: 'после таймаута',
   ambiguous: 'неоднозначный ответ',
   link_lost: 'соединение потеряно',
   not_answering: 'не отвечает',
@@ -109,7 +110,8 @@ export const devices: Translated<typeof source> = {
   measured: 'Время ответа',
   measuredText: (longest: string, p999: string | null, n: string) =>
     `наибольшее ${longest}${p999 === null ? '' : `, 99.9 % не дольше ${p999}`}, обменов: ${n}`,
-  later: (later: number, n: string) => `дольше длились ${later} из таких ответов, всего их ${n}`,
+  later: (later: number, n: string) =>
+    `дольше ${slavic('ru', later, 'длился', 'длились', 'длились')} ${later} из таких ответов, всего их ${n}`,
   advised: 'Для проекта:',
   outages: 'Отказы',
   downtime: 'Простой',

@@ -28,6 +28,7 @@ export const shell: Translated<typeof source> = {
     link_down: 'нет соединения',
     damaged: 'ответы повреждены',
     unfitting: 'ответы не подходят',
+    late: 'ответы опаздывают',
   },
   shell: {
     readOnly: 'только чтение',

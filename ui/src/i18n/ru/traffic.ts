@@ -52,7 +52,7 @@ export const traffic: Translated<typeof source> = {
   write: 'запись',
   lineBusy: 'линия занята',
   cycle: 'цикл',
-  plannedBy: (planned: string) => `по плану ${planned}`,
+  plannedBy: (planned: string) => `по расчёту ${planned}`,
   phrases: {
     'read coils': 'чтение дискретных выходов',
     'read discrete inputs': 'чтение дискретных входов',

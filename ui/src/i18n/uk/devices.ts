@@ -7,6 +7,7 @@ const CAUSES: Record<string, string> = {
   bad_checksum: 'хибна контрольна сума',
   unexpected_reply: 'неочікувана відповідь',
   closed: 'закрито іншою стороною',
+  late: 'після таймауту',
   ambiguous: 'неоднозначна відповідь',
   link_lost: 'з’єднання втрачено',
   not_answering: 'не відповідає',
@@ -109,7 +110,9 @@ export const devices: Translated<typeof source> = {
   measured: 'Час відповіді',
   measuredText: (longest: string, p999: string | null, n: string) =>
     `найдовший ${longest}${p999 === null ? '' : `, 99.9 % не довше ${p999}`}, обмінів: ${n}`,
-  later: (later: number, n: string) => `довше тривали ${later} з таких відповідей, усього їх ${n}`,
+  later: (later: number, n: string) =>
+    `довше ${slavic('uk', later, 'тривала', 'тривали', 'тривали')} ${later} з таких відповідей, ` +
+    `усього їх ${n}`,
   advised: 'Для проєкту:',
   outages: 'Відмови',
   downtime: 'Простій',

@@ -28,6 +28,7 @@ export const shell: Translated<typeof source> = {
     link_down: 'немає з’єднання',
     damaged: 'відповіді пошкоджено',
     unfitting: 'відповіді не підходять',
+    late: 'відповіді запізнюються',
   },
   shell: {
     readOnly: 'лише читання',

@@ -52,7 +52,7 @@ export const traffic: Translated<typeof source> = {
   write: 'запис',
   lineBusy: 'лінія зайнята',
   cycle: 'цикл',
-  plannedBy: (planned: string) => `за планом ${planned}`,
+  plannedBy: (planned: string) => `за розрахунком ${planned}`,
   phrases: {
     'read coils': 'читання дискретних виходів',
     'read discrete inputs': 'читання дискретних входів',

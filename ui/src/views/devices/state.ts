@@ -14,10 +14,11 @@ const TONES = {
   link_down: 'bad',
 } as const;
 
-/** A device whose responses are damaged or do not fit is not called silent. */
+/** A device whose responses are damaged, late or do not fit is not called silent. */
 function stateText({ state, cause }: DeviceStatus): string {
   if (state === 'not_answering' && cause === 'bad_checksum') return t.value.state.damaged;
   if (state === 'not_answering' && cause === 'unexpected_reply') return t.value.state.unfitting;
+  if (state === 'not_answering' && cause === 'late') return t.value.state.late;
   return t.value.state[state];
 }
 

@@ -15,8 +15,8 @@ namespace takt::bus {
 /// A number that differs for frames with different bytes, but for one pair in 2^32 (FNV-1a).
 [[nodiscard]] std::uint32_t frame_hash(Bytes pdu);
 
-/// A frame of a serial line that is the response to no request, neither to one in flight nor to one that
-/// ended without it.
+/// A frame that is the response to no request, neither to one in flight nor to one that ended without it.
+/// Framing::tcp: one with the transaction id of a request that has ended.
 struct SurplusFrame {
     UnitId unit;
     AnswerShape shape;  ///< length 0: an exception

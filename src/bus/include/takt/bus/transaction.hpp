@@ -111,8 +111,9 @@ struct Outcome {
     /// Framing::tcp: the connection ends with it: it is not known where the next response begins.
     bool out_of_step = false;
     std::uint16_t wire_id = 0;  ///< Framing::tcp: its transaction id on the wire, if it was sent; else 0
-    /// Was received instead. Serial line: of another unit, to a request of this function. Framing::tcp: with
-    /// this transaction id, or to a request of this function.
+    /// Was received instead. Serial line: of another unit, and would answer this request; none where another
+    /// master sent a request meanwhile. Framing::tcp: with this transaction id, or to a request of this
+    /// function.
     std::optional<ForeignResponse> foreign;
     /// Bytes of noise that were received between the request and its response.
     std::uint32_t noise = 0;

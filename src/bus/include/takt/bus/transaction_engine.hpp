@@ -45,6 +45,7 @@ class TransactionSlot {
     };
     std::optional<StrayFrame> stray;
     bool unordered = false;                  // State::confirming: the last frame need not be the response
+    bool shared = false;                     // serial line: a frame of another master was received meanwhile
     std::uint32_t noise = 0;                 // bytes of noise before the response
     std::optional<ForeignResponse> foreign;  // that was received meanwhile
     std::uint16_t wire_id = 0;               // transaction id of the MBAP header
@@ -248,7 +249,9 @@ private:
     void confirm(Instant t, Slot& slot, Bytes pdu);
     [[nodiscard]] Instant quiet_at(Instant from, const Slot& slot, std::size_t pdu_length) const;
     [[nodiscard]] Instant confirmation_end(Instant t, const Slot& slot) const;
-    void note_surplus(Instant t, UnitId unit, Bytes pdu, const std::optional<Mismatch>& instead = {});
+    [[nodiscard]] bool repeats(const wire::Frame& frame) const;
+    void note_surplus(Instant t, UnitId unit, Bytes pdu);
+    void keep_surplus(Instant t, UnitId unit, Bytes pdu);
     void conclude(Instant t, Slot& slot);
     std::optional<Mismatch> note_foreign(const wire::Frame& frame);
     Lateness settle_late(Instant end, UnitId unit, const AnswerShape& shape, std::uint16_t wire_id);

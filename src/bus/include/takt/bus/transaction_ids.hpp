@@ -37,7 +37,17 @@ public:
         return last_;
     }
 
+    /// One of the last kRecent ids. Of those that were skipped some count, too.
+    [[nodiscard]] constexpr bool is_recent(std::uint16_t id) const {
+        const auto ago = static_cast<std::uint16_t>(static_cast<std::uint16_t>(last_ - id) * kInverse);
+        return used_ && id != 0 && ago < kRecent;
+    }
+    static constexpr std::uint16_t kRecent = 1000;
+
 private:
+    static constexpr std::uint16_t kInverse = 0x7787;
+    static_assert(static_cast<std::uint16_t>(kStep * kInverse) == 1);
+
     std::uint16_t last_;
     bool used_ = false;  // last_ is the id of a request, not the one before the first
 };

@@ -90,14 +90,13 @@ struct DeviceCondition {
 struct DeviceTraffic {
     bus::TransactionCounters counters;
     std::uint64_t late = 0;  ///< responses that came after their transaction had timed out
-    std::uint64_t surplus =
-        0;                 ///< serial line: responses that no request had asked for, repetitions included
+    /// Responses that no request had asked for, repetitions included; Framing::tcp: repetitions only.
+    std::uint64_t surplus = 0;
     bool shifted = false;  ///< one of them was no repetition: others may have answered earlier requests
-    /// Framing::tcp: a response came that does not belong to the request, and none that does.
+    /// A response came that does not belong to the request, and none that does.
     struct Misdirected {
         bus::ForeignResponse response;
-        std::uint16_t wire_id = 0;  ///< of the request
-        std::uint8_t function = 0;  ///< of the request
+        wire::ExchangeKey request;
     };
     std::uint64_t foreign = 0;  ///< of the time-outs of `counters`
     std::optional<Misdirected> last_foreign;

@@ -51,10 +51,10 @@ namespace takt::report {
 /// "bad, time-out", "bad, not answering (bad checksum)" of an entry of values_json() or of get_json().
 [[nodiscard]] std::string quality_text(const Texts& texts, const file::Json& value);
 
-/// The state of a device in words, with the reason of its last failure. A device whose responses are damaged
-/// or do not fit is not called silent.
+/// The state of a device in words, with the reason of its last failure. A device whose responses are damaged,
+/// late or do not fit is not called silent.
 /// @param state  poll::name()
-/// @param cause  reason_word() of its last failure; empty: none
+/// @param cause  device_cause()
 [[nodiscard]] std::string device_state_text(const Texts& texts, std::string_view state,
                                             std::string_view cause, bool troubled);
 
@@ -63,6 +63,18 @@ namespace takt::report {
 
 /// fails_often(), or it refuses often.
 [[nodiscard]] bool is_troubled(const poll::DeviceStatistics& device);
+
+/// Only the transaction id of the last foreign response is another one.
+[[nodiscard]] bool has_other_id(const poll::DeviceTraffic& device);
+
+/// Most of the responses that were missed came after the time-out.
+[[nodiscard]] bool mostly_late(const poll::DeviceStatistics& device);
+
+/// It does not answer in time, and was not heard of otherwise.
+[[nodiscard]] bool answers_late(const poll::DeviceStatistics& device);
+
+/// reason_word() of the last failure of a device; "late" if it answers_late(); empty: none
+[[nodiscard]] std::string device_cause(const poll::DeviceStatistics& device);
 
 [[nodiscard]] std::string device_state_text(const Texts& texts, const poll::DeviceStatistics& device);
 
