@@ -334,6 +334,10 @@ Verdict verdict(const model::Project& project, const LinePlan& plan, const LineG
     return LineVerdict(project, plan, guarantee, false, none).verdict();
 }
 
+std::string unknown_turnarounds(const model::Line& line) {
+    return device_names(line, devices_without_turnaround(line));
+}
+
 std::span<const std::string_view> guarantee_finding_codes() {
     return kCodes;
 }

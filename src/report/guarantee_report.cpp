@@ -40,14 +40,15 @@ std::string measure_title(const Texts& texts, const plan::Measure& measure) {
     return text;
 }
 
-std::string measure_text(const Texts& texts, const plan::Measure& measure) {
-    const auto figures =
-        texts("app.plan.measure", {{"variable", measure.variable},
-                                   {"before", time_or_none(texts, measure.before)},
-                                   {"after", time_or_none(texts, measure.after)},
-                                   {"deadline", texts.exact(measure.deadline)},
-                                   {"utilization_before", percent_text(measure.utilization_before)},
-                                   {"utilization_after", percent_text(measure.utilization_after)}});
+/// @param known  the turnarounds of the line: else the figures before rest on time-outs
+std::string measure_text(const Texts& texts, const plan::Measure& measure, bool known) {
+    const auto figures = texts(known ? "app.plan.measure" : "app.plan.measure.then",
+                               {{"variable", measure.variable},
+                                {"before", time_or_none(texts, measure.before)},
+                                {"after", time_or_none(texts, measure.after)},
+                                {"deadline", texts.exact(measure.deadline)},
+                                {"utilization_before", percent_text(measure.utilization_before)},
+                                {"utilization_after", percent_text(measure.utilization_after)}});
     return fmt::format("  - {}\n      {}\n{}", measure_title(texts, measure), figures,
                        changes_text(texts, measure.changes));
 }
@@ -144,18 +145,23 @@ file::Json ages_json(const plan::LineGuarantee& guarantee, const plan::Request& 
     return ages;
 }
 
-std::string guarantee_text(const Texts& texts, const plan::LineGuarantee& line, plan::Verdict verdict) {
-    return texts("app.plan.guarantee",
-                 {{"utilization", percent_text(line.utilization)},
-                  {"verdict", texts("app.verdict." + std::string(plan::name(verdict)))}});
+std::string guarantee_text(const Texts& texts, const plan::LineGuarantee& line, plan::Verdict verdict,
+                           const std::string& unknown) {
+    const auto words = texts("app.verdict." + std::string(plan::name(verdict)));
+    if (unknown.empty() || verdict == plan::Verdict::holds)
+        return texts("app.plan.guarantee",
+                     {{"utilization", percent_text(line.utilization)}, {"verdict", words}});
+    const auto needed = texts("app.plan.turnaround_needed", {{"devices", unknown}});
+    return verdict == plan::Verdict::response_unknown ? needed : needed + "; " + words;
 }
 
 std::string measures_text(const Texts& texts, const model::Project& project, const plan::Proof& proof) {
     std::string text;
     for (const auto& line : proof.lines) {
+        const bool known = plan::unknown_turnarounds(project.lines[line.line]).empty();
         std::string listed;
         for (const auto& measure : plan::measures_of(proof.measures.found, line.line))
-            listed += measure_text(texts, measure);
+            listed += measure_text(texts, measure, known);
         const auto& name = project.lines[line.line].name;
         if (!listed.empty())
             text += texts("app.plan.measures", {{"line", name}}) + '\n' + listed;

@@ -269,8 +269,10 @@ std::string plan_text(const Texts& texts, const model::Project& project, const p
         text += learnt_text(texts, project, planned.line);
         text += learnt_times_text(texts, line);
         if (guarantee)
-            text +=
-                "  " + guarantee_text(texts, *guarantee, plan::verdict(project, planned, *guarantee)) + '\n';
+            text += "  " +
+                    guarantee_text(texts, *guarantee, plan::verdict(project, planned, *guarantee),
+                                   plan::unknown_turnarounds(line)) +
+                    '\n';
     }
     if (!plan.lines.empty() && !guarantees.empty())
         text += texts(style.figures == Figures::proof ? "app.plan.legend.proof" : "app.plan.legend") + '\n';

@@ -42,10 +42,14 @@ TEST(GuaranteeReport, LoadAndVerdictOfALine) {
         const Texts texts(language);
         for (const auto verdict : {plan::Verdict::holds, plan::Verdict::response_unknown,
                                    plan::Verdict::not_proved, plan::Verdict::cannot_hold}) {
-            const auto text = guarantee_text(texts, line, verdict);
+            const auto text = guarantee_text(texts, line, verdict, "");
             expect_contains(text, "45.7 %");
             expect_contains(text, texts("app.verdict." + std::string(plan::name(verdict))));
             expect_complete(text);
+            const auto unknown = guarantee_text(texts, line, verdict, "Котёл");
+            EXPECT_EQ(unknown.contains("45.7 %"), verdict == plan::Verdict::holds) << "time-outs are no load";
+            EXPECT_EQ(unknown.contains("Котёл"), verdict != plan::Verdict::holds);
+            expect_complete(unknown);
         }
     }
 }
@@ -88,6 +92,11 @@ TEST(GuaranteeReport, MeasuresOfEachLineThatMissesSomething) {
         expect_contains(text, "Давление");
         expect_contains(text, texts("app.unbounded"));
     }
+    expect_contains(measures_text(english(), project, proof), "150.0 % → 50.0 %");
+    project.lines[1].devices.resize(1);
+    project.lines[1].devices[0].name = "D";  // its turnaround is not known: time-outs are no load
+    EXPECT_FALSE(measures_text(english(), project, proof).contains("150.0 %"));
+    expect_contains(measures_text(english(), project, proof), "50.0 %");
     EXPECT_EQ(measures_text(english(), {}, {}), "");
 }
 

@@ -104,8 +104,10 @@ lines:
   - name: rs485-1
     port: /dev/ttyUSB0
     devices:
-      - {name: Fast, address: 1, poll_period: 0, variables: [{name: a, type: int16, register: 0, read: 0x03}]}
-      - {name: Slow, address: 2, variables: [{name: b, type: int16, register: 0, read: 0x03}]}
+      - {name: Fast, address: 1, turnaround: 5ms, poll_period: 0,
+         variables: [{name: a, type: int16, register: 0, read: 0x03}]}
+      - {name: Slow, address: 2, turnaround: 5ms,
+         variables: [{name: b, type: int16, register: 0, read: 0x03}]}
 )");
     const auto proof = plan::prove(project, false, false);
     const auto text = plan_text(english(), project, proof.plan, proof.lines);

@@ -48,6 +48,10 @@ enum class Verdict : std::uint8_t {
                                                              std::span<const LineGuarantee> guarantees,
                                                              bool prove = false);
 
+/// The names of the devices whose turnaround is not known: the proof takes their time-outs, so its load is no
+/// estimate. Of more than three the first three and their number; empty: each one is known.
+[[nodiscard]] std::string unknown_turnarounds(const model::Line& line);
+
 /// All codes of guarantee_findings(). Each has a message and, with ".advice", an advice in module `text`.
 [[nodiscard]] std::span<const std::string_view> guarantee_finding_codes();
 

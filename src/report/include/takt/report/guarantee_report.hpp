@@ -16,8 +16,9 @@ void set_bound(file::Json& request, const plan::Bound& bound);
 /// The greatest age of each variable of a request, in microseconds; null: unbounded.
 [[nodiscard]] file::Json ages_json(const plan::LineGuarantee& guarantee, const plan::Request& request);
 /// The worst load of a line and its verdict.
+/// @param unknown  plan::unknown_turnarounds(): the load is not shown, unless it is proved with time-outs
 [[nodiscard]] std::string guarantee_text(const Texts& texts, const plan::LineGuarantee& line,
-                                         plan::Verdict verdict);
+                                         plan::Verdict verdict, const std::string& unknown);
 
 /// The measures for each infeasible line, with their effect and the keys to write into the project file.
 [[nodiscard]] std::string measures_text(const Texts& texts, const model::Project& project,
