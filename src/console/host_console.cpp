@@ -77,7 +77,6 @@ void HostConsole::make_view() {
     });
 }
 
-// Attempts to connect repeat the reason why there is no link; it changes the state once.
 bool HostConsole::is_shown(const host::Event& event) {
     const auto& configuration = *session_->configuration();
     const bool is_value = std::holds_alternative<host::ValueChanged>(event.body);
@@ -89,9 +88,7 @@ bool HostConsole::is_shown(const host::Event& event) {
     if (!options_.quiet && !live) return true;
     const auto* const link = std::get_if<host::LinkChanged>(&event.body);
     if (!link) return !options_.quiet || !is_value;
-    const LinkState state(link->up, link->why);
-    const auto [known, first] = links_.try_emplace(configuration.project().lines[link->line].name, state);
-    return std::exchange(known->second, state) != state || first;
+    return link->repeated == 0;  // it changed the state
 }
 
 // Control clients have a session of their own: a write of theirs that fails is also an event for the view.

@@ -35,10 +35,9 @@ void FailureLog::on_failed(Instant t, std::size_t line, const poll::FailedExchan
     if (filter_.admit(t, kind)) write(kind, failed.took, 0);
 }
 
-void FailureLog::on_link_down(Instant t, std::size_t line, const std::optional<Error>& why) {
-    if (!log_.enabled()) return;
-    const Kind kind{line, {}, why.value_or(Error{.code = Code::connection_lost})};
-    if (filter_.admit(t, kind)) write(kind, {}, 0);
+void FailureLog::on_link_down(std::size_t line, const std::optional<Error>& why, std::uint64_t repeated,
+                              Duration in) {
+    if (log_.enabled()) write({line, {}, why.value_or(Error{.code = Code::connection_lost})}, in, repeated);
 }
 
 void FailureLog::on_link_closed(Instant t, std::size_t line, const Error& why) {

@@ -13,8 +13,8 @@
 namespace takt::host {
 
 /// Writes one line for each failed exchange: line, device, request, reason, duration, attempt; and one for
-/// each link that fails. Equal lines are summarised each kWindow. The project must outlive it. Without a sink
-/// it does nothing. One owner, one thread.
+/// each link that is closed. Equal lines are summarised each kWindow. The project must outlive it. Without a
+/// sink it does nothing. One owner, one thread.
 class FailureLog {
 public:
     static constexpr Duration kWindow = std::chrono::seconds(60);
@@ -23,8 +23,9 @@ public:
     FailureLog(const Log& log, const model::Project& project);
 
     void on_failed(Instant t, std::size_t line, const poll::FailedExchange& failed);
-    /// @param why  nothing: the connection was lost
-    void on_link_down(Instant t, std::size_t line, const std::optional<Error>& why);
+    /// @param why       nothing: the connection was lost
+    /// @param repeated  how many attempts failed like the last one, in what time
+    void on_link_down(std::size_t line, const std::optional<Error>& why, std::uint64_t repeated, Duration in);
     /// The connection was closed, and the next request opens it again.
     /// @param why  connection_lost: by the peer; not_modbus: the bytes for which the program closed it
     void on_link_closed(Instant t, std::size_t line, const Error& why);
@@ -33,6 +34,9 @@ public:
     void on_tick(Instant t);
     /// Writes the summaries that are due later.
     void finish(Instant t);
+
+    /// The same reason; the bytes of Code::not_modbus may differ.
+    [[nodiscard]] static bool same_error(const Error& a, const Error& b);
 
 private:
     /// A failed exchange without its duration; without `exchange` the failure of a link.
@@ -46,8 +50,6 @@ private:
                    a.closed == b.closed;
         }
     };
-
-    [[nodiscard]] static bool same_error(const Error& a, const Error& b);
 
     void write(const Kind& kind, Duration took, std::uint64_t repeated) const;
     void write_omitted(std::uint64_t count, Duration in) const;

@@ -120,18 +120,37 @@ poll::Master::Options ProjectEngine::master_options(const Options& options) {
 
 void ProjectEngine::on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) {
     if (up) {
+        link_failures_.end(
+            t, [line](const LinkFailure& failure) { return failure.line == line; },
+            [&](const LinkFailure& failure, std::uint64_t repeated, Duration in) {
+                report_link(t, failure, repeated, in);
+            });
         failures_.on_link_up(t, line);
         log_.message(
             LogLevel::info, "log.link_up",
             std::array{LogArgument{.name = "line", .text = configuration_->project().lines[line].name}});
-    } else {
-        failures_.on_link_down(t, line, why);
     }
     // A failed attempt leaves the engine as it was; its variables are to show that there is no link.
     if (!up) master_.line(line).on_link(t, false);
     lines_[line].up = up;
     lines_[line].why = up ? std::nullopt : why;
-    publish_event(t, LinkChanged{.line = line, .up = up, .why = why});
+    if (up)
+        publish_event(t, LinkChanged{.line = line, .up = true});
+    else if (link_failures_.admit(t, {line, why}))
+        report_link(t, {line, why}, 0, {});
+}
+
+void ProjectEngine::report_link(Instant t, const LinkFailure& failure, std::uint64_t repeated, Duration in) {
+    failures_.on_link_down(failure.line, failure.why, repeated, in);
+    publish_event(t, LinkChanged{.line = failure.line, .why = failure.why, .repeated = repeated, .in = in});
+}
+
+void ProjectEngine::report_links(Instant t, bool finish) {
+    const auto report = [&](const LinkFailure& failure, std::uint64_t repeated, Duration in) {
+        report_link(t, failure, repeated, in);
+    };
+    const auto omitted = [](std::uint64_t, Duration) {};  // the state has them
+    finish ? link_failures_.finish(t, report, omitted) : link_failures_.sweep(t, report, omitted);
 }
 
 void ProjectEngine::on_close(Instant t, std::size_t line, const std::optional<Error>& why) {
@@ -235,6 +254,7 @@ void ProjectEngine::on_tick(Instant t) {
     guests_.settle(t);
     update_services(t);
     failures_.on_tick(t);
+    report_links(t);
     end_changes(t);
     if (log_.enabled()) log_frequent_failures();
     if (retention_) retention_->on_tick(t);
@@ -303,9 +323,11 @@ void ProjectEngine::take_over(Instant t, ProjectEngine& old,
         master_.line(i).take_over(t, old.master_.line(*continued[i]));
         lines_[i].up = old.lines_[*continued[i]].up;
         lines_[i].why = old.lines_[*continued[i]].why;
+        if (lines_[i].why) (void)link_failures_.admit(t, {i, lines_[i].why});  // it was reported
     }
     old.end_writes(t);
     old.failures_.finish(t);
+    old.report_links(t, true);
     old.end_changes(t, true);
     old.commands_.finish(t);
     old.guests_.finish(t);
@@ -322,6 +344,7 @@ void ProjectEngine::end_writes(Instant t) {
 void ProjectEngine::finish(Instant t) {
     end_writes(t);
     failures_.finish(t);
+    report_links(t, true);
     end_changes(t, true);
     commands_.finish(t);
     guests_.finish(t);

@@ -96,6 +96,11 @@ public:
     /// @param t  of the last on_tick()
     [[nodiscard]] Instant next_tick(Instant t) const;
     static constexpr Duration kTickEvery = std::chrono::milliseconds(200);
+    /// Equal failures of a link are summarised after the first, and then after twice the time, up to the
+    /// last.
+    static constexpr Duration kLinkWindow = std::chrono::minutes(1);
+    static constexpr Duration kLongestLinkWindow = std::chrono::hours(1);
+    static constexpr std::size_t kMostLinkFailures = 512;
 
     /// The value of a service variable at this moment, also of one that the project does not use.
     [[nodiscard]] value::Value service_value(Instant t,
@@ -157,6 +162,16 @@ private:
     }
     void write_log(LogLevel level, const EventMessage& message) const;
 
+    struct LinkFailure {
+        std::size_t line = 0;
+        std::optional<Error> why;
+        friend bool operator==(const LinkFailure& a, const LinkFailure& b) {
+            const bool equal = a.why && b.why ? FailureLog::same_error(*a.why, *b.why) : a.why == b.why;
+            return a.line == b.line && equal;
+        }
+    };
+    void report_link(Instant t, const LinkFailure& failure, std::uint64_t repeated, Duration in);
+    void report_links(Instant t, bool finish = false);
     void publish_state(Instant t, const DeviceStateChanged& changed);
     void end_changes(Instant t, std::size_t line, std::size_t device, bool finish = false);
     void end_changes(Instant t, bool finish = false);
@@ -176,6 +191,7 @@ private:
     Instant started_;
     Log log_;
     FailureLog failures_;
+    RepeatFilter<LinkFailure> link_failures_{kLinkWindow, kMostLinkFailures, kLongestLinkWindow};
     std::function<std::uint64_t()> utc_seconds_;
     std::vector<Line> lines_;
     poll::Master master_;

@@ -191,7 +191,7 @@ void fields(Archive& archive, DeviceStateChanged& body) {
 
 template <class Archive>
 void fields(Archive& archive, LinkChanged& body) {
-    all(archive, body.line, body.up, body.why);
+    all(archive, body.line, body.up, body.why, body.repeated, body.in);
 }
 
 template <class Archive>

@@ -12,15 +12,19 @@
 namespace takt::host {
 
 /// Admits the first message of each key. Equal messages within the next `window` are counted instead, and
-/// sweep() reports the count when the window ends. While messages repeat, each window has one report. A
-/// message that comes half a window or later after the one before it is admitted.
+/// sweep() reports the count when the window ends. While messages repeat, each window has one report, and the
+/// next window is twice as long, up to `longest`. A message that comes half a window or later after the one
+/// before it is admitted.
 ///
 /// At most `most` keys are remembered. Messages with further keys are not admitted; sweep() reports their
 /// number. Time must not run backwards. One owner, one thread.
 template <class Key>
 class RepeatFilter {
 public:
-    RepeatFilter(Duration window, std::size_t most) : window_(window), most_(most) {}
+    /// @param longest  at least `window`
+    RepeatFilter(Duration window, std::size_t most, Duration longest)
+        : window_(window), longest_(longest), most_(most) {}
+    RepeatFilter(Duration window, std::size_t most) : RepeatFilter(window, most, window) {}
 
     /// @returns whether the message is to be written now
     [[nodiscard]] bool admit(Instant t, const Key& key) {
@@ -38,7 +42,7 @@ public:
             if (omitted_++ == 0) omitted_since_ = t;
             return false;
         }
-        entries_.push_back({key, t, t, 0});
+        entries_.push_back({key, t, t, window_});
         return true;
     }
 
@@ -47,7 +51,7 @@ public:
     /// @param omitted  called with the number of messages of further keys, and in what time
     template <class Report, class Omitted>
     void sweep(Instant t, Report report, Omitted omitted) {
-        end_windows(t, window_, report, omitted);
+        end_windows(t, false, report, omitted);
     }
 
     /// Ends the windows of the keys that `which` selects: the next message of each is admitted.
@@ -63,7 +67,7 @@ public:
     /// Ends all windows.
     template <class Report, class Omitted>
     void finish(Instant t, Report report, Omitted omitted) {
-        end_windows(t, Duration::zero(), report, omitted);
+        end_windows(t, true, report, omitted);
         entries_.clear();
     }
 
@@ -72,24 +76,27 @@ private:
         Key key;
         Instant since;
         Instant last;  // when its last message came
+        Duration window;
         std::uint64_t repeated = 0;
     };
 
     template <class Report, class Omitted>
-    void end_windows(Instant t, Duration least, Report& report, Omitted& omitted) {
+    void end_windows(Instant t, bool all, Report& report, Omitted& omitted) {
         std::erase_if(entries_, [&](Entry& entry) {
-            if (t - entry.since < least) return false;
+            if (!all && t - entry.since < entry.window) return false;
             if (entry.repeated == 0) return true;
             report(entry.key, entry.repeated, t - entry.since);
             entry.since = t;
+            entry.window = std::min(2 * entry.window, longest_);
             entry.repeated = 0;
             return false;
         });
-        if (omitted_ > 0 && t - omitted_since_ >= least)
+        if (omitted_ > 0 && (all || t - omitted_since_ >= window_))
             omitted(std::exchange(omitted_, 0), t - omitted_since_);
     }
 
     Duration window_;
+    Duration longest_;
     std::size_t most_;
     std::vector<Entry> entries_;
     std::uint64_t omitted_ = 0;

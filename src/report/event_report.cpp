@@ -10,6 +10,7 @@
 #include "takt/report/command_report.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/learnt_report.hpp"
+#include "takt/report/state_report.hpp"
 #include "takt/report/value_json.hpp"
 #include "takt/text/catalogue.hpp"
 #include "takt/text/escape.hpp"
@@ -53,9 +54,13 @@ public:
         return filled(host::event_message(configuration_, changed));
     }
     std::string operator()(const host::LinkChanged& changed) const {
-        return texts_(changed.up ? "app.link_up" : "app.link_down",
+        return texts_(changed.up             ? "app.link_up"
+                      : changed.repeated > 0 ? "app.link_down.repeated"
+                                             : "app.link_down",
                       {{"line", configuration_.project().lines[changed.line].name},
-                       {"why", changed.why ? texts_.describe(*changed.why) : std::string()}});
+                       {"why", changed.why ? texts_.describe(*changed.why) : std::string()},
+                       {"count", std::to_string(changed.repeated)},
+                       {"age", age_text(changed.in)}});
     }
     std::string operator()(const host::PeriodOverrun& overrun) const {
         return filled(host::event_message(configuration_, overrun));
@@ -147,6 +152,9 @@ public:
         object.set("line", configuration_.project().lines[changed.line].name);
         object.set("up", changed.up);
         if (changed.why) object.set("text", texts_.describe(*changed.why));
+        if (changed.repeated == 0) return object;
+        object.set("repeated", changed.repeated);
+        object.set("in_ms", milliseconds(changed.in));
         return object;
     }
     file::Json operator()(const host::PeriodOverrun& overrun) const {

@@ -106,8 +106,9 @@ TEST_F(HostConsoleTest, QuietLeavesOutValuesAndRepetitions) {
     ASSERT_TRUE(begin({.quiet = true}));
     run(300ms);
     const Error refused = fail(Code::cannot_open, "plc:502", ECONNREFUSED).error();
-    for (int i = 0; i < 3; ++i)
-        rig.engine->publish_event(rig.now, host::LinkChanged{.line = 0, .up = false, .why = refused});
+    for (const std::uint64_t repeated : {0U, 3U, 6U})
+        rig.engine->publish_event(rig.now,
+                                  host::LinkChanged{.line = 0, .why = refused, .repeated = repeated});
     rig.engine->publish_event(rig.now, host::LinkChanged{.line = 0, .up = true});
     rig.engine->publish_event(rig.now, host::LinkChanged{.line = 0, .up = false});
     run(50ms);

@@ -101,17 +101,30 @@ TEST(FailureLog, RepeatedFailuresAreSummarised) {
     EXPECT_EQ(lines.with("why=log.why.other_transaction"), 1U);
 }
 
-TEST(FailureLog, LinksToo) {
-    const auto project = project_of(kPlant);
+// Each outage has its reason once; equal attempts are counted over minutes that double, and at the end.
+TEST(FailureLog, AttemptsToOpenALinkAreCounted) {
     Lines lines;
-    FailureLog log(lines.log(), project);
-    Instant now{};
-    for (int i = 0; i < 5; ++i, now += 1s)
-        log.on_link_down(now, 0, fail(Code::cannot_open, "plc:502", ECONNREFUSED).error());
-    log.finish(now);
-    EXPECT_EQ(lines.all,
-              (std::vector<std::string>{"log.link_down line=main count=0 seconds=0 error=plc:502",
-                                        "log.link_repeated line=main count=4 seconds=5 error=plc:502"}));
+    Rig rig(kPlant, {.log = lines.log()});
+    const auto session = rig.open({.from_beginning = true});
+    rig.run(300ms);
+    const auto refused = fail(Code::cannot_open, "plc:502", ECONNREFUSED).error();
+    auto now = rig.now;
+    for (int i = 0; i < 230; ++i, now += 1s) {
+        rig.engine->on_link(now, 0, false, refused);
+        rig.engine->on_tick(now);
+    }
+    EXPECT_EQ(lines.with("log.link_down line=main count=0"), 1U);
+    EXPECT_EQ(lines.with("log.link_repeated line=main count=60 seconds=60 error=plc:502"), 1U);
+    EXPECT_EQ(lines.with("log.link_repeated line=main count=120 seconds=120 error=plc:502"), 1U);
+    rig.engine->on_link(now, 0, true, std::nullopt);
+    EXPECT_EQ(lines.with("log.link_repeated line=main count=49 seconds=50 error=plc:502"), 1U);
+    rig.engine->on_link(now += 1s, 0, false, refused);
+    EXPECT_EQ(lines.with("log.link_down line=main count=0"), 2U);
+    std::vector<std::uint64_t> repeated;
+    for (const auto& event : take_events(*session))
+        if (const auto* const link = std::get_if<LinkChanged>(&event.body))
+            repeated.push_back(link->repeated);
+    EXPECT_EQ(repeated, (std::vector<std::uint64_t>{0, 0, 60, 120, 49, 0, 0}));
 }
 
 /// A variable that is written on change, and one that is written by a trigger.
@@ -120,20 +133,6 @@ const std::string kWriting =
                                            variable_of("Setpoint", 5, kOnChange) +
                                                variable_of("Pulled", 7, ", write: 0x06, write_trigger: go"))),
                  "- {name: go, type: bool}\n");
-
-TEST(FailureLog, EachOutageOfALinkHasItsReason) {
-    const auto project = project_of(kPlant);
-    Lines lines;
-    FailureLog log(lines.log(), project);
-    Instant now{};
-    for (int i = 0; i < 2; ++i, now += 5s) {
-        log.on_link_down(now, 0, fail(Code::cannot_open, "plc:502", ECONNREFUSED).error());
-        log.on_link_down(now += 1s, 0, fail(Code::cannot_open, "plc:502", ECONNREFUSED).error());
-        log.on_link_up(now += 1s, 0);
-    }
-    EXPECT_EQ(lines.with("log.link_down"), 2U);
-    EXPECT_EQ(lines.with("log.link_repeated line=main count=1"), 2U);
-}
 
 TEST(FailureLog, WhatFailsOnceAMinuteIsALineEachTime) {
     const auto project = project_of(kPlant);

@@ -45,6 +45,15 @@ TEST(RepeatFilter, RepeatedOnesAreCountedInEachWindow) {
     EXPECT_EQ(bench.reports, "1 x240 in 60; 1 x240 in 60; 1 x119 in 30; ");
 }
 
+TEST(RepeatFilter, TheWindowsGrow) {
+    Bench bench{.filter{60s, 3, 200s}};
+    for (int i = 0; i < 4 * 600; ++i, bench.now += 250ms) {
+        EXPECT_EQ(bench.filter.admit(bench.now, 1), i == 0) << i;
+        bench.sweep();
+    }
+    EXPECT_EQ(bench.reports, "1 x240 in 60; 1 x480 in 120; 1 x800 in 200; 1 x800 in 200; ");
+}
+
 TEST(RepeatFilter, AfterAQuietWindowAMessageIsNewAgain) {
     Bench bench;
     EXPECT_TRUE(bench.filter.admit(bench.now, 1));

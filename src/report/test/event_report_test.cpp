@@ -146,6 +146,9 @@ TEST(EventReport, ADeviceThatChangesOften) {
 
 TEST(EventReport, Links) {
     const host::LinkChanged down{.up = false, .why = kNoPort};
+    const host::LinkChanged again{.up = false, .why = kNoPort, .repeated = 14, .in = 70s};
+    expect_contains(members_of(again, "link"), R"("repeated":14,"in_ms":70000.0)");
+    for (const auto language : kLanguages) expect_complete(text_of(again, Texts(language)));
     EXPECT_EQ(members_of(host::LinkChanged{.up = true}, "link"), R"(,"line":"main","up":true})");
     EXPECT_EQ(members_of(host::LinkChanged{.up = false}, "link"), R"(,"line":"main","up":false})");
     EXPECT_JSON(at(json_of(down), "text"), english().describe(kNoPort));

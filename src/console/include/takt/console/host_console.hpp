@@ -74,7 +74,6 @@ private:
         std::uint64_t damaged = 0;
         friend bool operator==(const OutputSummary&, const OutputSummary&) = default;
     };
-    using LinkState = std::pair<bool, std::optional<Error>>;  // up; why not
 
     void make_view();
     [[nodiscard]] bool is_shown(const host::Event& event);
@@ -99,7 +98,6 @@ private:
     std::unique_ptr<ControlServer> control_;
     std::optional<InputCommands> input_;
     std::optional<Keyboard> keyboard_;
-    std::map<std::string, LinkState> links_;  // by line: what was shown last, by a live or quiet view
     struct ShownOutput {
         OutputSummary summary;
         std::uint64_t dropped = 0;

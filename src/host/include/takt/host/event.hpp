@@ -59,11 +59,14 @@ struct DeviceStateChanged {
     Duration in{};              ///< from the first of them to the last
 };
 
-/// A port or a connection was opened, was lost, or could not be opened.
+/// A port or a connection was opened, was lost, or could not be opened. Attempts that fail as the one before
+/// are counted: there is an event for them after a pause that grows.
 struct LinkChanged {
     std::size_t line = 0;
     bool up = false;
-    std::optional<Error> why;  ///< of a link that is down
+    std::optional<Error> why;    ///< of a link that is down
+    std::uint64_t repeated = 0;  ///< no change: so many attempts failed again
+    Duration in{};               ///< in that time
 };
 
 /// The real period of a request became longer than the configured one, or keeps to it again.
