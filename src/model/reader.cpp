@@ -56,6 +56,16 @@ bool may_hold(const Field& field, const Node* value) {
     return list ? field.kind == Kind::list : field.kind != Kind::list && field.kind != Kind::mapping;
 }
 
+bool is_number(const Node* value) {
+    return value != nullptr && value->kind == Node::Kind::scalar && all_digits(value->text);
+}
+
+/// A number is no text: `unit: 3` is not the unit of a variable, and `port: 502` is not a serial port.
+bool has_key(Object object, std::string_view word, const Node* value) {
+    const auto* const field = find_field(object, word);
+    return field != nullptr && !(field->kind == Kind::text && is_number(value));
+}
+
 /// `lines[].host`: the key that a key of `object` with this value means in another object. That is one that
 /// encloses `object`, the innermost first, else one inside it, else any other one; the project at last. Of
 /// equally near ones the first that has the word itself. Empty if there is none.
@@ -64,7 +74,7 @@ std::string owner_of(std::string_view word, const Node* value, Object object) {
     std::size_t best = 0;
     const auto here = location(object);
     for (const auto candidate : kObjects) {
-        const bool has = find_field(candidate, word) != nullptr;
+        const bool has = has_key(candidate, word, value);
         const auto key = has ? word : synonym_elsewhere(candidate, word);
         if (candidate == object || key.empty() || !may_hold(*find_field(candidate, key), value)) continue;
         const auto where = location(candidate);
@@ -90,6 +100,28 @@ std::string with_point(std::string_view text) {
     const auto whole = text.substr(text.starts_with('-') ? 1 : 0, comma - (text.starts_with('-') ? 1 : 0));
     if (!all_digits(whole) || !all_digits(text.substr(comma + 1))) return {};
     return std::string(text.substr(0, comma)) + '.' + std::string(text.substr(comma + 1));
+}
+
+/// `1,000` as `1000`; empty for anything but digits in groups of three.
+std::string without_thousands(std::string_view text) {
+    constexpr std::size_t kGroup = 3;
+    const auto comma = text.find(',');
+    if (comma == std::string_view::npos || comma > kGroup || !all_digits(text.substr(0, comma))) return {};
+    std::string meant(text.substr(0, comma));
+    for (auto rest = text.substr(comma); !rest.empty(); rest.remove_prefix(kGroup + 1)) {
+        const auto group = rest.substr(1, kGroup);
+        if (rest[0] != ',' || group.size() < kGroup || !all_digits(group)) return {};
+        meant += group;
+    }
+    return meant;
+}
+
+/// The finding about a number with commas, and the number that is meant; empty: it has none.
+std::pair<Rule, std::string> comma_finding(const Field* field, std::string_view text) {
+    if (field != nullptr && field->kind == Kind::integer)
+        if (auto meant = without_thousands(text); !meant.empty())
+            return {Rule::number_thousands, std::move(meant)};
+    return {Rule::number_comma, with_point(text)};
 }
 
 /// `4ms, 4us`: at most two durations of the range that a number without unit may mean.
@@ -222,8 +254,9 @@ bool Reader::check_slip(const Node& key) {
         std::ranges::find_if(node_.entries, [&](const Node::Entry& entry) { return &entry.key == &key; });
     if (at == node_.entries.begin() || !divided_by_comma(std::prev(at)->key.text)) return false;
     const auto& [owner, whole] = *std::prev(at);
-    findings_.add(Rule::number_comma, whole.location, path_of(owner.text), whole.text + ',' + key.text, {},
-                  {{"meant", whole.text + '.' + key.text}});
+    const auto text = whole.text + ',' + key.text;
+    auto [rule, meant] = comma_finding(find_field(object_, owner.text), text);
+    findings_.add(rule, whole.location, path_of(owner.text), text, {}, {{"meant", std::move(meant)}});
     return true;
 }
 
@@ -309,8 +342,8 @@ const Node* Reader::number_scalar(std::string_view key) {
     const Node* const found = scalar(key);
     if (found == nullptr) return found;
     if (divided_by_comma(key)) return nullptr;  // reported with its second part
-    if (auto meant = with_point(found->text); !meant.empty()) {
-        report(Rule::number_comma, key, allowed_text(key), {{"meant", std::move(meant)}});
+    if (auto [rule, meant] = comma_finding(&field(key), found->text); !meant.empty()) {
+        report(rule, key, allowed_text(key), {{"meant", std::move(meant)}});
         return nullptr;
     }
     if (!is_quoted(*found)) return found;

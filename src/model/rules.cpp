@@ -46,6 +46,7 @@ constexpr std::array kRules{
     RuleInfo{Rule::integer_leading_zero, "integer.leading_zero"},
     RuleInfo{Rule::number_malformed, "number.malformed"},
     RuleInfo{Rule::number_comma, "number.comma"},
+    RuleInfo{Rule::number_thousands, "number.thousands"},
     RuleInfo{Rule::boolean_malformed, "boolean.malformed"},
     RuleInfo{Rule::duration_malformed, "duration.malformed"},
     RuleInfo{Rule::duration_no_unit, "duration.no_unit"},

@@ -45,7 +45,8 @@ enum class Rule : std::uint8_t {
     integer_fraction,
     integer_leading_zero,
     number_malformed,
-    number_comma,  // {meant}
+    number_comma,      // {meant}
+    number_thousands,  // {meant}
     boolean_malformed,
     duration_malformed,
     duration_no_unit,

@@ -21,7 +21,7 @@ constexpr Synonym kSynonyms[] = {
     {"slave_id", "address", true},
     {"slaveid", "address", true},
     {"slave_address", "address", true},
-    {"unit", "address"},
+    {"unit", "address", true},
     {"unit_id", "address", true},
     {"id", "address"},
     {"station", "address"},
@@ -42,7 +42,8 @@ constexpr Synonym kSynonyms[] = {
     {"ip", "host", true},
     {"ip_address", "host", true},
     {"hostname", "host", true},
-    {"server", "host"},
+    {"server", "host", true},
+    {"port", "tcp_port", true},
     {"connect", "host", true},
     {"хост", "host", true},
     {"serial_port", "port", true},
@@ -127,6 +128,8 @@ constexpr Synonym kSynonyms[] = {
     {"server", "brokers"},
     {"url", "brokers"},
     {"uri", "brokers"},
+    {"url", "host", true},
+    {"uri", "host", true},
     {"host", "brokers"},
     {"host", "listen", true},
     {"ip", "listen"},
@@ -275,6 +278,7 @@ std::string_view synonym(Object object, std::string_view word) {
     const std::string wanted = in_lower_case(word);
     for (const auto& [other, key, anywhere] : kSynonyms)
         if (other == wanted && find_field(object, key) != nullptr) return key;
+    if (std::ranges::find(kSynonyms, wanted, &Synonym::word) != std::end(kSynonyms)) return {};
     for (const auto& [other, key, anywhere] : kSynonyms)
         if (other.size() >= kLonger && typing_distance(other, wanted) <= kOneMistake &&
             find_field(object, key) != nullptr)

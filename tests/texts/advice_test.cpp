@@ -119,6 +119,7 @@ const std::vector<Case>& cases() {
          At::variable,
          "{name: V, type: int, register: 0, read: 3, scale: \"0,1\"}",
          {"{name: V, type: int, register: 0, read: 3, scale: 0.1}"}},
+        {"number.thousands", At::line, "baud: \"19,200\"", {"baud: 19200"}},
         {"boolean.malformed",
          At::device,
          "group_requests: yes",
