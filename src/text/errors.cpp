@@ -123,6 +123,10 @@ HeaderFault header_fault(const Error& error) {
     return static_cast<HeaderFault>(error.numbers[2]);
 }
 
+Mismatch::Part mismatch_part(const Error& error) {
+    return static_cast<Mismatch::Part>(error.numbers[2]);
+}
+
 // The type that takes a negative number which an unsigned type does not: "-5 → 0..65535".
 std::string_view signed_type(const Error& error) {
     const auto subject = error.subject.view();
@@ -151,7 +155,8 @@ std::string advice_key(const Error& error) {
                                                                   : "advice.not_modbus";
         case Code::unexpected_reply: return "advice.unexpected_reply";
         case Code::misdirected:
-            return error.numbers[2] == 0 ? "advice.misdirected.unit" : "advice.misdirected.other";
+            return mismatch_part(error) == Mismatch::Part::unit ? "advice.misdirected.unit"
+                                                                : "advice.misdirected.other";
         case Code::modbus_exception: return exception_key(error, "advice.exception.");
         default: return {};
     }
@@ -188,19 +193,11 @@ std::string_view header_variant(const Error& error) {
     return ".numbers";
 }
 
-std::string_view mismatch_variant(const Error& error) {
-    switch (error.numbers[2]) {
-        case 0: return ".unit";
-        case 1: return ".function";
-        default: return ".transaction";
-    }
-}
-
-std::string_view variant_of(const Error& error) {
+std::string variant_of(const Error& error) {
     if (came_late(error)) return ".late";
-    if (error.code == Code::misdirected) return mismatch_variant(error);
+    if (error.code == Code::misdirected) return std::string(".").append(name(mismatch_part(error)));
     if (!has_numbers(error)) return "";
-    return error.code == Code::not_modbus ? header_variant(error) : ".numbers";
+    return error.code == Code::not_modbus ? std::string(header_variant(error)) : ".numbers";
 }
 
 // `count` bytes of a number, the first one in its highest place: "53 53 48 2D (SSH-)".
