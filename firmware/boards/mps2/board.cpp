@@ -94,7 +94,7 @@ void stop_timer(unsigned port) {
 
 void drive_line(bool on, unsigned port) {
     const std::uint32_t pin = 1U << kDriverPins[port];
-    reg(kPort + 0x04) = on ? reg(kPort + 0x04) | pin : reg(kPort + 0x04) & ~pin;
+    reg(kPort + 0x400 + 4 * pin) = on ? pin : 0;  // the address has the mask
 }
 
 std::span<const std::uint32_t> flash_page(unsigned page) {
