@@ -126,29 +126,22 @@ void uart_interrupt() {
     constexpr std::uint32_t kReceived = board::kUart + 0x108;
     constexpr std::uint32_t kSent = board::kUart + 0x11C;
     constexpr std::uint32_t kError = board::kUart + 0x124;
-    if (reg(kError) != 0) {
-        reg(kError) = 0;
+    if (take_event(kError)) {
         const std::uint32_t source = reg(board::kUart + 0x480);
         reg(board::kUart + 0x480) = source;  // write 1 to clear
         board::g_lost = true;
     }
-    while (reg(kReceived) != 0) {
-        reg(kReceived) = 0;
+    while (take_event(kReceived)) {
         const auto character = static_cast<std::uint8_t>(reg(board::kUart + 0x518));
         const bool damaged = board::g_lost;
         board::g_lost = false;
         board::g_events->on_character(character, damaged);
     }
-    if (reg(kSent) != 0) {
-        reg(kSent) = 0;
-        board::g_events->on_sent();
-    }
+    if (take_event(kSent)) board::g_events->on_sent();
 }
 
 void one_shot_interrupt() {
-    if (reg(board::kOneShot + 0x140) == 0) return;  // stopped meanwhile
-    reg(board::kOneShot + 0x140) = 0;
-    board::g_events->on_timer();
+    if (take_event(board::kOneShot + 0x140)) board::g_events->on_timer();  // else stopped meanwhile
 }
 
 /// TIMER2, free for the image.

@@ -161,9 +161,7 @@ void uart_interrupt() {
 }
 
 void one_shot_interrupt() {
-    if (reg(board::kOneShot + 0x10) == 0) return;  // stopped meanwhile
-    reg(board::kOneShot + 0x10) = 0;
-    board::g_events->on_timer();
+    if (take_event(board::kOneShot + 0x10)) board::g_events->on_timer();  // else stopped meanwhile
 }
 
 [[gnu::section(".board_vectors"), gnu::used]] constinit const auto board_vectors = board_vectors_of<82>(

@@ -16,6 +16,14 @@ inline volatile std::uint32_t& reg(std::uint32_t address) {
     return *reinterpret_cast<volatile std::uint32_t*>(address);
 }
 
+/// Clears an event of a peripheral whose register a write of 0 clears.
+/// @returns whether it had happened
+inline bool take_event(std::uint32_t address) {
+    const bool happened = reg(address) != 0;
+    if (happened) reg(address) = 0;
+    return happened;
+}
+
 inline void wait_for_interrupt() {
     asm volatile("dsb\n wfi" ::: "memory");
 }
