@@ -111,7 +111,7 @@ def wait_slave(port, unit, framing="rtu", process=None):
             return line.read(1)
 
         until(answers, f"an answer of unit {unit} on {port}")
-        while line.read(256):
+        while line.read(1):
             pass
 
 

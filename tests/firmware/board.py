@@ -5,6 +5,7 @@ import re
 import socket
 import struct
 import subprocess
+import termios
 import tty
 
 FOLDER = pathlib.Path(__file__).resolve().parent
@@ -46,8 +47,9 @@ def plugin(folder, *options):
 def addresses(board, name, *symbols):
     """@returns the addresses of functions of an image"""
     _, path = image(board, name)
-    listed = subprocess.run(["arm-none-eabi-nm", path], capture_output=True, text=True, check=True).stdout
-    found = dict(reversed(line.split()[::2]) for line in listed.splitlines() if len(line.split()) == 3)
+    listed = subprocess.run(["arm-none-eabi-readelf", "-sW", path], capture_output=True, text=True,
+                            check=True).stdout
+    found = {words[7]: words[1] for words in map(str.split, listed.splitlines()) if len(words) == 8}
     return {symbol: int(found[symbol], 16) & ~1 for symbol in symbols}
 
 
@@ -67,37 +69,38 @@ class Board:
     stopped until resume(), and its virtual time with it; it writes lines by semihosting."""
 
     def __init__(self, board, name, *options, folder=None, ports=1):
-        if folder is not None:
-            options = [*options, *SEMIHOSTING, "-S", "-qmp", "unix:qmp,server=on,wait=off"]
-        self.folder = folder
         self.lines = []
-        self.control = None
-        self.process = subprocess.Popen(command(board, name, *["-serial", "pty"] * ports, *options),
-                                        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                        stderr=subprocess.STDOUT, text=True, cwd=folder)
-        self.ports = [self._next_port() for _ in range(ports)]
-        self.port = self.ports[0]
-        self._held = []
-
-    def hold_ports(self):
-        """For many short connections: QEMU looks only once a second whether somebody has opened a port."""
-        self._held = [os.open(port, os.O_RDWR | os.O_NOCTTY) for port in self.ports]
+        # QEMU gets the other ends: of a pseudo-terminal of its own, it looks only once a second whether
+        # somebody has opened it. One that nobody has open would be at its end: they stay open here.
+        ends, self._held = zip(*(os.openpty() for _ in range(ports)))
         for port in self._held:
             tty.setraw(port)
+        self.ports = [os.ttyname(port) for port in self._held]
+        self.port = self.ports[0]
+        options = list(options)
+        for number, end in enumerate(ends):
+            uart = f"serial,id=uart{number},path=/dev/fdset/{number}"
+            options += ["-add-fd", f"fd={end},set={number}", "-chardev", uart]
+            options += ["-serial", f"chardev:uart{number}"]
+        self._control, end = socket.socketpair()
+        if folder is not None:
+            options += [*SEMIHOSTING, "-S", "-chardev", f"socket,id=control,fd={end.fileno()}", "-mon",
+                        "chardev=control,mode=control"]
+            self._order("qmp_capabilities")
+        ends += (end.detach(),)
+        self.process = subprocess.Popen(command(board, name, *options), stdin=subprocess.DEVNULL,
+                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                        cwd=folder, pass_fds=ends)
+        for end in ends:
+            os.close(end)
 
-    def _next_port(self):
-        line = self.process.stdout.readline()
-        found = re.search(r"/dev/pts/\d+", line)
-        assert found, f"qemu-system-arm: {line}"
-        return found.group()
+    def drop_sent(self):
+        """Drops what it has sent and nobody has read."""
+        for port in self._held:
+            termios.tcflush(port, termios.TCIFLUSH)
 
     def _order(self, name):
-        if self.control is None:
-            self.control = socket.socket(socket.AF_UNIX)
-            self.control.settimeout(PATIENCE)
-            self.control.connect(str(pathlib.Path(self.folder) / "qmp"))
-            self.control.sendall(b'{"execute": "qmp_capabilities"}\n')
-        self.control.sendall(f'{{"execute": "{name}"}}\n'.encode())
+        self._control.sendall(f'{{"execute": "{name}"}}\n'.encode())
 
     def resume(self):
         self._order("cont")
@@ -127,10 +130,9 @@ class Board:
         self.process.kill()
         self.process.wait()
         self.process.stdout.close()
+        self._control.close()
         for port in self._held:
             os.close(port)
-        if self.control is not None:
-            self.control.close()
 
 
 def script(baud, strict, ascii_framing, steps):

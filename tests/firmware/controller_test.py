@@ -6,6 +6,7 @@ import struct
 import pytest
 
 from board import Board
+from endpoints import wait_slave
 from program import start, takt, until
 
 TABLE_AT = 0x200000  # firmware/boards/mps2/board.cpp
@@ -41,10 +42,10 @@ AGAIN, A, C, D, W, B = range(6)  # items, and their words
 ITEM_COUNT = 6
 
 
-def table_of(tmp_path, first, *options):
-    project = tmp_path / "plant.yaml"
+def table_of(folder, first, *options):
+    project = folder / "plant.yaml"
     project.write_text(PROJECT.replace("FIRST", str(first)))
-    path = tmp_path / f"table-{first}"
+    path = folder / f"table-{first}"
     takt("table", "build", project, "-o", path, "--no-names" if not options else "--profile", *options)
     return path
 
@@ -74,11 +75,13 @@ class Slave:
     def shown(self):
         return self.read(LOADER, "input", 0, 5)
 
-    def load(self, image):
-        """Writes the table as records of file 1, then the command."""
+    def load(self, image, before=b""):
+        """Writes the table as records of file 1, except what the file has from before, then the command."""
         image += b"\0" * (len(image) % 2)
         for at in range(0, len(image), 200):
             part = image[at:at + 200]
+            if part == before[at:at + 200]:
+                continue
             head = struct.pack(">BHHH", 6, 1, at // 2, len(part) // 2)
             pdu = bytes([0x15, len(head + part)]) + head + part
             self._on(LOADER, "raw", pdu.hex())
@@ -89,20 +92,19 @@ class Slave:
 
 
 @contextlib.contextmanager
-def controller(tmp_path, table, board="an385"):
+def controller(folder, table, board="an385"):
     loader = ["-device", f"loader,file={table},addr={TABLE_AT},force-raw=on"] if table else []
-    with Board(board, "test_controller", *loader, folder=None, ports=2) as running:
+    with Board(board, "test_controller", *loader, ports=2) as running:
         meter = f"rtu://{running.ports[0]}?baud=9600&parity=none"
         with start("serve", "--port", meter, "--unit", 1, "--fill", "ramp") as slave:
             until(lambda: any("serving" in line for line in slave.out + slave.err), "the slave serves")
-            running.hold_ports()
+            wait_slave(running.ports[1], LOADER, process=running)
             yield Slave(running.ports[1])
             slave.interrupt()
 
 
-@pytest.mark.parametrize("board", ["an385", "an386"])
-def test_the_buffer_is_shown_and_written(tmp_path, board):
-    with controller(tmp_path, table_of(tmp_path, 3), board) as shown:
+def the_buffer_is_shown_and_written(folder, board):
+    with controller(folder, table_of(folder, 3), board) as shown:
         until(lambda: shown.buffer() == [0, 3, 60, 61, 62, 1], "the values of the meter")
         assert shown.qualities() == [GOOD] * ITEM_COUNT
         shown.write(C, 77)
@@ -116,24 +118,25 @@ def test_the_buffer_is_shown_and_written(tmp_path, board):
         assert 0 < stack < STACK_LIMIT
 
 
-def test_a_new_table_replaces_the_running_one(tmp_path):
-    with controller(tmp_path, table_of(tmp_path, 3)) as shown:
+def a_new_table_replaces_the_running_one(folder):
+    with controller(folder, table_of(folder, 3)) as shown:
         until(lambda: shown.buffer()[A] == 3, "the old table runs")
-        shown.load(table_of(tmp_path, 7).read_bytes())
+        shown.load(table_of(folder, 7).read_bytes())
         until(lambda: shown.shown()[STATE] == RUNNING and shown.buffer()[A] == 7, "the new table runs")
         refused = shown._on(BUFFER, "read", "holding", ITEM_COUNT - 1, 2, code=None)
         assert "exception 2" in refused.err, "only the registers of the table exist"
         assert shown.shown()[ERROR] == 0
 
 
-def test_a_broken_table_is_refused_and_the_old_one_goes_on(tmp_path):
-    with controller(tmp_path, table_of(tmp_path, 3)) as shown:
+def a_broken_table_is_refused_and_the_old_one_goes_on(folder):
+    with controller(folder, table_of(folder, 3)) as shown:
         until(lambda: shown.buffer()[A] == 3, "the old table runs")
-        image = bytearray(table_of(tmp_path, 7).read_bytes())
+        image = table_of(folder, 7).read_bytes()
+        before = b""
         for at in (0, 9, 13, 40, len(image) - 1):
-            broken = bytearray(image)
-            broken[at] ^= 1
-            shown.load(bytes(broken))
+            broken = image[:at] + bytes([image[at] ^ 1]) + image[at + 1:]
+            shown.load(broken, before)
+            before = broken
             assert shown.shown()[ERROR] != 0
         assert "exception 3" in shown.command(2, code=None).err
         shown.write(C, 5)
@@ -141,13 +144,27 @@ def test_a_broken_table_is_refused_and_the_old_one_goes_on(tmp_path):
         assert shown.shown()[STATE] == RUNNING
 
 
-def test_a_table_of_owen_kc1_is_loaded_where_none_is(tmp_path):
-    with controller(tmp_path, None) as shown:
+def a_table_of_owen_kc1_is_loaded_where_none_is(folder):
+    with controller(folder, None) as shown:
         refused = shown._on(BUFFER, "read", "holding", 0, 1, code=None)
         assert refused.code != 0 and "exception 2" in refused.out + refused.err
         assert shown.shown()[:2] == [0, 0]
-        shown.load(table_of(tmp_path, 9, "owen-kc1").read_bytes())
+        shown.load(table_of(folder, 9, "owen-kc1").read_bytes())
         until(lambda: shown.buffer() == [0, 9, 60, 61, 62, 1], "the table runs")
         assert shown.shown()[:2] == [RUNNING, 0]
         shown.write(B, 0)
         until(lambda: shown.buffer()[W:] == [62 - 8, 0], "the bit was written, and its neighbours stay")
+
+
+CASES = {
+    "buffer, an385": (the_buffer_is_shown_and_written, "an385"),
+    "buffer, an386": (the_buffer_is_shown_and_written, "an386"),
+    "new table": (a_new_table_replaces_the_running_one,),
+    "broken table": (a_broken_table_is_refused_and_the_old_one_goes_on,),
+    "no table": (a_table_of_owen_kc1_is_loaded_where_none_is,)
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_controller(results, case):
+    results[case].result()

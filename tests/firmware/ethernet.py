@@ -14,6 +14,7 @@ OUR_MAC = bytes.fromhex("020000000001")
 FIN, SYN, RST, PUSH, ACK = 1, 2, 4, 8, 16
 MODULO = 1 << 32
 RESEND = 0.25  # s
+LATE = 0.02  # s
 SEGMENT = 536
 IP, ARP = b"\x08\x00", b"\x08\x06"
 
@@ -51,7 +52,8 @@ def adu(pdu, transaction=1, unit=1):
 
 
 class Wire:
-    """The cable. `faults`: shares of frames that are lost, doubled or delayed behind the next one."""
+    """The cable. `faults`: shares of frames that are lost, doubled or delayed, behind the next one or for
+    LATE."""
 
     def __init__(self, seed=1):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -75,11 +77,11 @@ class Wire:
         kind = self.random.random() if any(self.faults) else 1
         if kind < lost:
             return []
-        waiting = self.delayed.pop(direction, None)
+        waiting, _ = self.delayed.pop(direction, (None, 0))
         if kind < lost + doubled:
             now = [frame, frame]
         elif kind < lost + doubled + late and not waiting:
-            self.delayed[direction] = frame
+            self.delayed[direction] = frame, time.monotonic()
             now = []
         else:
             now = [frame]
@@ -111,6 +113,7 @@ class Wire:
                 frame = b""
             for each in self.disturbed(frame, "from") if frame else []:
                 self.handle(each)
+            self.deliver_late()
             for peer in list(self.peers.values()):
                 peer.on_time()
             if time.monotonic() >= end:
@@ -122,6 +125,16 @@ class Wire:
             assert time.monotonic() < end, f"within {deadline:g} s not seen: {what}"
             self.pump(0.001)
         return found
+
+    def deliver_late(self):
+        for direction, (frame, since) in list(self.delayed.items()):
+            if time.monotonic() < since + LATE:
+                continue
+            del self.delayed[direction]
+            if direction == "to":
+                self.socket.sendto(frame, self.board)
+            else:
+                self.handle(frame)
 
     def handle(self, frame):
         kind, data = frame[12:14], frame[14:]

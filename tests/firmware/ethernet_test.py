@@ -16,7 +16,8 @@ STACK_LIMIT = 2048  # tools/firmware
 
 
 @pytest.fixture(scope="module", name="wire")
-def wire_of_a_board(tmp_path_factory):
+def wire_of_a_board(tmp_path_factory, results):
+    assert results  # other boards run beside this one
     wire = Wire()
     with running("an386", "tcp", tmp_path_factory.mktemp("board"), *wire.options()):
         wire.ask_for_mac()
@@ -264,10 +265,10 @@ def test_malformed_requests_without_end(wire, other):
     assert responses[7:9] == b"\x83\x03" and len(responses) == 150 * TIMES * 18
 
 
-def test_cable_off_and_on(tmp_path):
+def cable_off_and_on(folder):
     wire = Wire()
-    qmp = tmp_path / "qmp"
-    with running("an385", "tcp", tmp_path, *wire.options(), "-qmp", f"unix:{qmp},server=on,wait=off"):
+    qmp = folder / "qmp"
+    with running("an385", "tcp", folder, *wire.options(), "-qmp", f"unix:{qmp},server=on,wait=off"):
         wire.ask_for_mac()
         with socket.socket(socket.AF_UNIX) as control:
             control.connect(str(qmp))
@@ -304,10 +305,10 @@ def served(wire):
     return accepted
 
 
-def test_dead_and_idle_peers(tmp_path):
+def dead_and_idle_peers(folder):
     """The image has a keep-alive of 1 s and an idle deadline of 4 s."""
     wire = Wire()
-    with running("an385", "test_tcp", tmp_path, *wire.options()):
+    with running("an385", "test_tcp", folder, *wire.options()):
         wire.ask_for_mac()
         start = time.monotonic()
         dead, idle, deaf = [Peer(wire).open() for _ in range(2)], Peer(wire).open(), Peer(wire).open()
@@ -323,3 +324,11 @@ def test_dead_and_idle_peers(tmp_path):
         assert time.monotonic() - start > 3.5, "they acknowledge the probes"
         idle.close()
         assert counters(Peer(wire).open())["pool"] == 0
+
+
+CASES = {"dead and idle peers": (dead_and_idle_peers,), "cable off and on": (cable_off_and_on,)}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_board_of_its_own(results, case):
+    results[case].result()

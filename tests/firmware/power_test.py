@@ -28,6 +28,7 @@ class Instrument:
 
     def __init__(self, folder):
         self.trace = folder / "trace"
+        self.read, self.seen = 0, []  # of the trace
         self.names = {address: name for name, address in addresses("microbit", NAME, *INTERRUPTS).items()}
         options = plugin(folder, *(f"at={address:x}" for address in self.names))
         self.board = Board("microbit", NAME, *options, folder=folder)
@@ -39,7 +40,7 @@ class Instrument:
         os.set_blocking(self.port, False)
         until(self.trace.exists, "the plugin runs")
         self.board.resume()
-        self.send(frame(OTHER, "0400050001"))  # QEMU looks for a master once a second
+        self.send(frame(OTHER, "0400050001"))  # the silence at the start
         return self
 
     def __exit__(self, *error):
@@ -48,9 +49,13 @@ class Instrument:
 
     def interrupts(self):
         """@returns name, instructions and WFI so far, for each interrupt"""
-        whole, _, _ = self.trace.read_text().rpartition("\n")
+        with open(self.trace, "rb") as trace:
+            trace.seek(self.read)
+            whole, end, _ = trace.read().rpartition(b"\n")
+        self.read += len(whole + end)
         lines = [line.split() for line in whole.splitlines()]
-        return [(self.names[int(line[0], 16)], int(line[1]), int(line[2])) for line in lines]
+        self.seen += [(self.names[int(line[0], 16)], int(line[1]), int(line[2])) for line in lines]
+        return self.seen
 
     def since(self, first):
         """@returns the names of the interrupts from that index on"""
