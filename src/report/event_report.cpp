@@ -60,7 +60,7 @@ public:
                       {{"line", configuration_.project().lines[changed.line].name},
                        {"why", changed.why ? texts_.describe(*changed.why) : std::string()},
                        {"count", std::to_string(changed.repeated)},
-                       {"age", age_text(changed.in)}});
+                       {"age", texts_.duration(changed.in)}});
     }
     std::string operator()(const host::PeriodOverrun& overrun) const {
         return filled(host::event_message(configuration_, overrun));

@@ -1,8 +1,8 @@
 #include <array>
 #include <string>
 
+#include "problems.hpp"
 #include "takt/report/formatting.hpp"
-#include "takt/report/problems.hpp"
 
 namespace takt::report {
 
