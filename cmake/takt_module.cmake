@@ -11,7 +11,8 @@
 #
 # The compiler reads the sources of a batch as one file (a unity build), because most of its time goes to
 # headers and to the same templates. A batch is one part of the module; all of `plan` in one needs 1.2 GB of
-# memory.
+# memory. Where the module has a folder of the batch's name, its sources are there, and private headers are
+# included as "<folder>/<name>.hpp".
 # Each source still includes what it uses and compiles alone: `./dev check` builds without batches.
 # Names in anonymous namespaces are therefore unique in a module.
 #
@@ -139,6 +140,9 @@ function(takt_batches variable target)
     if(source MATCHES "^([a-z_]+):$")
       set(batch ${CMAKE_MATCH_1})
     else()
+      if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/${batch})
+        set(source ${batch}/${source})
+      endif()
       list(APPEND sources ${source})
       set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${batch})
     endif()
@@ -181,6 +185,7 @@ function(takt_unit name)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
   add_library(takt::${name} ALIAS ${target})
   target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${MODULE_HEADERS})
+  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
   set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
   set(edges ${ARGN})
   list(TRANSFORM edges PREPEND takt::)
@@ -205,6 +210,7 @@ function(takt_unit name)
       set(flags ALL_SANITIZERS)
     endif()
     takt_test(${name}_test ${flags} SOURCES ${MODULE_TESTS} LIBRARIES takt::${name} ${MODULE_TEST_MODULES})
+    target_include_directories(${name}_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
   endif()
 endfunction()
 
@@ -240,7 +246,7 @@ function(takt_bare_check name edges)
   list(FILTER sources INCLUDE REGEX "\\.cpp$")
   add_library(${target} OBJECT ${sources})
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
-  target_include_directories(${target} PRIVATE include)
+  target_include_directories(${target} PRIVATE include ${CMAKE_CURRENT_SOURCE_DIR})
   foreach(edge ${edges})
     target_include_directories(${target} PRIVATE
       $<TARGET_PROPERTY:takt::${edge},INTERFACE_INCLUDE_DIRECTORIES>)

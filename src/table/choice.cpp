@@ -1,5 +1,5 @@
-// Offers the requests that may be sent to the arbiter, as the poller does (src/poll/request_offers.hpp). All
-// are offered for each transaction; there is no queue.
+// Offers the requests that may be sent to the arbiter, as the poller does (src/poll/line/request_offers.hpp).
+// All are offered for each transaction; there is no queue.
 #include <algorithm>
 #include <cstdint>
 

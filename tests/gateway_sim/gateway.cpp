@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "project_text.hpp"
-#include "snapshot_request.hpp"
+#include "sessions/snapshot_request.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/publish/message_format.hpp"
 #include "takt/publish/mqtt_composer.hpp"

@@ -1,7 +1,7 @@
 """Reads the files of a journal without the program: segments, cursors and the samples in them.
 
-The formats are those at the head of src/store/journal_record.cpp, src/store/journal_cursor.cpp and
-src/publish/sample_codec.cpp.
+The formats are those at the head of src/store/journal/journal_record.cpp and journal_cursor.cpp, and of
+src/publish/outputs/sample_codec.cpp.
 """
 import array
 import bisect
@@ -252,7 +252,7 @@ class Payload:
 
 
 def decode_samples(data):
-    """The samples of a record, as src/publish/sample_codec.cpp describes them."""
+    """The samples of a record, as src/publish/outputs/sample_codec.cpp describes them."""
     payload = Payload(data)
     if payload.byte() != 2:
         raise ValueError("another version of samples")

@@ -71,7 +71,7 @@ def varint(number):
 
 
 def samples(sequence, before, epoch, values, name=b"x"):
-    """A record as src/publish/sample_codec.cpp writes it: int16, all of one instant."""
+    """A record as src/publish/outputs/sample_codec.cpp writes it: int16, all of one instant."""
     wall = START + sequence * SECOND
     series = b"\1" + len(name).to_bytes(2, "big") + name + 3 * b"\0\0" + b"\1\0"
     body = b"".join(b"\0" + bytes((1 | 2 << 4, 0)) + varint(2 * wall if i == 0 else 0) + varint(2 * value)

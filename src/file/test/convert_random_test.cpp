@@ -4,8 +4,8 @@
 
 #include "converted.hpp"
 #include "outline.hpp"
-#include "source.hpp"
 #include "takt/model/fields.hpp"
+#include "yaml/source.hpp"
 
 namespace takt::file {
 namespace convert_random_test {

@@ -6,8 +6,8 @@
 
 #include "converted.hpp"
 #include "outline.hpp"
-#include "source.hpp"
 #include "takt/model/target_url.hpp"
+#include "yaml/source.hpp"
 
 namespace takt::file {
 namespace convert_test {

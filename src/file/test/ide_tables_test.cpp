@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "outline.hpp"
+#include "tables/words.hpp"
 #include "takt/base/utf8.hpp"
 #include "takt/file/convert.hpp"
 #include "takt/model/findings.hpp"
-#include "words.hpp"
 
 namespace takt::file {
 namespace ide_tables_test {

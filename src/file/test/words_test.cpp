@@ -1,10 +1,10 @@
-#include "words.hpp"
+#include "tables/words.hpp"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "headings.hpp"
+#include "tables/headings.hpp"
 #include "takt/file/table.hpp"
 #include "takt/model/fields.hpp"
 

@@ -1,6 +1,6 @@
 // The servers of a project at work, asked without a port: what is written to them reaches the devices, and
 // what is left of them when another project or the end comes.
-#include "../endpoints.hpp"
+#include "engine/endpoints.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The lines of failed exchanges, as codes with their arguments, in time that the test moves.
-#include "../failure_log.hpp"
+#include "sessions/failure_log.hpp"
 
 #include <gtest/gtest.h>
 

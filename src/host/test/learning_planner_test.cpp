@@ -1,4 +1,4 @@
-#include "../learning_planner.hpp"
+#include "engine/learning_planner.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Every event and frame that is encoded is decoded to an equal one, with each member away from its default.
-#include "../record_codec.hpp"
+#include "sessions/record_codec.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Which repeated messages are written, in time that the test moves.
-#include "../repeat_filter.hpp"
+#include "sessions/repeat_filter.hpp"
 
 #include <gtest/gtest.h>
 

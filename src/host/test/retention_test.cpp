@@ -1,4 +1,4 @@
-#include "../retention.hpp"
+#include "sessions/retention.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "../endpoints.hpp"
-#include "../host_link.hpp"
-#include "../project_engine.hpp"
-#include "../traffic_publisher.hpp"
 #include "allocations.hpp"
+#include "engine/endpoints.hpp"
+#include "engine/host_link.hpp"
+#include "engine/project_engine.hpp"
+#include "engine/traffic_publisher.hpp"
 #include "takt/host/session.hpp"
 #include "takt/sim/simulated_line.hpp"
 

@@ -1,5 +1,5 @@
 // Calendars against counting, tick by tick.
-#include "../calendar.hpp"
+#include "timing/calendar.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,5 +1,5 @@
 // Covers of spans against a search through all sets of requests.
-#include "../cover.hpp"
+#include "requests/cover.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

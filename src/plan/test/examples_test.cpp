@@ -1,8 +1,8 @@
 // The worked examples and the table of limits (docs/specification.md, sections 3 and 5), each as a plan.
 #include <gtest/gtest.h>
 
-#include "../boundary.hpp"
 #include "builder.hpp"
+#include "requests/boundary.hpp"
 
 namespace takt::plan {
 namespace examples_test {

@@ -8,8 +8,8 @@
 #include <set>
 #include <tuple>
 
-#include "../exact_time.hpp"
 #include "builder.hpp"
+#include "requests/exact_time.hpp"
 
 namespace takt::plan {
 namespace optimal_properties_test {

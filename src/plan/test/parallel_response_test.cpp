@@ -1,7 +1,7 @@
 // The bounds for several requests in flight against simulations that know nothing of the analysis: no
 // response may exceed its bound. Controls: with less than the truth given to the analysis, some response
 // does.
-#include "parallel_response.hpp"
+#include "timing/parallel_response.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "parallel_response.hpp"
 #include "queue_simulation.hpp"
+#include "timing/parallel_response.hpp"
 
 namespace takt::plan {
 

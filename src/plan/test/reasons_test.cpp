@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "../boundary.hpp"
 #include "builder.hpp"
+#include "requests/boundary.hpp"
 #include "takt/text/catalogue.hpp"
 
 namespace takt::plan {

@@ -1,5 +1,5 @@
 // Rounds against the due sets of every instant, each covered by a search through all ways to divide it.
-#include "../rounds.hpp"
+#include "requests/rounds.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

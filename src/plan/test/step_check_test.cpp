@@ -1,5 +1,5 @@
 // When a line needs pauses that show whether a unit is one response behind.
-#include "../step_check.hpp"
+#include "timing/step_check.hpp"
 
 #include <gtest/gtest.h>
 

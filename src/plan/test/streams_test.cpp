@@ -1,5 +1,5 @@
 // Streams, their deadlines, even rounds and the longest of them, on requests made by hand.
-#include "../streams.hpp"
+#include "timing/streams.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

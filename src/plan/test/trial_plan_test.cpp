@@ -1,5 +1,5 @@
 // A trial plan is either the plan of the line, or left out because its proof could not hold.
-#include "../trial_plan.hpp"
+#include "proof/trial_plan.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

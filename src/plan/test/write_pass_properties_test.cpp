@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <map>
 
-#include "../write_pass.hpp"
 #include "builder.hpp"
+#include "requests/write_pass.hpp"
 
 namespace takt::plan {
 namespace write_pass_properties_test {

@@ -1,15 +1,15 @@
 // Writes of strategy optimal: the variables that share a request, its function and its cost.
-#include "../write_pass.hpp"
+#include "requests/write_pass.hpp"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 
-#include "../admission.hpp"
-#include "../exact_time.hpp"
-#include "../transaction_cost.hpp"
 #include "builder.hpp"
+#include "requests/exact_time.hpp"
+#include "requests/transaction_cost.hpp"
 #include "takt/text/catalogue.hpp"
+#include "timing/admission.hpp"
 
 namespace takt::plan {
 namespace write_pass_test {

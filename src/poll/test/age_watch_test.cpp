@@ -1,4 +1,4 @@
-#include "../age_watch.hpp"
+#include "reads/age_watch.hpp"
 
 #include <gtest/gtest.h>
 

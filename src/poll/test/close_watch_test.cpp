@@ -1,4 +1,4 @@
-#include "../close_watch.hpp"
+#include "devices/close_watch.hpp"
 
 #include <gtest/gtest.h>
 

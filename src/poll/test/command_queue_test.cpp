@@ -1,5 +1,5 @@
 // Commands without a line: what ends them, and with which outcome.
-#include "../command_queue.hpp"
+#include "writes/command_queue.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "../compact_times.hpp"
+#include "devices/compact_times.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,4 +1,4 @@
-#include "../delay_learner.hpp"
+#include "devices/delay_learner.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "../device_health.hpp"
+#include "devices/device_health.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "../distinct_read.hpp"
+#include "reads/distinct_read.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // Which reads a line sends in the place of planned ones, without a line.
-#include "../distinct_reads.hpp"
+#include "reads/distinct_reads.hpp"
 
 #include <gtest/gtest.h>
 
-#include "../transfer.hpp"
 #include "bench.hpp"
+#include "line/transfer.hpp"
 
 namespace takt::poll::test {
 namespace distinct_reads_test {

@@ -1,5 +1,5 @@
 // Hand-moved time. The parts alone have a line of 9600 bit/s, a whole line has the 115200 bit/s of its bench.
-#include "../exchange_times.hpp"
+#include "devices/exchange_times.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Trial reads and plans without a line. What trials prove is tested in learning_test.cpp.
-#include "../gap_learner.hpp"
+#include "learning/gap_learner.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "../held_reads.hpp"
+#include "reads/held_reads.hpp"
 
 #include <gtest/gtest.h>
 

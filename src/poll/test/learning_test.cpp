@@ -1,5 +1,5 @@
 // Results of trials without a line: the device is a set of items, time is a number.
-#include "../learning.hpp"
+#include "learning/learning.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,11 +1,11 @@
-#include "../line_match.hpp"
+#include "line/line_match.hpp"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 
-#include "../transfer.hpp"
 #include "bench.hpp"
+#include "line/transfer.hpp"
 
 namespace takt::poll::test {
 namespace line_match_test {

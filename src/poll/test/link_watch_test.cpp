@@ -1,4 +1,4 @@
-#include "../link_watch.hpp"
+#include "devices/link_watch.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "../load_meter.hpp"
+#include "devices/load_meter.hpp"
 
 #include <gtest/gtest.h>
 

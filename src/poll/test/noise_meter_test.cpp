@@ -1,5 +1,5 @@
 // Noise before responses becomes a finding: by itself, and on a line.
-#include "../noise_meter.hpp"
+#include "devices/noise_meter.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // What a PeriodMeter measures is tested in src/bus/test.
-#include "../period_watch.hpp"
+#include "reads/period_watch.hpp"
 
 #include <gtest/gtest.h>
 
-#include "../transfer.hpp"
 #include "bench.hpp"
+#include "line/transfer.hpp"
 
 namespace takt::poll::test {
 namespace period_watch_test {

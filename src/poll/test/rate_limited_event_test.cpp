@@ -1,5 +1,5 @@
 // The admission of triggers, writes and changes.
-#include "../rate_limited_event.hpp"
+#include "devices/rate_limited_event.hpp"
 
 #include <gtest/gtest.h>
 

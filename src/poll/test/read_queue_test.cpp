@@ -1,7 +1,7 @@
 // The queue of polled reads against the simple comparison of all of them: by itself, and inside a poller on
 // lines where everything happens (there each choice is compared, see request_offers.cpp).
-#include "../read_queue.hpp"
-#include "../eventful_requests.hpp"
+#include "reads/read_queue.hpp"
+#include "reads/eventful_requests.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

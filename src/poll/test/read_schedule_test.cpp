@@ -1,6 +1,6 @@
 // The schedule of reads without a line. The order of what is sent is tested in polling_test.cpp and
 // read_queue_test.cpp.
-#include "../read_schedule.hpp"
+#include "reads/read_schedule.hpp"
 
 #include <gtest/gtest.h>
 

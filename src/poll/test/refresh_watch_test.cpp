@@ -1,4 +1,4 @@
-#include "../refresh_watch.hpp"
+#include "reads/refresh_watch.hpp"
 
 #include <gtest/gtest.h>
 

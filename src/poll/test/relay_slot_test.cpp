@@ -1,4 +1,4 @@
-#include "../relay_slot.hpp"
+#include "line/relay_slot.hpp"
 
 #include <gtest/gtest.h>
 

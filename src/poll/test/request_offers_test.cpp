@@ -1,10 +1,10 @@
 // What a line offers to its arbiter, without a poller. The order of what is sent is tested in
 // polling_test.cpp and read_queue_test.cpp.
-#include "../request_offers.hpp"
+#include "line/request_offers.hpp"
 
 #include <gtest/gtest.h>
 
-#include "../transfer.hpp"
+#include "line/transfer.hpp"
 #include "write_fixture.hpp"
 
 namespace takt::poll::test {

@@ -1,4 +1,4 @@
-#include "../single_write.hpp"
+#include "writes/single_write.hpp"
 
 #include <gtest/gtest.h>
 

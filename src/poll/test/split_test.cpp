@@ -1,5 +1,5 @@
 // Values longer than a request are shown whole or not at all.
-#include "../split.hpp"
+#include "reads/split.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

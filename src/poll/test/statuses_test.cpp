@@ -1,9 +1,9 @@
-#include "../statuses.hpp"
+#include "devices/statuses.hpp"
 
 #include <gtest/gtest.h>
 
-#include "../transfer.hpp"
 #include "bench.hpp"
+#include "line/transfer.hpp"
 
 namespace takt::poll::test {
 namespace statuses_test {

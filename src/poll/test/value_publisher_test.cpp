@@ -1,10 +1,10 @@
 // What responses do to the values of a line, without a line.
-#include "../value_publisher.hpp"
+#include "reads/value_publisher.hpp"
 
 #include <gtest/gtest.h>
 
-#include "../transfer.hpp"
 #include "bench.hpp"
+#include "line/transfer.hpp"
 
 namespace takt::poll::test {
 namespace value_publisher_test {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "../written_values.hpp"
+#include "writes/written_values.hpp"
 #include "writing.hpp"
 
 namespace takt::poll::test {

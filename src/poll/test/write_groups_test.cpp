@@ -1,5 +1,5 @@
 // Groups without a line: what makes them due, what is written, and what is left when a write ends.
-#include "../write_groups.hpp"
+#include "writes/write_groups.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // The steps of a write without a line: the same for a group and for a command alone.
-#include "../write_job.hpp"
+#include "writes/write_job.hpp"
 
 #include <gtest/gtest.h>
 
-#include "../read_back.hpp"
 #include "write_fixture.hpp"
+#include "writes/read_back.hpp"
 
 namespace takt::poll::test {
 namespace write_job_test {

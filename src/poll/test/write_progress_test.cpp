@@ -1,12 +1,12 @@
 // The steps of a write, one by one.
-#include "../write_progress.hpp"
+#include "writes/write_progress.hpp"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <vector>
 
-#include "../modify_sequence.hpp"
+#include "writes/modify_sequence.hpp"
 
 namespace takt::poll {
 namespace write_progress_test {

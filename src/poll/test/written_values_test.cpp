@@ -1,4 +1,4 @@
-#include "../written_values.hpp"
+#include "writes/written_values.hpp"
 
 #include <gtest/gtest.h>
 

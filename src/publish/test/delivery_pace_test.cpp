@@ -1,4 +1,4 @@
-#include "../delivery_pace.hpp"
+#include "outputs/delivery_pace.hpp"
 
 #include <gtest/gtest.h>
 

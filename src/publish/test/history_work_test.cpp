@@ -1,4 +1,4 @@
-#include "history_work.hpp"
+#include "outputs/history_work.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "mosquitto_pipe.hpp"
+#include "mqtt/mosquitto_pipe.hpp"
 #include "session_rig.hpp"
 
 namespace takt::publish {

@@ -1,4 +1,4 @@
-#include "mosquitto_library.hpp"
+#include "mqtt/mosquitto_library.hpp"
 
 #include <gtest/gtest.h>
 

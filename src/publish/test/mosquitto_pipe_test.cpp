@@ -1,5 +1,5 @@
 // Sessions on the real pipe, with a real mosquitto.
-#include "mosquitto_pipe.hpp"
+#include "mqtt/mosquitto_pipe.hpp"
 
 #include <gtest/gtest.h>
 

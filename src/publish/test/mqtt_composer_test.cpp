@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "../mqtt_packet.hpp"
+#include "mqtt/mqtt_packet.hpp"
 
 namespace takt::publish {
 namespace mqtt_composer_test {

@@ -1,4 +1,4 @@
-#include "mqtt_packet.hpp"
+#include "mqtt/mqtt_packet.hpp"
 
 #include <gtest/gtest.h>
 

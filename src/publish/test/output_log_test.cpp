@@ -1,4 +1,4 @@
-#include "../output_log.hpp"
+#include "outputs/output_log.hpp"
 
 #include <gtest/gtest.h>
 

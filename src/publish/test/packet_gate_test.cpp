@@ -1,4 +1,4 @@
-#include "packet_gate.hpp"
+#include "mqtt/packet_gate.hpp"
 
 #include <gtest/gtest.h>
 

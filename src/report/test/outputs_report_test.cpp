@@ -4,8 +4,8 @@
 
 #include <chrono>
 
-#include "problems.hpp"
 #include "sample.hpp"
+#include "states/problems.hpp"
 #include "takt/report/state_report.hpp"
 
 namespace takt::report {

@@ -1,5 +1,5 @@
 // Why a running project is not in order.
-#include "problems.hpp"
+#include "states/problems.hpp"
 
 #include <gtest/gtest.h>
 

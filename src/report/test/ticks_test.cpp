@@ -1,4 +1,4 @@
-#include "../ticks.hpp"
+#include "drawing/ticks.hpp"
 
 #include <gtest/gtest.h>
 

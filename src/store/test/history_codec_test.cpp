@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
-#include "../history_bytes.hpp"
-#include "../history_log.hpp"
-#include "../little_endian.hpp"
+#include "history/history_bytes.hpp"
+#include "history/history_log.hpp"
+#include "journal/little_endian.hpp"
 #include "takt/store/crc32c.hpp"
 
 namespace takt::store {

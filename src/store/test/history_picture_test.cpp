@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <map>
 
-#include "../history_summary.hpp"
+#include "history/history_summary.hpp"
 #include "history_rig.hpp"
 
 namespace takt::store {

@@ -1,4 +1,4 @@
-#include "../journal_losses.hpp"
+#include "journal/journal_losses.hpp"
 
 #include <gtest/gtest.h>
 

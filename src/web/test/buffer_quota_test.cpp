@@ -1,4 +1,4 @@
-#include "buffer_quota.hpp"
+#include "http/buffer_quota.hpp"
 
 #include <gtest/gtest.h>
 

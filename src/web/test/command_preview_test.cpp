@@ -1,4 +1,4 @@
-#include "command_preview.hpp"
+#include "devices/command_preview.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "event_frames.hpp"
+#include "live/event_frames.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "event_log.hpp"
+#include "live/event_log.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "command_api.hpp"
+#include "devices/command_api.hpp"
+#include "live/wall_time.hpp"
 #include "running_host.hpp"
-#include "wall_time.hpp"
 
 namespace takt::web {
 namespace event_log_test {

@@ -1,4 +1,4 @@
-#include "forwarding.hpp"
+#include "http/forwarding.hpp"
 
 #include <gtest/gtest.h>
 

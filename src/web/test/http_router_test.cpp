@@ -1,11 +1,11 @@
-#include "http_router.hpp"
+#include "http/http_router.hpp"
 
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 #include <string>
 
-#include "page.hpp"
+#include "http/page.hpp"
 
 namespace takt::web {
 namespace http_router_test {

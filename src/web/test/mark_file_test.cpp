@@ -1,4 +1,4 @@
-#include "mark_file.hpp"
+#include "live/mark_file.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -1,4 +1,4 @@
-#include "mark_writer.hpp"
+#include "live/mark_writer.hpp"
 
 #include <gtest/gtest.h>
 

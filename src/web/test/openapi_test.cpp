@@ -1,5 +1,5 @@
 // docs/openapi.json against the routes of the server.
-#include "openapi.hpp"
+#include "http/openapi.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@
 #include <string>
 #include <utility>
 
-#include "command_api.hpp"
-#include "event_log.hpp"
-#include "search_api.hpp"
-#include "state_api.hpp"
+#include "devices/command_api.hpp"
+#include "devices/search_api.hpp"
+#include "live/event_log.hpp"
+#include "live/state_api.hpp"
 #include "takt/web/history_api.hpp"
 #include "takt/web/project_api.hpp"
 

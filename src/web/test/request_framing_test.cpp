@@ -1,4 +1,4 @@
-#include "request_framing.hpp"
+#include "http/request_framing.hpp"
 
 #include <gtest/gtest.h>
 

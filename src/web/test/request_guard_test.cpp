@@ -1,4 +1,4 @@
-#include "request_guard.hpp"
+#include "http/request_guard.hpp"
 
 #include <gtest/gtest.h>
 

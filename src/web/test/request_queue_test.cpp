@@ -1,4 +1,4 @@
-#include "request_queue.hpp"
+#include "http/request_queue.hpp"
 
 #include <gtest/gtest.h>
 

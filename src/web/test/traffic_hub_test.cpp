@@ -1,4 +1,4 @@
-#include "traffic_hub.hpp"
+#include "live/traffic_hub.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "unified_diff.hpp"
+#include "project/unified_diff.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

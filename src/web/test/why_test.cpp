@@ -1,4 +1,4 @@
-#include "why.hpp"
+#include "live/why.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "wire_registers.hpp"
+#include "live/wire_registers.hpp"
 
 #include <gtest/gtest.h>
 

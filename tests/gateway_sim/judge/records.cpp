@@ -1,5 +1,5 @@
-// The formats are those of src/store/journal_record.cpp and journal_cursor.cpp, read a second time without
-// their code.
+// The formats are those of src/store/journal/journal_record.cpp and journal_cursor.cpp, read a second time
+// without their code.
 #include "records.hpp"
 
 #include <array>

@@ -159,7 +159,8 @@ struct Project;
 /// one that is not read by period as changing once a second.
 [[nodiscard]] double most_samples_per_second(const Project& project, const Output& output);
 
-/// Bytes that the journal of an output needs for these samples. An estimate: src/publish/sample_codec.cpp.
+/// Bytes that the journal of an output needs for these samples. An estimate:
+/// src/publish/outputs/sample_codec.cpp.
 [[nodiscard]] double most_journal_bytes_per_second(const Project& project, const Output& output);
 
 /// The messages of these samples that need an acknowledgement each. An estimate: values of a device or
