@@ -52,6 +52,16 @@ std::string duration_text(Language language, Duration duration) {
     return three_digits(language, duration, 1ms, "ms");
 }
 
+Duration rounded_up(Duration duration) {
+    if (duration <= 0s) return duration;
+    const auto up = [duration](Duration step) { return (duration + step - 1ns) / step * step; };
+    if (duration > 1h) return up(1min);
+    if (duration > 1min) return up(1s);
+    if (duration > 10s) return up(100ms);
+    const Duration unit = duration < 100us ? Duration(1us) : Duration(1ms);
+    return up(duration <= 10 * unit ? unit / 100 : duration <= 100 * unit ? unit / 10 : unit);
+}
+
 std::string with_local_unit(Language language, std::string_view text) {
     const auto end = text.find_first_not_of("0123456789.");
     if (end == 0 || !text.substr(std::min(end, text.size())).starts_with(' ')) return std::string(text);

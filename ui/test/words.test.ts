@@ -66,6 +66,21 @@ test('durations are those of the program in each language', async () => {
   setLanguage('ru');
 });
 
+test('a proved bound is not shown smaller than it is', async () => {
+  const { formatBound, setLanguage } = await import('../src/i18n');
+  setLanguage('en');
+  const cases: [number, string][] = [
+    [60_525, '1 min 1 s'],
+    [12.31, '12.4 ms'],
+    [12.3, '12.3 ms'],
+    [9.991, '10.0 ms'],
+    [12_340, '12.4 s'],
+    [3_600_000.1, '1 h 1 min'],
+  ];
+  for (const [ms, text] of cases) assert.equal(formatBound(ms), text);
+  setLanguage('ru');
+});
+
 test('a late or surplus response is one row with its bytes', async () => {
   const { put } = await import('../src/views/traffic/frames');
   const { frameWords } = await import('../src/views/traffic/words');

@@ -11,6 +11,8 @@ TEST(Synonyms, TheKeyThatTheObjectHas) {
         std::string_view word;
         std::string_view key;
     } cases[] = {
+        {Object::variable, "discrete_input", "coil"},
+        {Object::variable, "input_register", "register"},
         {Object::device, "slave_id", "address"},
         {Object::device, "Slave_ID", "address"},
         {Object::device, "интервал", ""},

@@ -46,6 +46,10 @@ std::string Texts::duration(Duration duration) const {
     return text::duration_text(language_, duration);
 }
 
+std::string Texts::bound(Duration bound) const {
+    return duration(text::rounded_up(bound));
+}
+
 std::string Texts::exact(Duration duration) const {
     return text::with_local_unit(language_, plan::time_text(duration));
 }

@@ -61,7 +61,7 @@ std::string outlook_text(const Texts& texts, const model::Project& project, cons
     const auto of_line = [&](const std::string& figure, std::size_t line) {
         return outlook.lines == 1 ? figure : figure + " (" + project.lines[line].name + ")";
     };
-    const auto oldest = outlook.oldest ? texts.duration(*outlook.oldest) + " (" + outlook.oldest_name + ")"
+    const auto oldest = outlook.oldest ? texts.bound(*outlook.oldest) + " (" + outlook.oldest_name + ")"
                                        : texts("app.outlook.not_proved");
     return texts("app.outlook", {{"requests", std::to_string(outlook.requests)},
                                  {"cycle", of_line(texts.duration(outlook.cycle), outlook.slowest)},

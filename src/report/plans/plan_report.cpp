@@ -116,7 +116,7 @@ std::vector<std::string> figure_cells(const Texts& texts, const plan::LinePlan& 
                                       const std::vector<std::size_t>& turns, const plan::Shares& shares,
                                       const plan::LineGuarantee* guarantee, Figures figures) {
     const auto cell = [&](const std::optional<Duration>& time) {
-        return time ? texts.duration(*time) : std::string(kDash);
+        return time ? texts.bound(*time) : std::string(kDash);
     };
     const auto* const bound = guarantee ? &guarantee->requests[turns.front()] : nullptr;
     if (bound && figures == Figures::proof)

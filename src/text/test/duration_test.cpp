@@ -34,6 +34,30 @@ TEST(Duration, HasItsDigitsAndUnitsInEachLanguage) {
     EXPECT_GT(count, 20);
 }
 
+TEST(Duration, ABoundIsNotShownSmaller) {
+    const struct {
+        std::int64_t ns;
+        std::string_view text;
+    } cases[] = {{60'525'000'000, "1 min 1 s"},
+                 {12'310'000, "12.4 ms"},
+                 {12'300'000, "12.3 ms"},
+                 {9'991'000, "10.0 ms"},
+                 {100'000'001, "101 ms"},
+                 {9'999'000'001, "10 s"},
+                 {12'340'000'000, "12.4 s"},
+                 {59'950'000'000, "1 min"},
+                 {3'600'000'000'001, "1 h 1 min"},
+                 {1'001, "1.01 µs"},
+                 {99'950, "100 µs"},
+                 {0, "0 ms"}};
+    for (const auto& [ns, text] : cases) {
+        const auto shown = rounded_up(Duration(ns));
+        EXPECT_EQ(duration_text(Language::english, shown), text);
+        EXPECT_GE(shown, Duration(ns));
+        EXPECT_EQ(rounded_up(shown), shown) << ns;
+    }
+}
+
 TEST(Duration, ExactTimesHaveTheUnitOfTheLanguage) {
     EXPECT_EQ(with_local_unit(Language::russian, "117.721 ms"), "117.721 мс");
     EXPECT_EQ(with_local_unit(Language::english, "117.721 ms"), "117.721 ms");

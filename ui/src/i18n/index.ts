@@ -78,6 +78,14 @@ export function formatDuration(ms: number): string {
   if (ns % 1e9 === 0) return `${seconds} ${u.s}`;
   return ns >= 1e10 ? digits(1e9, u.s) : digits(1e6, u.ms);
 }
+/** A proved bound, rounded up (src/text/duration.cpp, rounded_up()). */
+export function formatBound(ms: number): string {
+  const ns = Math.round(ms * 1e6);
+  const unit = ns < 1e5 ? 1e3 : 1e6;
+  const small = ns <= 10 * unit ? unit / 100 : ns <= 100 * unit ? unit / 10 : unit;
+  const step = ns > 36e11 ? 6e10 : ns > 6e10 ? 1e9 : ns > 1e10 ? 1e8 : small;
+  return formatDuration((Math.ceil(ns / step) * step) / 1e6);
+}
 export function formatClock(ms: number, millis = false): string {
   const date = new Date(ms);
   const base = date.toLocaleTimeString(language.value, { hour12: false });

@@ -2,7 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { get } from '../../api/client';
 import type { Why } from '../../api/types';
-import { formatDuration, t } from '../../i18n';
+import { formatBound, formatDuration, t } from '../../i18n';
 import { Dialog } from '../../shell/dialog';
 import { errorText } from '../../shell/toasts';
 
@@ -36,7 +36,7 @@ export function WhyDialog({ variable, onClose }: { variable: string; onClose: ()
             {why.proved_age_ms !== null && (
               <>
                 {' · '}
-                {texts.whyProved}: <b>{formatDuration(why.proved_age_ms)}</b>
+                {texts.whyProved}: <b>{formatBound(why.proved_age_ms)}</b>
               </>
             )}
           </p>

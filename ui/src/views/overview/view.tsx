@@ -1,7 +1,7 @@
 // The whole project on one screen: load of the lines, devices by state, ages against their proof, problems.
 import { useMemo } from 'preact/hooks';
 import type { LineStatus } from '../../api/types';
-import { formatDuration, formatNumber, t } from '../../i18n';
+import { formatBound, formatDuration, formatNumber, t } from '../../i18n';
 import { openProblem, ProblemList } from '../../shell/problems';
 import { go } from '../../shell/route';
 import { second, tick } from '../../store/clock';
@@ -105,7 +105,7 @@ function AgeRow({ its }: { its: DeviceAge }) {
       <span class={`figure ${its.late ? 'bad' : ''}`}>
         {formatDuration(its.age_ms)}
         {' / '}
-        {formatDuration(its.proved_ms)}
+        {formatBound(its.proved_ms)}
       </span>
     </li>
   );

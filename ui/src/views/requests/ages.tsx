@@ -1,6 +1,6 @@
 // The longest age of each variable against its deadline, the worst first.
 import type { PlannedLine } from '../../api/types';
-import { t } from '../../i18n';
+import { formatBound, t } from '../../i18n';
 import { type Column, Grid } from '../../widgets/grid';
 import { lightVariable, lit, revealVariable } from '../project/selection';
 import { type Age, fullness } from './figures';
@@ -43,7 +43,7 @@ function columns(line: PlannedLine): Column<Age>[] {
       cell: (its) => (
         <span class={its.unknown ? 'muted' : its.holds ? '' : 'bad'}>
           {its.age_us !== null
-            ? microseconds(its.age_us)
+            ? formatBound(its.age_us / 1000)
             : its.unknown
               ? texts.ages.unknown
               : texts.ages.unbounded}

@@ -1,6 +1,6 @@
 // Measures that would make the deadlines hold. One click applies all changes of a measure.
 import type { Measure, PlannedLine } from '../../api/types';
-import { t } from '../../i18n';
+import { formatBound, t } from '../../i18n';
 import { parsePath } from '../../store/document';
 import { seekingMeasures, setNodes } from '../../store/project';
 import { readOnly } from '../project/edit';
@@ -8,7 +8,7 @@ import { keyText, wordText } from '../project/rules';
 import { durationText } from '../project/cells';
 import { unmeasured } from './figures';
 import { isEstimated } from './summary';
-import { microseconds, percent } from './words';
+import { percent } from './words';
 
 const MOST_SHOWN = 6;
 
@@ -63,7 +63,7 @@ export function Measures({ line }: { line: PlannedLine }) {
   const estimated = isEstimated(line);
   const calm = line.verdict === 'holds';
   const time = (us: number | null) =>
-    us === null ? texts.unbounded : `${estimated ? '≈ ' : ''}${microseconds(us)}`;
+    us === null ? texts.unbounded : `${estimated ? '≈ ' : ''}${formatBound(us / 1000)}`;
   return (
     <details class={`measures ${calm ? 'calm' : ''}`} open={!calm}>
       <summary>{calm ? texts.titleFaults(line.measures.length) : texts.title}</summary>

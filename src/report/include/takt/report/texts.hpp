@@ -26,6 +26,8 @@ public:
 
     /// A duration with its unit (text::duration_text()).
     [[nodiscard]] std::string duration(Duration duration) const;
+    /// The same of a proved bound, which is rounded up.
+    [[nodiscard]] std::string bound(Duration bound) const;
     /// The same in milliseconds with all digits (plan::time_text()).
     [[nodiscard]] std::string exact(Duration duration) const;
 

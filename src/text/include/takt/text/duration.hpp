@@ -14,6 +14,10 @@ namespace takt::text {
 /// rounded up. The page has the same rules (ui/src/i18n/index.ts).
 [[nodiscard]] std::string duration_text(Language language, Duration duration);
 
+/// The least duration from this one on that duration_text() shows as it is. Of bounds, which are never shown
+/// smaller than they are: 60.525 s is "1 min 1 s", 12.31 ms is "12.4 ms".
+[[nodiscard]] Duration rounded_up(Duration duration);
+
 /// "117.721 мс" of "117.721 ms", the exact times of findings. Other texts stay as they are.
 [[nodiscard]] std::string with_local_unit(Language language, std::string_view text);
 
