@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <utility>
+#include "takt/os/thread_name.hpp"
 
 namespace takt::console {
 namespace {
@@ -35,6 +36,7 @@ TapThread::~TapThread() {
 }
 
 void TapThread::work() {
+    os::name_thread("takt-tap");
     for (bool ending = false; !ending;) {
         {
             std::unique_lock lock(mutex_);

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "takt/os/thread_name.hpp"
+
 namespace takt::os {
 
 // Shared with the threads, because a detached thread may outlive the worker.
@@ -32,6 +34,7 @@ struct Worker::State {
     std::size_t running = 0;  // threads that have not ended
     bool ending = false;
     std::vector<std::thread> threads;  // the owner's
+    const char* name = nullptr;
 
     void start(const std::shared_ptr<State>& self) {
         threads.emplace_back([self] { self->work(); });
@@ -40,6 +43,7 @@ struct Worker::State {
     }
 
     void work() {
+        name_thread(name);
         std::unique_lock lock(mutex);
         while (!(ending && queue.empty())) {
             if (queue.empty()) {
@@ -67,6 +71,7 @@ struct Worker::State {
 
 Worker::Worker(const Options& options) : options_(options), state_(std::make_shared<State>()) {
     state_->queue.reserve(options_.queue);
+    state_->name = options_.name;
     state_->threads.reserve(options_.threads);
     const std::lock_guard lock(state_->mutex);
     state_->start(state_);

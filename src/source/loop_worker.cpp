@@ -24,7 +24,8 @@ struct LoopWorker::Results {
 
 LoopWorker::LoopWorker(line::Loop& loop, std::size_t threads, std::size_t queue)
     : results_(std::make_shared<Results>()),
-      worker_({.threads = threads,
+      worker_({.name = "takt-source",
+               .threads = threads,
                .queue = queue,
                .at_end = os::Worker::AtEnd::discard,
                .join_timeout = std::chrono::seconds(1)}) {

@@ -63,6 +63,12 @@ def test_info_has_the_version_of_the_program(site):
     assert f"takt {json.loads(body)['version']}\n" == takt("--version").out
 
 
+def test_each_thread_has_a_name(site):
+    threads = pathlib.Path(f"/proc/{site.run.process.pid}/task")
+    names = sorted((thread / "comm").read_text().strip() for thread in threads.iterdir())
+    assert names.count("takt") == 1 and {"takt-io", "takt-web", "takt-live"} <= set(names), names
+
+
 def test_the_page_is_served_with_its_policy(site):
     status, body = site.get("/")
     assert status == 200 and "<title>Takt</title>" in body

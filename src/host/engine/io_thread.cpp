@@ -4,7 +4,6 @@
 // bell, in serve().
 #include "engine/io_thread.hpp"
 
-#include <pthread.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -17,6 +16,7 @@
 #include "engine/wall_clock.hpp"
 #include "sessions/record_codec.hpp"
 #include "takt/line/real_line.hpp"
+#include "takt/os/thread_name.hpp"
 #include "takt/plan/learning.hpp"
 
 namespace takt::host {
@@ -175,7 +175,7 @@ Result<void> IoThread::watch_requests() {
 void IoThread::begin() {
     std::binary_semaphore begun{0};
     thread_ = std::thread([this, &begun] {
-        (void)::pthread_setname_np(::pthread_self(), "takt-io");  // in top, gdb and strace
+        os::name_thread("takt-io");
         io_thread_ = std::this_thread::get_id();
         begun.release();
         run();

@@ -20,7 +20,7 @@ LearningPlanner::LearningPlanner(std::string path, Post post, PlanReady ready, e
       post_(std::move(post)),
       ready_(std::move(ready)),
       notify_(std::move(notify)),
-      worker_(os::Worker::Options{.queue = kMostJobs}) {}
+      worker_(os::Worker::Options{.name = "takt-planner", .queue = kMostJobs}) {}
 
 void LearningPlanner::watch(ConfigurationPtr configuration, const poll::Master& master) {
     configuration_ = std::move(configuration);

@@ -23,6 +23,7 @@
 #include "takt/base/network.hpp"
 #include "takt/os/descriptor.hpp"
 #include "takt/os/priority.hpp"
+#include "takt/os/thread_name.hpp"
 #include "takt/os/worker.hpp"
 
 namespace takt::publish {
@@ -107,7 +108,8 @@ class MosquittoPipe::Thread {
 public:
     explicit Thread(std::shared_ptr<Shared> shared)
         : shared_(std::move(shared)),
-          resolver_({.threads = 2,
+          resolver_({.name = "takt-resolver",
+                     .threads = 2,
                      .queue = 2,
                      .at_end = os::Worker::AtEnd::discard,
                      .join_timeout = std::chrono::milliseconds(0)}),
@@ -143,6 +145,7 @@ private:
 };
 
 void MosquittoPipe::Thread::run() {
+    os::name_thread("takt-mqtt");
     os::become_background_thread();
     while (take()) {
         check_client();

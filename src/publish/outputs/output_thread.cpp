@@ -14,6 +14,7 @@
 #include "takt/base/assert.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/os/priority.hpp"
+#include "takt/os/thread_name.hpp"
 #include "takt/store/posix_journal_storage.hpp"
 
 namespace takt::publish {
@@ -75,6 +76,7 @@ void OutputThread::ask_to_stop() {
 
 // While a backlog is delivered, polling must keep its times.
 void OutputThread::run() {
+    os::name_thread("takt-output");
     os::become_background_thread();
     for (;;) {
         const auto now = line::now();

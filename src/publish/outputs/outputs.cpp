@@ -13,6 +13,7 @@
 
 #include "takt/base/assert.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/os/thread_name.hpp"
 
 namespace takt::publish {
 
@@ -59,6 +60,7 @@ std::vector<OutputStatus> Outputs::status() const {
 }
 
 void Outputs::run() {
+    os::name_thread("takt-outputs");
     while (!stopping_) {
         sampler_.step(line::now());
         wait(sampler_.next_wakeup());

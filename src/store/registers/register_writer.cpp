@@ -45,8 +45,8 @@ struct RegisterWriter::Impl {
     Clock::time_point not_before = Clock::time_point::min();
     bool tried_last = false;  // the one commit of the end was tried
 
-    std::vector<std::uint8_t> writing;  // the worker's
-    os::Worker worker;                  // last: it uses the other members
+    std::vector<std::uint8_t> writing;          // the worker's
+    os::Worker worker{{.name = "takt-store"}};  // last: it uses the other members
 
     void schedule();
     void commit();

@@ -141,8 +141,8 @@ struct RetainedFile::Impl {
     std::map<std::string, Retained> waiting;
     std::uint64_t last_ticket = 0;
     Progress progress;
-    bool scheduled = false;  // write() is posted or runs
-    os::Worker worker;       // last: it uses all the others
+    bool scheduled = false;                     // write() is posted or runs
+    os::Worker worker{{.name = "takt-store"}};  // last: it uses all the others
 };
 
 std::uint64_t RetainedFile::Impl::put(Retained entry) {

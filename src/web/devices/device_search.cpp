@@ -6,6 +6,7 @@
 #include "takt/client/client.hpp"
 #include "takt/client/probe_connection.hpp"
 #include "takt/model/target_url.hpp"
+#include "takt/os/thread_name.hpp"
 #include "takt/report/probe_report.hpp"
 
 namespace takt::web {
@@ -110,6 +111,7 @@ Result<std::uint64_t> DeviceSearch::start(Kind kind, std::function<void(line::Lo
 }
 
 void DeviceSearch::run(const std::function<void(line::Loop&)>& work) {
+    os::name_thread("takt-search");
     std::shared_ptr<line::Loop> loop;
     {
         const std::lock_guard lock(mutex_);

@@ -22,6 +22,7 @@
 #include "takt/base/assert.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/line/tcp_server.hpp"
+#include "takt/os/thread_name.hpp"
 #include "takt/os/worker.hpp"
 
 namespace takt::web {
@@ -137,8 +138,10 @@ struct WebServer::Impl {
 
     Result<void> begin() {
         TAKT_TRY(loop, line::Loop::create());
-        worker = std::make_unique<os::Worker>(os::Worker::Options{
-            .threads = threads_of(queue_limits(options)), .queue = threads_of(queue_limits(options))});
+        worker =
+            std::make_unique<os::Worker>(os::Worker::Options{.name = "takt-answers",
+                                                             .threads = threads_of(queue_limits(options)),
+                                                             .queue = threads_of(queue_limits(options))});
         line::TcpServerOptions serving;
         serving.max_connections = options.connections + kAnsweredWith503;
         serving.max_per_peer = options.visitor_connections;
@@ -149,7 +152,10 @@ struct WebServer::Impl {
                              *loop, options.address,
                              [this](Instant t, std::string_view peer) { return accept(t, peer); }, serving));
         port = server->port();
-        thread = std::thread([this] { loop->run(); });
+        thread = std::thread([this] {
+            os::name_thread("takt-web");
+            loop->run();
+        });
         return {};
     }
 

@@ -7,6 +7,7 @@
 #include "devices/command_api.hpp"
 #include "live/live_hub.hpp"
 #include "live/wall_time.hpp"
+#include "takt/os/thread_name.hpp"
 #include "takt/report/event_report.hpp"
 
 namespace takt::web {
@@ -50,6 +51,7 @@ void EventLog::add(const host::Outcome& outcome, const host::Configuration& conf
 }
 
 void EventLog::work() {
+    os::name_thread("takt-events");
     for (bool last = false;;) {
         if (!session_) {
             auto session = host_.open_session({.from_beginning = true});

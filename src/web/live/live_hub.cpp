@@ -5,6 +5,7 @@
 
 #include "live/wall_time.hpp"
 #include "takt/line/loop.hpp"
+#include "takt/os/thread_name.hpp"
 #include "takt/report/event_report.hpp"
 #include "takt/report/outputs_report.hpp"
 #include "takt/report/state_report.hpp"
@@ -106,6 +107,7 @@ std::unique_ptr<StreamSource> LiveHub::open(text::Language language) {
 }
 
 void LiveHub::work() {
+    os::name_thread("takt-live");
     auto next = std::chrono::steady_clock::now();
     for (;;) {
         if (!wait_for_stream()) return;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "live/wall_time.hpp"
+#include "takt/os/thread_name.hpp"
 
 namespace takt::web {
 
@@ -24,6 +25,7 @@ void MarkWriter::end() {
 }
 
 void MarkWriter::work() {
+    os::name_thread("takt-marks");
     for (bool last = false;;) {
         if (options_.wanted()) note(write());
         if (last) return;

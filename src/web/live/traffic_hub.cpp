@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "takt/line/loop.hpp"
+#include "takt/os/thread_name.hpp"
 #include "takt/report/traffic_capture.hpp"
 
 namespace takt::web {
@@ -83,6 +84,7 @@ void TrafficHub::registers(const std::function<void(const WireRegisters&)>& visi
 }
 
 void TrafficHub::work() {
+    os::name_thread("takt-traffic");
     while (wait_for_stream()) {
         if (!reader_) connect();
         if (reader_) tick();

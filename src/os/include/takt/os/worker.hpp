@@ -31,8 +31,9 @@ public:
     };
 
     struct Options {
-        std::size_t threads = 1;  ///< at most; all but the first start when they are needed
-        std::size_t queue = 64;   ///< jobs that wait, at most
+        const char* name = "takt-worker";  ///< of its threads (name_thread())
+        std::size_t threads = 1;           ///< at most; all but the first start when they are needed
+        std::size_t queue = 64;            ///< jobs that wait, at most
         AtEnd at_end = AtEnd::drain;
         /// How long the end waits for jobs at work; threads that take longer are detached and end after their
         /// job. A job must then own all that it uses. None: the end waits for all threads.
