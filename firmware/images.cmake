@@ -17,13 +17,13 @@ foreach(module ${modules})
   list(APPEND slave_sources ${sources})
   list(APPEND slave_includes ${CMAKE_SOURCE_DIR}/src/${module}/include)
 endforeach()
-list(FILTER slave_sources EXCLUDE REGEX /words.cpp$)  # for programs with text
+list(FILTER slave_sources EXCLUDE REGEX /frame_words.cpp$)  # for programs with text
 
 add_library(takt_slave STATIC ${slave_sources} retained_registers.cpp serial_device.cpp slave_frame.cpp)
 target_include_directories(takt_slave PUBLIC ${slave_includes} include)
 
 # without the part that makes tables
-set(table_sources answers bytes choice executor modify owen_expand owen_view rules view words)
+set(table_sources answers bytes choice executor modify owen_expand owen_view rules view item_words)
 list(TRANSFORM table_sources PREPEND ${CMAKE_SOURCE_DIR}/src/table/)
 list(TRANSFORM table_sources APPEND .cpp)
 file(GLOB bus_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/bus/*.cpp)

@@ -10,7 +10,7 @@
 #include "takt/os/open.hpp"
 #include "takt/os/rotating_file.hpp"
 #include "takt/text/escape.hpp"
-#include "takt/wire/words.hpp"
+#include "takt/wire/frame_words.hpp"
 
 namespace takt::console {
 namespace {

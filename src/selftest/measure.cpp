@@ -4,7 +4,7 @@
 #include <optional>
 #include <thread>
 
-#include "exchange.hpp"
+#include "echo.hpp"
 #include "wake_up.hpp"
 
 namespace takt::selftest {

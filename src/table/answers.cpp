@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "item_words.hpp"
 #include "shapes.hpp"
 #include "takt/table/executor.hpp"
-#include "words.hpp"
 
 namespace takt::table {
 namespace {

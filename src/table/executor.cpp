@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "item_words.hpp"
 #include "takt/base/assert.hpp"
-#include "words.hpp"
 
 namespace takt::table {
 namespace {

@@ -1,8 +1,8 @@
 // Bits of registers: which of an entry are written, by 0x16 or by read-modify-write.
+#include "item_words.hpp"
 #include "shapes.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/table/executor.hpp"
-#include "words.hpp"
 
 namespace takt::table {
 

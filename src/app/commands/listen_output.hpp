@@ -9,7 +9,7 @@
 #include "commands/listen_command.hpp"
 #include "progress.hpp"
 #include "takt/host/project_file.hpp"
-#include "takt/listen/exchange.hpp"
+#include "takt/listen/heard_exchange.hpp"
 #include "takt/report/listen_report.hpp"
 #include "texts.hpp"
 

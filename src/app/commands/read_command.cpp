@@ -11,7 +11,7 @@
 #include "output.hpp"
 #include "takt/client/raw_request.hpp"
 #include "takt/report/all_types_report.hpp"
-#include "takt/wire/words.hpp"
+#include "takt/wire/frame_words.hpp"
 
 namespace takt::app {
 namespace {

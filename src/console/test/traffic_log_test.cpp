@@ -9,7 +9,7 @@
 #include "folder.hpp"
 #include "support.hpp"
 #include "takt/console/clock_text.hpp"
-#include "takt/wire/words.hpp"
+#include "takt/wire/frame_words.hpp"
 
 namespace takt::console {
 namespace traffic_log_test {

@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include "tables/cell_words.hpp"
 #include "tables/csv_parts.hpp"
 #include "tables/dialect.hpp"
 #include "tables/encoding.hpp"
 #include "tables/headings.hpp"
-#include "tables/words.hpp"
 #include "takt/file/load.hpp"
 #include "takt/model/fields.hpp"
 #include "yaml/nodes.hpp"

@@ -16,8 +16,8 @@
 #include <string>
 #include <utility>
 
+#include "tables/cell_words.hpp"
 #include "tables/headings.hpp"
-#include "tables/words.hpp"
 #include "takt/base/ascii.hpp"
 #include "takt/file/table.hpp"
 #include "takt/model/fields.hpp"

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "tables/cell_words.hpp"
 #include "tables/headings.hpp"
-#include "tables/words.hpp"
 #include "takt/base/ascii.hpp"
 #include "takt/base/utf8.hpp"
 #include "takt/model/fields.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "outline.hpp"
-#include "tables/words.hpp"
+#include "tables/cell_words.hpp"
 #include "takt/base/utf8.hpp"
 #include "takt/file/convert.hpp"
 #include "takt/model/findings.hpp"

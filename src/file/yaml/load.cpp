@@ -13,9 +13,9 @@
 #include <system_error>
 #include <utility>
 
+#include "tables/cell_words.hpp"
 #include "tables/csv.hpp"
 #include "tables/device_template.hpp"
-#include "tables/words.hpp"
 #include "takt/file/edit.hpp"
 #include "takt/file/read.hpp"
 #include "takt/file/table.hpp"

@@ -10,7 +10,7 @@
 #include "takt/report/value_json.hpp"
 #include "takt/text/escape.hpp"
 #include "takt/value/text.hpp"
-#include "takt/wire/words.hpp"
+#include "takt/wire/frame_words.hpp"
 
 namespace takt::report {
 namespace {

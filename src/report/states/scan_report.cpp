@@ -12,7 +12,7 @@
 #include "takt/report/probe_report.hpp"
 #include "takt/report/progress_text.hpp"
 #include "takt/report/text_table.hpp"
-#include "takt/wire/words.hpp"
+#include "takt/wire/frame_words.hpp"
 
 namespace takt::report {
 namespace {

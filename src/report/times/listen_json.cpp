@@ -4,7 +4,7 @@
 #include "takt/model/fields.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/listen_report.hpp"
-#include "takt/wire/words.hpp"
+#include "takt/wire/frame_words.hpp"
 
 namespace takt::report {
 namespace {

@@ -8,7 +8,7 @@
 #include "takt/model/target_url.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/text_table.hpp"
-#include "takt/wire/words.hpp"
+#include "takt/wire/frame_words.hpp"
 
 namespace takt::report {
 namespace {

@@ -14,7 +14,7 @@
 #include "takt/report/value_json.hpp"
 #include "takt/value/codec.hpp"
 #include "takt/value/text.hpp"
-#include "takt/wire/words.hpp"
+#include "takt/wire/frame_words.hpp"
 
 namespace takt::web {
 namespace {

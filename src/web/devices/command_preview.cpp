@@ -7,8 +7,8 @@
 #include "takt/plan/plan.hpp"
 #include "takt/value/codec.hpp"
 #include "takt/wire/frame.hpp"
+#include "takt/wire/frame_words.hpp"
 #include "takt/wire/pdu.hpp"
-#include "takt/wire/words.hpp"
 
 namespace takt::web {
 namespace {

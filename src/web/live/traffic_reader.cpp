@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "takt/text/escape.hpp"
-#include "takt/wire/words.hpp"
+#include "takt/wire/frame_words.hpp"
 
 namespace takt::web {
 namespace {

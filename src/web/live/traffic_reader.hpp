@@ -12,8 +12,8 @@
 #include "live/wall_time.hpp"
 #include "takt/file/json.hpp"
 #include "takt/host/session.hpp"
+#include "takt/wire/frame_words.hpp"
 #include "takt/wire/pdu.hpp"
-#include "takt/wire/words.hpp"
 
 namespace takt::web {
 

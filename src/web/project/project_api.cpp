@@ -19,7 +19,7 @@
 #include "takt/file/document_json.hpp"
 #include "takt/file/json_members.hpp"
 #include "takt/file/schema.hpp"
-#include "takt/os/exchange.hpp"
+#include "takt/os/file_exchange.hpp"
 #include "takt/report/findings_report.hpp"
 #include "takt/report/plan_csv.hpp"
 #include "takt/report/plan_report.hpp"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "running_host.hpp"
-#include "takt/wire/words.hpp"
+#include "takt/wire/frame_words.hpp"
 
 namespace takt::web {
 namespace command_preview_test {

@@ -21,9 +21,9 @@
 #include "takt/model/project.hpp"
 #include "takt/os/record_writer.hpp"
 #include "takt/os/sink.hpp"
+#include "takt/wire/frame_words.hpp"
 #include "takt/wire/pdu.hpp"
 #include "takt/wire/traffic.hpp"
-#include "takt/wire/words.hpp"
 
 namespace takt::console {
 

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "takt/capture/serial_pairing.hpp"
-#include "takt/listen/exchange.hpp"
 #include "takt/listen/frame_finder.hpp"
+#include "takt/listen/heard_exchange.hpp"
 #include "takt/listen/line_statistics.hpp"
 
 namespace takt::listen {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "takt/capture/measured_times.hpp"
-#include "takt/listen/exchange.hpp"
+#include "takt/listen/heard_exchange.hpp"
 #include "takt/listen/master_finder.hpp"
 
 namespace takt::listen {

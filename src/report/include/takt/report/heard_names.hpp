@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "takt/listen/exchange.hpp"
+#include "takt/listen/heard_exchange.hpp"
 #include "takt/model/project.hpp"
 
 namespace takt::report {

@@ -245,7 +245,7 @@ private:
     [[nodiscard]] Result<wire::PreparedRequest> first_request(const EntryRecord& entry) const;
     [[nodiscard]] bool take_register(const bus::Outcome& outcome, bool ok);
 
-    // words.cpp
+    // item_words.cpp
     [[nodiscard]] std::span<const std::uint16_t> value_to_write(const ItemRecord& item,
                                                                 std::uint32_t index) const;
     [[nodiscard]] bool group_ready(const EntryState& state, const EntryRecord& entry) const;

@@ -1,4 +1,4 @@
-#include "exchange.hpp"
+#include "echo.hpp"
 
 #include <arpa/inet.h>
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-#include "takt/wire/words.hpp"
+#include "takt/wire/frame_words.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

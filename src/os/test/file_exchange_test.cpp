@@ -1,5 +1,5 @@
 // Replacing a file that another program replaces at the same time: no edit is lost.
-#include "takt/os/exchange.hpp"
+#include "takt/os/file_exchange.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -1,5 +1,5 @@
 // Converts between the words of the value buffer and the registers of a device.
-#include "words.hpp"
+#include "item_words.hpp"
 
 #include <algorithm>
 

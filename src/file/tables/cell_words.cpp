@@ -1,4 +1,4 @@
-#include "tables/words.hpp"
+#include "tables/cell_words.hpp"
 
 #include <fmt/format.h>
 

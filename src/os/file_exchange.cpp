@@ -1,4 +1,4 @@
-#include "takt/os/exchange.hpp"
+#include "takt/os/file_exchange.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
