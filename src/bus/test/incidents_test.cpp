@@ -119,7 +119,7 @@ TEST(Incidents, OverTcpARepeatedResponseIsSurplus) {
     const auto repeated = rig.engine.take_surplus();
     ASSERT_TRUE(repeated);
     EXPECT_EQ(repeated->unit, UnitId{5});
-    for (const std::uint16_t id : {0, 1, 2}) {  // of no request
+    for (const std::uint16_t id : {std::uint16_t{0}, std::uint16_t{1}, std::uint16_t{2}}) {
         const auto other = static_cast<std::uint16_t>(wire_id_of(response) + id + 1);
         rig.receive(at(40ms), frame(other, "00 05 05 03 02 00 07"));
     }
