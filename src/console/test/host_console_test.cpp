@@ -7,8 +7,8 @@
 #include <atomic>
 #include <cerrno>
 
-#include "../../host/snapshot_request.hpp"
 #include "loop_turn.hpp"
+#include "sessions/snapshot_request.hpp"
 #include "support.hpp"
 
 namespace takt::console {
