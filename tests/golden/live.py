@@ -18,8 +18,8 @@ lines:
     devices:
       - name: Boiler
         address: 16
-        turnaround: 5ms
         poll_period: 200ms
+        response_timeout: 10s
         variables:
           - {{name: Level, type: float, register: 0, read: 0x03, unit: m, tags: [daily]}}
           - {{name: Wanted, type: int16, register: 10, read: 0x03, write: 0x10, write_range: 0..100}}
@@ -61,8 +61,7 @@ ROWS = {
 }
 GETS = ("/info", "/status", "/values", "/values?pattern=L*&raw=1", "/registers?variable=Level", "/requests",
         "/why?variable=Level", "/why?variable=Lost", "/why?variable=Nothing", "/devices/learnt", "/search",
-        "/project", "/history/series", "/history?variable=Level", "/history?variable=Nothing", "/events",
-        "/nothing")
+        "/project", "/history/series", "/history?variable=Nothing", "/events", "/nothing")
 CONTROL = ("status", "list", "values", "values L*", "get Level", "get Lost", "get Levl", "set kept 7",
            "set kept x", "set Level 1", "write Wanted 12", "write Wanted 1e9", "write Level 1",
            "write Lost 1", "write Wanted", "fault list", "nothing")
@@ -83,11 +82,17 @@ COMMANDS = ({}, {
     "variable": "Wanted",
     "value": 12
 })
-# Keys of texts that differ from run to run, and a key that a value may have.
+# Keys of texts that differ from run to run.
 CHANGING = ("revision", "text", "oldest_waiting", "time", "since", "destination")
 # Ports of the servers in the projects.
 SERVED = (1502, 1510)
+# Objects that are null as long as nothing happened.
+PERHAPS = ("delays", "noise", "failure", "falls_behind", "back_off", "turnaround", "late_responses")
+# Keys that a value may have.
 SOMETIMES = ("previous_poll",)
+# Answers whose texts depend on how busy the computer is, and events that each run has.
+STRUCTURE = ("/history", "/status", "/events", "/requests", "status")
+EVENTS = ("link", "notice", "output", "served", "summary", "value")
 
 
 def merged(one, other):
@@ -102,11 +107,11 @@ def merged(one, other):
 
 def shape(value, words=True):
     """A JSON value without what depends on time: numbers, truth values and null become 0, of texts the digits
-    become # (all of it without `words`), the members of a list become one that has the keys of all, or the
+    become # (without `words` they are 0 too), the members of a list become one that has the keys of all, or the
     different texts."""
     if isinstance(value, dict):
         return {
-            key: shape(value[key], words and key not in CHANGING)
+            key: 0 if key in PERHAPS else shape(value[key], words and key not in CHANGING)
             for key in sorted(value)
             if key not in SOMETIMES
         }
@@ -116,7 +121,7 @@ def shape(value, words=True):
             return sorted({printed(member) for member in members})
         return [functools.reduce(merged, members)] if members else []
     if isinstance(value, str):
-        return text_shape(value) if words else "text"
+        return text_shape(value) if words else 0
     return 0
 
 
@@ -153,16 +158,17 @@ def plant(folder, language):
 
         def steady():
             values = {v["name"]: v for v in api("GET", "/values")[1]["values"]}
+            outputs = {o["name"]: o for o in api("GET", "/status")[1]["outputs"]}
             return values["Level"]["quality"] == "good" and values["Lost"]["quality"] == "bad" and \
-                "Level" in str(api("GET", "/history/series")[1])
+                outputs.get("broker", {}).get("failure") and "Level" in str(api("GET", "/history/series")[1])
 
-        until(steady, "a good value, a bad one, and one in the history")
+        until(steady, "a good value, a bad one, one in the history, and a broker that was tried")
         yield run, api, control
 
 
 def asked(api, method, path, language, body=None):
     status, answer = api(method, f"{path}{'&' if '?' in path else '?'}lang={language}", body)
-    return f"{status}\n{printed(shape(answer, words='history' not in path))}"
+    return f"{status}\n{printed(shape(answer, words=not path.startswith(STRUCTURE)))}"
 
 
 def fields(folder):
@@ -259,6 +265,15 @@ def page_texts(api):
     return said | {"diff": printed(api("POST", "/project/diff", body)[1])}
 
 
+def controlled(control, language, command, form):
+    """What `takt ctl` prints: of JSON the shape, of lines the text without numbers."""
+    done = takt("--lang", language, "ctl", *form.split(), control, *command.split(), code=None)
+    out = "\n".join(text_shape(line) for line in done.lines)
+    if form and done.out.startswith("{"):
+        out = printed(shape(json.loads(done.out), words=command not in STRUCTURE))
+    return f"exit code {done.code}\n{out}\n--- stderr\n{text_shape(done.err)}"
+
+
 def answers(folder):
     """Answers of API and control socket, and the end of a run, in three languages."""
     said = {}
@@ -270,14 +285,10 @@ def answers(folder):
                 for path in ("/commands/preview", "/commands"):
                     said[f"POST {path} {number} {language}"] = asked(api, "POST", path, language, body)
             for command in CONTROL:
-                for form in ((), ("--json",)):
-                    done = takt("--lang", language, "ctl", *form, control, *command.split(), code=None)
-                    out = printed(shape(json.loads(done.out))) if form and done.out.startswith("{") else \
-                        "\n".join(text_shape(line) for line in done.lines)
-                    said[f"ctl {command} {''.join(form)} {language}"] = \
-                        f"exit code {done.code}\n{out}\n--- stderr\n{text_shape(done.err)}"
+                for form in ["--json"] if command in STRUCTURE else ["--json", ""]:
+                    said[f"ctl {command} {form} {language}"] = controlled(control, language, command, form)
             run.interrupt()
-            for event in run.events():
+            for event in (event for event in run.events() if event["event"] in EVENTS):
                 name = f"event {event['event']} {language}"
                 said[name] = printed(merged(shape(event, words=False), json.loads(said.get(name, "{}"))))
     return {name: text.replace(text_shape(str(folder)), "FOLDER") for name, text in said.items()}
