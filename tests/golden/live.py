@@ -107,8 +107,8 @@ def merged(one, other):
 
 def shape(value, words=True):
     """A JSON value without what depends on time: numbers, truth values and null become 0, of texts the digits
-    become # (without `words` they are 0 too), the members of a list become one that has the keys of all, or the
-    different texts."""
+    become # (without `words` they are 0 too), the members of a list become one that has the keys of all, or
+    the different texts."""
     if isinstance(value, dict):
         return {
             key: 0 if key in PERHAPS else shape(value[key], words and key not in CHANGING)
