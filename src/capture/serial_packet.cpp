@@ -14,13 +14,17 @@
 namespace takt::capture {
 namespace {
 
+std::optional<unsigned> upper_hex_value(char c) {
+    return lower_case(c) == c && !is_digit(c) ? std::nullopt : hex_value(c);
+}
+
 /// "10 03 00"; empty: it is no such text.
 wire::FrameBytes bytes_of_hex(std::string_view text) {
     wire::FrameBytes bytes;
     for (std::size_t at = 0; at < text.size(); at += 3) {
         const bool separated = at == 0 || text[at - 1] == ' ';
-        const auto high = hex_value(text[at]);
-        const auto low = at + 1 < text.size() ? hex_value(text[at + 1]) : std::nullopt;
+        const auto high = upper_hex_value(text[at]);
+        const auto low = at + 1 < text.size() ? upper_hex_value(text[at + 1]) : std::nullopt;
         if (!separated || !high || !low || bytes.full()) return {};
         bytes.push_back(static_cast<std::uint8_t>(*high << 4U | *low));
     }

@@ -48,7 +48,7 @@ TEST(Duration, ABoundIsNotShownSmaller) {
                  {59'950'000'000, "1 min"},
                  {3'600'000'000'001, "1 h 1 min"},
                  {1'001, "1.01 µs"},
-                 {99'950, "100 µs"},
+                 {99'950, "0.10 ms"},
                  {0, "0 ms"}};
     for (const auto& [ns, text] : cases) {
         const auto shown = rounded_up(Duration(ns));
