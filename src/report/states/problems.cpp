@@ -217,9 +217,18 @@ private:
         const auto error = takt::misdirected(settings().name, mismatch);
         return {unfitting, counters.unexpected + counters.ambiguous + device().foreign,
                 text::what(texts_.language(), error),
-                mismatch.part == Mismatch::Part::unit
-                    ? texts_("problem.advice.misdirected.unit", {{"other", std::to_string(mismatch.came)}})
-                    : text::advice(texts_.language(), error)};
+                mismatch.part == Mismatch::Part::unit ? advice_on_unit(mismatch.came)
+                                                      : text::advice(texts_.language(), error)};
+    }
+
+    [[nodiscard]] std::string advice_on_unit(std::int64_t came) const {
+        const auto& devices = line_settings().devices;
+        const auto owner =
+            std::ranges::find(devices, came, [](const auto& its) { return its.address.value; });
+        const auto unit = std::to_string(came);
+        if (owner == devices.end()) return texts_("problem.advice.misdirected.unit", {{"other", unit}});
+        return texts_("problem.advice.misdirected.taken",
+                      {{"other", unit}, {"owner", owner->name}, {"device", settings().name}});
     }
 
     [[nodiscard]] Mismatch last_mismatch() const {
@@ -316,7 +325,7 @@ private:
     /// The device answers, but never in time.
     [[nodiscard]] Problem too_late() const {
         Problem problem = slower(error);
-        problem.count = device().delays->count;
+        problem.count = device().late;
         problem.of = device().counters.sent;
         problem.since = before_snapshot(device().availability.down_since());
         if (device().state == DeviceState::not_answering) problem.tried = tried();

@@ -360,10 +360,8 @@ bool has_other_id(const poll::DeviceTraffic& device) {
 
 // A device that is slow enough answers requests that the engine has forgotten.
 bool mostly_late(const poll::DeviceStatistics& device) {
-    const auto& late = device.delays;
     const std::uint64_t forgotten = has_other_id(device) ? device.foreign : 0;
-    return late && late->setting != poll::DelayFinding::Setting::turnaround &&
-           2 * (late->count + forgotten) >= device.counters.timeouts;
+    return device.delays && device.late > 0 && 2 * (device.late + forgotten) >= device.counters.timeouts;
 }
 
 bool answers_late(const poll::DeviceStatistics& device) {

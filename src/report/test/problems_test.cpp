@@ -156,21 +156,28 @@ TEST(Problems, ADeviceThatAnswersTooLateIsNotSilent) {
     device.state = poll::DeviceState::not_answering;
     device.failure = Reason::timeout;
     device.counters.sent = device.counters.timeouts = 24;
-    device.delays = poll::DelayFinding{.delay = 401ms, .limit = 200ms, .advised = 500ms, .count = 24};
-    auto found = problems(snapshot);
-    ASSERT_EQ(found.size(), 1U) << "it is listed once";
-    EXPECT_EQ(found[0].severity, Severity::error);
-    EXPECT_EQ(found[0].kind, Kind::slow);
-    EXPECT_EQ(found[0].count, 24U);
-    expect_contains(found[0].text, "set 500ms");
-    EXPECT_EQ(device_state_text(english(), device), "answers come too late");
-    expect_contains(status_json(english(), snapshot, "").dump(), R"("cause":"late")");
+    device.delays = poll::DelayFinding{.delay = 401ms, .limit = 200ms, .advised = 500ms, .count = 240};
+    using enum poll::DelayFinding::Setting;
+    for (const auto setting : {response_timeout, turnaround, learnt_timeout}) {
+        device.delays->setting = setting;
+        device.late = 24;
+        auto found = problems(snapshot);
+        ASSERT_EQ(found.size(), 1U) << "it is listed once";
+        EXPECT_EQ(found[0].severity, Severity::error);
+        EXPECT_EQ(found[0].kind, Kind::slow);
+        EXPECT_EQ(found[0].count, 24U);
+        expect_contains(found[0].text, setting == learnt_timeout ? "500 ms" : "set 500ms");
+        EXPECT_EQ(device_state_text(english(), device), "answers come too late");
+        expect_contains(status_json(english(), snapshot, "").dump(), R"("cause":"late")");
 
-    device.delays->count = 2;
-    found = problems(snapshot);
-    ASSERT_EQ(found.size(), 2U) << "most were lost, and some came late";
-    EXPECT_EQ(found[0].kind, Kind::silent);
-    EXPECT_EQ(device_state_text(english(), device), "not answering (time-out)");
+        for (const auto late : {2U, 0U}) {
+            device.late = late;
+            found = problems(snapshot);
+            ASSERT_EQ(found.size(), 2U) << "most were lost, and some came late, or only in earlier runs";
+            EXPECT_EQ(found[0].kind, Kind::silent);
+            EXPECT_EQ(device_state_text(english(), device), "not answering (time-out)");
+        }
+    }
 }
 
 // All its responses have another unit, transaction id or function: it is no dead device.
@@ -194,6 +201,12 @@ TEST(Problems, ADeviceThatAnswersForAnotherOneIsNotSilent) {
     expect_contains(text(), "Set `address: 99`");
     device.last_foreign = {{UnitId{99}, 0, 3}, {asked, 0, 3}};  // on a serial line
     expect_contains(text(), "a response of unit 99 came");
+    auto project = plant()->project();
+    auto& other = project.lines[0].devices.emplace_back();
+    other.name = "Pump";
+    other.address = UnitId{99};
+    snapshot.configuration = configuration_of(project);
+    expect_contains(text(), "99 is the address of Pump: two devices may have the same address");
     device.last_foreign = {{asked, 7, 3}, {asked, 7, 3}};
     device.last_foreign->response.function = 4;
     expect_contains(text(), "a response to function 4 came, function 3 was asked");
@@ -232,7 +245,8 @@ TEST(Problems, ADeviceThatIsOftenLateIsNotUnanswering) {
     auto& device = snapshot.lines[0].devices[0];
     device.counters.sent = 1315;
     device.counters.timeouts = 510;
-    device.delays = poll::DelayFinding{.delay = 351ms, .limit = 200ms, .advised = 500ms, .count = 509};
+    device.delays = poll::DelayFinding{.delay = 351ms, .limit = 200ms, .advised = 500ms, .count = 9};
+    device.late = 509;
     for (int i = 0; i < 20; ++i) device.share.ended(snapshot.t - 60s, i % 2 == 0);
     fail(snapshot, "Level", Reason::not_answering);
     const auto expect_late = [&] {
@@ -245,7 +259,7 @@ TEST(Problems, ADeviceThatIsOftenLateIsNotUnanswering) {
         expect_contains(found[0].text, "set 500ms");
     };
     expect_late();
-    device.delays->count = 13;
+    device.late = 13;
     device.foreign = 490;
     const auto asked = plant()->project().lines[0].devices[0].address;
     device.last_foreign = {{asked, 49403, 3}, {asked, 38435, 3}};
