@@ -273,6 +273,11 @@ bool OutstandingResponses::remembers(UnitId unit, const AnswerShape& shape) cons
     return std::ranges::any_of(all(), [&](const auto& entry) { return entry.may_be(unit, shape); });
 }
 
+bool OutstandingResponses::misdirected(UnitId unit, const AnswerShape& shape) const {
+    return std::ranges::any_of(
+        all(), [&](const auto& entry) { return entry.misdirected && entry.may_be(unit, shape); });
+}
+
 bool OutstandingResponses::remembers(UnitId unit) const {
     return std::ranges::any_of(all(),
                                [&](const auto& entry) { return entry.outstanding() && entry.unit == unit; });

@@ -15,6 +15,16 @@ bool answers_function(const wire::Frame& frame, const wire::RequestShape& reques
     return wire::requested_function(frame.pdu[0]) == wire::requested_function(request.function);
 }
 
+// Serial line: it would be the response, had it not another unit, or another function.
+bool fits_but_for_one(const wire::Frame& frame, UnitId unit, const wire::RequestShape& request,
+                      Bytes content) {
+    wire::Pdu pdu;
+    pdu.assign(frame.pdu);
+    if (frame.unit == unit)
+        pdu[0] = static_cast<std::uint8_t>(request.function | (pdu[0] & wire::kExceptionBit));
+    return wire::decode_response(request, content, pdu.span()).has_value();
+}
+
 }  // namespace
 
 using wire::FrameFault;
@@ -199,7 +209,8 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
             take_response(t, *slot, frame);
         return;
     }
-    const bool late = settle_late(t, frame.unit, frame_shape(frame.pdu), frame.transaction) != Lateness::none;
+    const bool late = !crossed(frame) &&
+                      settle_late(t, frame.unit, frame_shape(frame.pdu), frame.transaction) != Lateness::none;
     if (!late) {
         notify(t, frame.unit, wire::Incident::surplus_response, {}, note_foreign(frame));
         if (!numbered() || repeats(frame)) keep_surplus(t, frame.unit, frame.pdu);
@@ -225,6 +236,16 @@ void TransactionCore::keep_surplus(Instant t, UnitId unit, Bytes pdu) {
     surplus_.push_back({unit, frame_shape(pdu), frame_hash(pdu), t});
 }
 
+// Two units have swapped their addresses: each response to the one looks like a late one of the other. A
+// frame that no request had asked for was taken instead of that one before.
+bool TransactionCore::crossed(const wire::Frame& frame) const {
+    if (numbered() || !outstanding_.misdirected(frame.unit, frame_shape(frame.pdu))) return false;
+    return std::ranges::any_of(slots_, [&](const Slot& slot) {
+        return slot.awaits_response() && !slot.shared && slot.unit != frame.unit &&
+               fits_but_for_one(frame, slot.unit, slot.request, slot.content());
+    });
+}
+
 // On a serial line a frame that is no response to the request is the request of another master: then a
 // response of another unit is that to the other master.
 // @returns what it came instead of; of several requests the last one
@@ -235,13 +256,13 @@ std::optional<Mismatch> TransactionCore::note_foreign(const wire::Frame& frame) 
     const bool known_id = std::ranges::any_of(slots_, has_its_id);
     const auto answers = [&](const Slot& slot) {
         if (!slot.awaits_response() || slot.shared) return false;
-        return numbered() ? answers_function(frame, slot.request) : slot.unit != frame.unit;
+        return !numbered() || answers_function(frame, slot.request);
     };
     const ForeignResponse came{frame.unit, frame.transaction, wire::requested_function(frame.pdu[0])};
     std::optional<Mismatch> instead;
     for (auto& slot : slots_) {
-        if (!numbered() && slot.awaits_response() && slot.unit != frame.unit &&
-            !wire::decode_response(slot.request, slot.content(), frame.pdu)) {
+        if (!numbered() && slot.awaits_response() &&
+            !fits_but_for_one(frame, slot.unit, slot.request, slot.content())) {
             slot.shared = true;
             slot.foreign.reset();
         }

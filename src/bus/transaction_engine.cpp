@@ -297,6 +297,7 @@ void TransactionCore::expect_response(Instant t, const Slot& slot, Instant hold_
         {.unit = slot.unit,
          .wire_id = numbered() ? slot.wire_id : std::uint16_t{0},
          .in_order = slot.in_order,
+         .misdirected = slot.foreign.has_value(),
          .shape = slot.shape(),
          .end = std::max(slot.request_end, slot.unit_busy_until),
          .expired_at = t,

@@ -102,9 +102,32 @@ TEST(Incidents, OnASerialLineAResponseOfAnotherUnitIsForeign) {
     EXPECT_EQ(after({response}), (ForeignResponse{UnitId{1}, 0, 3}));
     EXPECT_EQ(after({rtu(1, "83 02")}), (ForeignResponse{UnitId{1}, 0, 3}));
     EXPECT_EQ(after({rtu(1, "03 04 00 07 00 08")}), std::nullopt) << "of two registers";
+    EXPECT_EQ(after({rtu(5, "04 02 00 07")}), (ForeignResponse{UnitId{5}, 0, 4})) << "another function";
+    EXPECT_EQ(after({rtu(5, "84 02")}), (ForeignResponse{UnitId{5}, 0, 4}));
+    EXPECT_EQ(after({rtu(5, "04 00 00 00 01"), rtu(5, "04 02 00 07")}), std::nullopt) << "another master";
     const auto request = rtu(1, "03 00 6B 00 01");
     EXPECT_EQ(after({request, response}), std::nullopt);
     EXPECT_EQ(after({response, request}), std::nullopt);
+}
+
+// Each response to the one looks like a late response of the other. One that comes after the other request of
+// its unit has ended is late, though another unit is asked.
+TEST(Incidents, OnASerialLineUnitsWithSwappedAddressesAreForeignAndLateOnesAreNot) {
+    for (const bool swapped : {true, false}) {
+        Rig rig;
+        for (std::uint8_t n = 0; n < 20; ++n) {
+            const auto unit = static_cast<std::uint8_t>(1 + n % 2);
+            rig.submit(rig.now, transaction(n, unit, "03 00 6B 00 01"));
+            while (rig.sent.size() == n) rig.run_until(rig.now + 1ms);
+            rig.run_until(rig.now + 20ms);
+            const auto other = static_cast<std::uint8_t>(3 - unit);
+            if (swapped || n > 0) rig.receive(rig.now, rtu(other, "03 02 00 07"));
+            while (rig.outcomes.size() == n) rig.run_until(rig.now + 1ms);
+            ASSERT_EQ(rig.last().status, Status::timeout);
+            EXPECT_EQ(rig.last().foreign.has_value(), swapped) << int{n};
+        }
+        EXPECT_EQ(rig.engine.counters().late_answers, swapped ? 0U : 19U);
+    }
 }
 
 // Over TCP a response that comes again has the id of a request that has ended.

@@ -75,6 +75,7 @@ struct OutstandingResponse {
     bool in_order = true;       ///< its unit answers requests in their order, as far as is known
     bool overtaken = false;     ///< the response to a later request of its unit came late
     bool out_of_order = false;  ///< Phase::came
+    bool misdirected = false;   ///< a frame of another unit came instead, which no request had asked for
     AnswerShape shape;
     std::uint16_t other_length = 0;  ///< of another response that it may be instead; that of `shape`: none
     Instant end;                     ///< of the request, or of the last answer of the unit before its own
@@ -192,6 +193,8 @@ public:
 
     /// Whether any response that looks alike is remembered.
     [[nodiscard]] bool remembers(UnitId unit, const AnswerShape& shape) const;
+    /// Whether one of them has OutstandingResponse::misdirected.
+    [[nodiscard]] bool misdirected(UnitId unit, const AnswerShape& shape) const;
     /// Whether any response of the unit is remembered.
     [[nodiscard]] bool remembers(UnitId unit) const;
 
