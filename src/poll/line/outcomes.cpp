@@ -81,6 +81,9 @@ void LinePoller::Run::count_outcome(std::size_t index, const bus::Outcome& outco
     const Duration time = outcome.ended_at - outcome.sent_at;
     if (answered)
         statistics.recent_time += timed == 0 ? time : (time - statistics.recent_time) / kRecentResponses;
+    if (const auto surplus = std::exchange(undecided_surplus_, std::nullopt);
+        surplus && !misdirected(outcome))
+        count_surplus(*surplus);
     if (misdirected(outcome)) {
         ++statistics.foreign;
         const wire::ExchangeKey request{outcome.unit, outcome.wire_id, outcome.request.function};

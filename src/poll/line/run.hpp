@@ -192,6 +192,12 @@ private:
     /// The values that may come from late responses, because the device does not answer in order.
     void note_in_step(const bus::Outcome& outcome);
     void on_surplus(const bus::SurplusFrame& frame);
+    struct Surplus {
+        Instant at;
+        std::size_t device = 0;
+        bool shifted = false;  ///< no repetition
+    };
+    void count_surplus(const Surplus& found);
     void take_values(const bus::Outcome& outcome, std::size_t request, const wire::RequestShape& sent,
                      bool whole);
     void show_doubt(const HeldRead& read);
@@ -253,6 +259,7 @@ private:
     ModifySequence modify_;
     bus::Arbiter arbiter_;
     RequestOffers offers_;
+    std::optional<Surplus> undecided_surplus_;  // unless another device answers with a wrong unit or function
     std::vector<std::size_t> settled_variables_;  // scratch, so that a transaction allocates nothing
 };
 

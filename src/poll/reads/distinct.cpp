@@ -39,14 +39,25 @@ void LinePoller::Run::on_surplus(const bus::SurplusFrame& frame) {
     const auto index = device_at(frame.unit);
     if (!index) return;
     auto& device = devices_[*index];
-    ++device.statistics.surplus;
-    if (engine_.config().framing == wire::Framing::tcp) return;  // it can answer no other request
+    if (engine_.config().framing == wire::Framing::tcp) {  // it can answer no other request
+        ++device.statistics.surplus;
+        return;
+    }
     const auto since = device.times.step.on_surplus(frame);
     settle_held(frame.at, *index);
-    if (!since) return;
-    degrade_shifted(frame.at, device, frame.shape, *since);
-    if (!std::exchange(device.statistics.shifted, true) && observer_)
-        observer_->on_surplus(frame.at, plan_->line, *index);
+    if (since) degrade_shifted(frame.at, device, frame.shape, *since);
+    const Surplus found{.at = frame.at, .device = *index, .shifted = since.has_value()};
+    if (engine_.awaited() && !undecided_surplus_)
+        undecided_surplus_ = found;
+    else
+        count_surplus(found);
+}
+
+void LinePoller::Run::count_surplus(const Surplus& found) {
+    auto& statistics = devices_[found.device].statistics;
+    ++statistics.surplus;
+    if (found.shifted && !std::exchange(statistics.shifted, true) && observer_)
+        observer_->on_surplus(found.at, plan_->line, found.device);
 }
 
 // The values of responses like that one (an exception is like all of its function) that were read since.

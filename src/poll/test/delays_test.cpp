@@ -115,6 +115,34 @@ TEST(Delays, ASurplusResponseMarksTheValuesThatWereReadSince) {
     EXPECT_EQ(bench.observed.surplus, 1) << "named once";
 }
 
+TEST(Delays, DevicesWithSwappedAddressesAreNotLate) {
+    Bench bench(project({device(1, {int16("a", 0).read(3)}), device(2, {int16("b", 0).read(3)})}));
+    bench.players[1].answers_as = 2;
+    bench.players[2].answers_as = 1;
+    bench.run_until(30s);
+    for (const std::size_t index : {0U, 1U}) {
+        const auto device = bench.master.line(0).device(index);
+        EXPECT_EQ(device.failure, value::Reason::unexpected_reply);
+        EXPECT_EQ(device.foreign, device.counters.timeouts);
+        EXPECT_EQ(device.late, 0U);
+        EXPECT_FALSE(device.delays);
+        EXPECT_EQ(device.surplus, 0U);
+    }
+}
+
+// It is not known at once which device has sent the frame.
+TEST(Delays, AResponseWithTheUnitOfAnotherDeviceIsNoSurplusOfThatOne) {
+    Bench bench(project({device(1, {int16("a", 0).read(3)}), device(2, {int16("b", 100).read(3)})}));
+    bench.players[1].answers_as = 2;
+    bench.run_until(10s);
+    const auto innocent = bench.master.line(0).device(1);
+    EXPECT_EQ(innocent.state, DeviceState::answering);
+    EXPECT_EQ(innocent.surplus, 0U);
+    EXPECT_FALSE(innocent.shifted);
+    EXPECT_EQ(bench.observed.surplus, 0);
+    EXPECT_EQ(bench.master.line(0).device(0).failure, value::Reason::unexpected_reply);
+}
+
 TEST(Delays, AResponseLaterThanTheTurnaroundIsNamedThoughItIsInTime) {
     Bench bench(project({slow_device(500ms, 20ms)}));
     bench.players[1].turnaround = 60ms;
