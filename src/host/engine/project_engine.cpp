@@ -120,11 +120,7 @@ poll::Master::Options ProjectEngine::master_options(const Options& options) {
 
 void ProjectEngine::on_link(Instant t, std::size_t line, bool up, const std::optional<Error>& why) {
     if (up) {
-        link_failures_.end(
-            t, [line](const LinkFailure& failure) { return failure.line == line; },
-            [&](const LinkFailure& failure, std::uint64_t repeated, Duration in) {
-                report_link(t, failure, repeated, in);
-            });
+        end_link_failures(t, line);
         failures_.on_link_up(t, line);
         log_.message(
             LogLevel::info, "log.link_up",
@@ -134,23 +130,38 @@ void ProjectEngine::on_link(Instant t, std::size_t line, bool up, const std::opt
     if (!up) master_.line(line).on_link(t, false);
     lines_[line].up = up;
     lines_[line].why = up ? std::nullopt : why;
-    if (up)
+    if (up) {
         publish_event(t, LinkChanged{.line = line, .up = true});
-    else if (link_failures_.admit(t, {line, why}))
-        report_link(t, {line, why}, 0, {});
+        return;
+    }
+    const LinkFailure failure{why};
+    end_link_failures(t, line, &failure);
+    if (lines_[line].failures.admit(t, failure)) report_link(t, line, failure, 0, {});
 }
 
-void ProjectEngine::report_link(Instant t, const LinkFailure& failure, std::uint64_t repeated, Duration in) {
-    failures_.on_link_down(failure.line, failure.why, repeated, in);
-    publish_event(t, LinkChanged{.line = failure.line, .why = failure.why, .repeated = repeated, .in = in});
+void ProjectEngine::report_link(Instant t, std::size_t line, const LinkFailure& failure,
+                                std::uint64_t repeated, Duration in) {
+    failures_.on_link_down(line, failure.why, repeated, in);
+    publish_event(t, LinkChanged{.line = line, .why = failure.why, .repeated = repeated, .in = in});
+}
+
+void ProjectEngine::end_link_failures(Instant t, std::size_t line, const LinkFailure* current) {
+    lines_[line].failures.end(
+        t, [current](const LinkFailure& failure) { return current == nullptr || failure != *current; },
+        [&](const LinkFailure& failure, std::uint64_t repeated, Duration in) {
+            report_link(t, line, failure, repeated, in);
+        });
 }
 
 void ProjectEngine::report_links(Instant t, bool finish) {
-    const auto report = [&](const LinkFailure& failure, std::uint64_t repeated, Duration in) {
-        report_link(t, failure, repeated, in);
-    };
-    const auto omitted = [](std::uint64_t, Duration) {};  // the state has them
-    finish ? link_failures_.finish(t, report, omitted) : link_failures_.sweep(t, report, omitted);
+    const auto omitted = [](std::uint64_t, Duration) {};  // none: a line has one reason at a time
+    for (std::size_t line = 0; line < lines_.size(); ++line) {
+        const auto report = [&](const LinkFailure& failure, std::uint64_t repeated, Duration in) {
+            report_link(t, line, failure, repeated, in);
+        };
+        auto& failures = lines_[line].failures;
+        finish ? failures.finish(t, report, omitted) : failures.sweep(t, report, omitted);
+    }
 }
 
 void ProjectEngine::on_close(Instant t, std::size_t line, const std::optional<Error>& why) {
@@ -323,7 +334,7 @@ void ProjectEngine::take_over(Instant t, ProjectEngine& old,
         master_.line(i).take_over(t, old.master_.line(*continued[i]));
         lines_[i].up = old.lines_[*continued[i]].up;
         lines_[i].why = old.lines_[*continued[i]].why;
-        if (lines_[i].why) (void)link_failures_.admit(t, {i, lines_[i].why});  // it was reported
+        if (lines_[i].why) (void)lines_[i].failures.admit(t, {lines_[i].why});  // it was reported
     }
     old.end_writes(t);
     old.failures_.finish(t);

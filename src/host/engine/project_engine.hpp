@@ -100,7 +100,6 @@ public:
     /// last.
     static constexpr Duration kLinkWindow = std::chrono::minutes(1);
     static constexpr Duration kLongestLinkWindow = std::chrono::hours(1);
-    static constexpr std::size_t kMostLinkFailures = 512;
 
     /// The value of a service variable at this moment, also of one that the project does not use.
     [[nodiscard]] value::Value service_value(Instant t,
@@ -125,6 +124,12 @@ public:
     void finish(Instant t);
 
 private:
+    struct LinkFailure {
+        std::optional<Error> why;
+        friend bool operator==(const LinkFailure& a, const LinkFailure& b) {
+            return a.why && b.why ? FailureLog::same_error(*a.why, *b.why) : a.why == b.why;
+        }
+    };
     struct Line {
         bool up = false;
         std::optional<Error> why;                         // of a link that is down
@@ -133,6 +138,7 @@ private:
         std::uint64_t plan_revision = 0;                  // of the poller, when `plan` was taken over
         std::vector<ChangeFilter> changes;                // by device
         std::vector<bool> fails_often;                    // by device: the log has it
+        RepeatFilter<LinkFailure> failures{kLinkWindow, 1, kLongestLinkWindow};  // the last reason
     };
 
     void on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) override;
@@ -162,15 +168,10 @@ private:
     }
     void write_log(LogLevel level, const EventMessage& message) const;
 
-    struct LinkFailure {
-        std::size_t line = 0;
-        std::optional<Error> why;
-        friend bool operator==(const LinkFailure& a, const LinkFailure& b) {
-            const bool equal = a.why && b.why ? FailureLog::same_error(*a.why, *b.why) : a.why == b.why;
-            return a.line == b.line && equal;
-        }
-    };
-    void report_link(Instant t, const LinkFailure& failure, std::uint64_t repeated, Duration in);
+    void report_link(Instant t, std::size_t line, const LinkFailure& failure, std::uint64_t repeated,
+                     Duration in);
+    /// Ends the windows of the failures of a line except `current`: the next one of each is an event.
+    void end_link_failures(Instant t, std::size_t line, const LinkFailure* current = nullptr);
     void report_links(Instant t, bool finish = false);
     void publish_state(Instant t, const DeviceStateChanged& changed);
     void end_changes(Instant t, std::size_t line, std::size_t device, bool finish = false);
@@ -191,7 +192,6 @@ private:
     Instant started_;
     Log log_;
     FailureLog failures_;
-    RepeatFilter<LinkFailure> link_failures_{kLinkWindow, kMostLinkFailures, kLongestLinkWindow};
     std::function<std::uint64_t()> utc_seconds_;
     std::vector<Line> lines_;
     poll::Master master_;

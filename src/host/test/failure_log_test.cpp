@@ -127,6 +127,29 @@ TEST(FailureLog, AttemptsToOpenALinkAreCounted) {
     EXPECT_EQ(repeated, (std::vector<std::uint64_t>{0, 0, 60, 120, 49, 0, 0}));
 }
 
+TEST(FailureLog, EachLineHasItsReasonAtEachChange) {
+    constexpr std::size_t kLines = 600;
+    std::string all;
+    for (std::size_t i = 0; i < kLines; ++i)
+        all += line_of("L" + std::to_string(i), device_of("D" + std::to_string(i), 1, ""), "tcp");
+    Lines lines;
+    Rig rig(project_with(all), {.log = lines.log()});
+    const auto refused = fail(Code::cannot_open, "plc:502", ECONNREFUSED).error();
+    const auto lost = fail(Code::connection_lost).error();
+    for (int round = 0; round < 2; ++round)
+        for (std::size_t i = 0; i < kLines; ++i) rig.engine->on_link(rig.now, i, false, refused);
+    EXPECT_EQ(lines.with("log.link_down"), kLines);
+    const auto session = rig.open();
+    for (const auto& why : {lost, refused}) rig.engine->on_link(rig.now, 7, false, why);
+    EXPECT_EQ(lines.with("log.link_down line=L7 "), 3U);
+    std::vector<std::pair<Code, std::uint64_t>> events;
+    for (const auto& event : take_events(*session))
+        if (const auto* const link = std::get_if<LinkChanged>(&event.body))
+            events.emplace_back(link->why->code, link->repeated);
+    EXPECT_EQ(events, (std::vector<std::pair<Code, std::uint64_t>>{
+                          {Code::cannot_open, 1}, {Code::connection_lost, 0}, {Code::cannot_open, 0}}));
+}
+
 /// A variable that is written on change, and one that is written by a trigger.
 const std::string kWriting =
     project_with(line_of("main", device_of("Boiler", 1,
