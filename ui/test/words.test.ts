@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import test from 'node:test';
-import type { Frame } from '../src/api/types';
+import type { Frame, PlannedRequest } from '../src/api/types';
 
 // What the texts need of a browser.
 const browser = globalThis as unknown as Record<string, unknown>;
@@ -37,6 +37,27 @@ test('frames are described in the language of the page', async () => {
     ],
   ] as const;
   for (const [words, wanted] of cases) assert.equal(frameWords(frame(words)), wanted);
+});
+
+test('no English words are left in a frame', async () => {
+  const { frameWords } = await import('../src/views/traffic/words');
+  assert.equal(
+    frameWords(frame('unit 2 write single register (too short, 5 of 6 bytes) 06 00')),
+    'запись регистра (слишком коротко, 5 из 6 байт) 06 00',
+  );
+  const source = readFileSync(join(process.cwd(), '../src/wire/test/frame_words_test.cpp'), 'utf8');
+  const all = source.match(/"unit \d+ (?:[^"\\]|\\.)*"/g)!;
+  assert.ok(all.length > 60);
+  for (const literal of all) {
+    const words = literal.slice(1, -1).replace(/\\"/g, '"');
+    assert.doesNotMatch(frameWords(frame(words)).replace(/"[^"]*"/g, ''), /[a-z]{2,}/, words);
+  }
+});
+
+test('the phase of a request has its unit', async () => {
+  const { whenWords } = await import('../src/views/requests/words');
+  const turn = { period_ms: 1100, phase_ms: 600.125 } as PlannedRequest;
+  assert.equal(whenWords(turn), '1100 мс +600.125 мс');
 });
 
 test('texts of devices stay as they are', async () => {

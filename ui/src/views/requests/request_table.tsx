@@ -13,6 +13,7 @@ const MOST_NAMES = 60;
 function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): Column<PlannedRequest>[] {
   const texts = t.value.requests.columns;
   const several = line.devices.length > 1;
+  const readWrite = line.requests.some((its) => functionsOf(its).length > 1);
   const right = { align: 'right' as const };
   return [
     ...(several
@@ -21,7 +22,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
             key: 'device',
             title: texts.device,
             width: 'minmax(91px, 0.6fr)',
-            foldedWidth: 'minmax(68px, 1.6fr)',
+            foldedWidth: `minmax(${readWrite ? 58 : 68}px, 1.6fr)`,
             cell: (its: PlannedRequest) => <span class="text">{its.device}</span>,
           },
         ]
@@ -29,8 +30,8 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
     {
       key: 'function',
       title: texts.function,
-      width: '74px',
-      foldedWidth: '58px',
+      width: readWrite ? '92px' : '74px',
+      foldedWidth: readWrite ? '78px' : '58px',
       cell: (its) => (
         <span class="mono" title={functionsOf(its).map(functionName).join(', ')}>
           {functionsOf(its).map(hex).join(' ')}
@@ -77,7 +78,7 @@ function columns(line: PlannedLine, variables: ReturnType<typeof variablesOf>): 
       key: 'period',
       title: texts.period,
       width: '92px',
-      foldedWidth: 'minmax(96px, 1fr)',
+      foldedWidth: `minmax(${readWrite ? 86 : 96}px, 1fr)`,
       ...right,
       cell: (its) => (
         <span class={`text ${its.period_ms === null ? 'small' : ''}`} title={whenWords(its)}>

@@ -22,7 +22,8 @@ export function whenWords(its: PlannedRequest): string {
     parts.push(
       its.period_ms === 0
         ? texts.fast
-        : formatDuration(its.period_ms) + (its.phase_ms ? ` +${formatNumber(its.phase_ms)}` : ''),
+        : formatDuration(its.period_ms) +
+            (its.phase_ms ? ` +${formatNumber(its.phase_ms, 3)} ${t.value.units.ms}` : ''),
     );
   if (its.read_trigger || its.write_trigger)
     parts.push(`${texts.trigger} ${[its.read_trigger, its.write_trigger].filter(Boolean).join(', ')}`);
