@@ -302,6 +302,7 @@ void LineVerdict::add_response_measured() {
     finding.arguments.emplace_back("devices", device_names(line_, measured_));
     finding.arguments.emplace_back("count", std::to_string(least));
     finding.arguments.emplace_back("one_in", std::to_string(least / 3));
+    finding.arguments.emplace_back("longest", finding.value);
     findings_.push_back(std::move(finding));
 }
 

@@ -1,5 +1,7 @@
 #include "takt/report/texts.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 
 #include "takt/plan/guarantee_findings.hpp"
@@ -17,13 +19,17 @@ std::string filled_message(text::Language language, std::string_view code,
     return text::message(language, code, views);
 }
 
+// Exact times of findings (plan::time_text()). Other arguments may be names and values of the user.
+constexpr std::array<std::string_view, 4> kTimes{"response", "deadline", "over", "longest"};
+
 Texts::Arguments finding_arguments(text::Language language, const model::Finding& finding) {
     Texts::Arguments arguments{
         {"value", finding.value}, {"allowed", finding.allowed}, {"path", finding.path}};
     const auto dot = finding.path.rfind('.');
     arguments.emplace_back("field", dot == std::string::npos ? finding.path : finding.path.substr(dot + 1));
     arguments.insert(arguments.begin(), finding.arguments.begin(), finding.arguments.end());
-    for (auto& [name, value] : arguments) value = text::with_local_unit(language, value);
+    for (auto& [name, value] : arguments)
+        if (std::ranges::find(kTimes, name) != kTimes.end()) value = text::with_local_unit(language, value);
     return arguments;
 }
 

@@ -65,6 +65,30 @@ TEST(Texts, ArgumentsOfAFindingHoldBeforeItsValue) {
     EXPECT_LT(english().message(finding).find("of the arguments"), english().message(finding).size());
 }
 
+TEST(Texts, OnlyTimesOfAFindingHaveTheLocalUnit) {
+    const Texts russian(text::Language::russian);
+    model::Finding finding;
+    finding.code = "guarantee.late";
+    finding.arguments = {{"variable", "2 min"},
+                         {"device", "500 h"},
+                         {"response", "117.721 ms"},
+                         {"over", "17.721 ms"},
+                         {"deadline", "100 ms"}};
+    const auto message = russian.message(finding);
+    for (const auto* const part : {"2 min", "500 h", "117.721 мс", "17.721 мс", "100 мс"})
+        expect_contains(message, part);
+    finding = {};
+    finding.code = "field.out_of_range";
+    finding.path = "lines[0].baud";
+    finding.value = "500 h";
+    finding.allowed = "2 min";
+    expect_contains(russian.message(finding), "500 h");
+    finding.code = "guarantee.response_measured";
+    finding.arguments = {
+        {"line", "1 s"}, {"devices", "5 ms"}, {"count", "300"}, {"one_in", "100"}, {"longest", "7.5 ms"}};
+    for (const auto* const part : {"1 s", "5 ms", "7.5 мс"}) expect_contains(russian.message(finding), part);
+}
+
 TEST(Texts, AdviceOnlyWhereTheCodeHasIt) {
     model::Finding finding;
     finding.code = "no.such.code";
