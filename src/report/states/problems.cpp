@@ -488,15 +488,17 @@ private:
     void find_late() {
         for_each_request([&](const plan::Request& request, const poll::RequestStatistics& statistics) {
             if (!statistics.overrun || !line().up || statistics.recent_period == Duration{}) return;
+            const auto planned = statistics.period.value_or(Duration{});
+            const auto real = host::milliseconds_number(statistics.recent_period);
+            const auto period = host::milliseconds_number(planned);
+            if (statistics.recent_period <= planned || real == period) return;  // not late as it is shown
             Problem problem = of_device(warning, late);
             problem.request = request_text(request);
             if (statistics.skipped > 0) problem.count = statistics.skipped;
-            problem.text =
-                texts_("app.overrun",
-                       {{"where", settings().name},
-                        {"request", problem.request},
-                        {"real", host::milliseconds_number(statistics.recent_period)},
-                        {"period", host::milliseconds_number(statistics.period.value_or(Duration{}))}});
+            problem.text = texts_("app.overrun", {{"where", settings().name},
+                                                  {"request", problem.request},
+                                                  {"real", real},
+                                                  {"period", period}});
             problem.advice = advice_on_late(statistics.counters);
             found_.push_back(std::move(problem));
         });

@@ -418,6 +418,10 @@ TEST(Problems, TheWorstComesFirst) {
     snapshot.lines[0].devices[0].counters.timeouts = 0;
     snapshot.lines[0].requests[0].recent_period = {};
     EXPECT_FALSE(has_late(problems(snapshot))) << "it was not sent lately";
+    for (const Duration kept : {Duration(499ms), Duration(500ms), Duration(500ms + 300ns)}) {
+        snapshot.lines[0].requests[0].recent_period = kept;
+        EXPECT_FALSE(has_late(problems(snapshot))) << "it keeps the period: " << kept.count();
+    }
     snapshot.lines[0].requests[0].recent_period = 900ms;
     snapshot.lines[0].up = false;
     EXPECT_FALSE(has_late(problems(snapshot))) << "of a line that is down";
