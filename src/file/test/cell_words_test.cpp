@@ -34,6 +34,13 @@ TEST(Words, Types) {
         {"двохрегістровий", std::nullopt},
         {"uint (4 registers)", "uint64"},
         {"UDINT", "uint32"},
+        {"Беззнаковое целое", "uint16"},
+        {"Целое без знака (2 регистра)", "uint32"},
+        {"Ціле без знака", "uint16"},
+        {"Беззнакове ціле", "uint16"},
+        {"Целое со знаком", "int16"},
+        {"Unsigned integer", "uint16"},
+        {"BYTE", std::nullopt},  // half a register
         {"WORD", "uint16"},
         {"С плавающей запятой", "float"},
         {"з рухомою комою", "float"},

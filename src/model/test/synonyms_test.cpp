@@ -41,15 +41,11 @@ TEST(Synonyms, TheValueThatIsMeant) {
         std::string_view value;
         std::string_view word;
     } cases[] = {
-        {Object::line, "parity", "E", "even"},
-        {Object::line, "parity", "n", "none"},
-        {Object::line, "parity", "чет", "even"},
-        {Object::line, "parity", "mark", ""},
-        {Object::variable, "type", "DWORD", "uint32"},
-        {Object::variable, "type", "ціле", "int16"},
-        {Object::variable, "area", "hr", "holding_register"},
-        {Object::line, "transport", "ethernet", "tcp"},
-        {Object::line, "transport", "e", ""},
+        {Object::line, "parity", "E", "even"},          {Object::line, "parity", "n", "none"},
+        {Object::line, "parity", "чет", "even"},        {Object::line, "parity", "mark", ""},
+        {Object::variable, "type", "DWORD", "uint32"},  {Object::variable, "type", "ціле", "int16"},
+        {Object::variable, "type", "BYTE", "uint16"},   {Object::variable, "area", "hr", "holding_register"},
+        {Object::line, "transport", "ethernet", "tcp"}, {Object::line, "transport", "e", ""},
     };
     for (const auto& [object, key, value, word] : cases)
         EXPECT_EQ(value_synonym(key, find_field(object, key)->words, value), word) << value;
