@@ -271,7 +271,7 @@ private:
         column.key = scalar(cell);
         column.heading = cell.text;
         if (cell.text.empty()) return column;
-        auto parts = read_heading(cell.text);
+        auto parts = window_ ? read_field_name(cell.text) : read_heading(cell.text);
         if (parts.ambiguous) settle_ambiguous(parts, column.key);
         if (!is_column(parts.key, options_)) return column;
         column.key.text = parts.key;

@@ -180,7 +180,7 @@ private:
             if (separator_ != 0 && separator != separator_ && separator != kNoSeparator) continue;
             if (separator != kNoSeparator && !line_at(at).contains(separator)) continue;
             auto line = read_field(at, separator);
-            if (line && !key_of(line->row.cells[0]).empty()) return line;
+            if (line && !read_field_name(line->row.cells[0].text).key.empty()) return line;
         }
         return std::nullopt;
     }
@@ -322,7 +322,7 @@ private:
             if (!line && (at == end || first)) line = unknown_field(at, window.separator, first);
             if (!line || (!first && window.separator != ',' && device_line(line_at(at)))) break;
             auto& cells = line->row.cells;
-            const auto key = key_of(cells[0]);
+            const auto key = read_field_name(cells[0].text).key;
             const auto value = folded(cells[1].text);
             const bool names = key == "name" || key == kDeviceColumn;
             if (names && (known.contains("name") || known.contains(kDeviceColumn))) break;

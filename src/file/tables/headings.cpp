@@ -267,6 +267,16 @@ HeadingParts read_heading(std::string_view text) {
     return {.key = named->key, .unit = std::string(unit)};
 }
 
+HeadingParts read_field_name(std::string_view text) {
+    constexpr std::size_t kLeast = std::size_t{2} * 4;  // four Cyrillic letters
+    auto parts = read_heading(text);
+    const auto name = folded(text);
+    if (!parts.key.empty() || name.size() < kLeast) return parts;
+    const auto key = index().key_of_cut(name);
+    const bool setting = std::ranges::find(kDeviceSettings, key) != kDeviceSettings.end();
+    return setting ? HeadingParts{.key = key} : parts;
+}
+
 LikelyHeading likely_heading(std::string_view text) {
     return index().nearest(folded(text));
 }

@@ -29,6 +29,10 @@ const model::Field* column_field(std::string_view key);
 
 HeadingParts read_heading(std::string_view text);
 
+/// The name of a field of a window. As read_heading(), and the beginning of the heading of a setting of a
+/// device where no other heading begins so: `Группировать`.
+HeadingParts read_field_name(std::string_view text);
+
 /// The known heading most similar to a text, and its key.
 struct LikelyHeading {
     std::string_view heading;

@@ -204,15 +204,22 @@ TEST(Convert, AColumnThatIsNotKnownIsOneFinding) {
     EXPECT_EQ(errors_of(project_of("Kind,type\n1,int\n2,int\n")), Findings{"file.csv.unknown_column Kind"});
 }
 
-TEST(Convert, TheLimitOfADeviceWithoutGroupsStaysAndIsReported) {
-    const auto project =
-        project_of("Имя;Устройство\nАдрес;16\nГруппировать запросы;Нет\nКол-во регистров в запросе;20\n",
-                   {.devices = true});
-    const auto checked = model::interpret(project.document);
-    EXPECT_EQ(checked.project.lines.at(0).devices.at(0).registers_per_request, 20);
-    EXPECT_EQ(
-        std::ranges::count(checked.findings, std::string_view("field.without_effect"), &model::Finding::code),
-        1);
+TEST(Convert, AWindowHasItsLimitAlsoWithoutGroups) {
+    for (const std::string name : {"Группировать запросы", "Группировать", "Групувати", "Group requ"}) {
+        const auto project = project_of(
+            "Имя;Устройство\nАдрес;16\n" + name + ";Нет\nКол-во регистров в запросе;20\n", {.devices = true});
+        EXPECT_EQ(project.findings.size(), 0U) << name;
+        const auto checked = model::interpret(project.document);
+        const auto& device = checked.project.lines.at(0).devices.at(0);
+        EXPECT_EQ(device.registers_per_request, 20);
+        EXPECT_FALSE(device.group_requests) << name;
+        EXPECT_EQ(std::ranges::count(checked.findings, std::string_view("field.without_effect"),
+                                     &model::Finding::code),
+                  0);
+    }
+    const auto several =
+        project_of("Имя;Устройство\nАдрес;16\nКол-во;Нет\n", {.devices = true});  // of attempts, of registers
+    EXPECT_EQ(locations_and_codes(several), Findings{"1/3:1 csv.column_as_comment"});
 }
 
 TEST(Convert, RegistersOfAValueMayStandInAColumn) {

@@ -170,9 +170,10 @@ void read_grouping(Interpretation& state, Reader& reader, Device& device) {
     read_gaps(state, reader, device);
     read_writing(reader, device);
     const std::string strategy = "strategy: " + std::string(name(device.strategy));
-    if (understood && device.registers_per_request_set && device.strategy == Strategy::single)
-        reader.report_without_effect("registers_per_request",
-                                     device.group_requests ? strategy : "group_requests: false");
+    // The window of a device shows the limit also where its requests are not grouped.
+    if (understood && device.registers_per_request_set && device.strategy == Strategy::single &&
+        !reader.given("group_requests"))
+        reader.report_without_effect("registers_per_request", strategy);
     if (!understood || device.strategy == Strategy::optimal) return;
     if (reader.given("gaps") && device.gaps != Gaps::never) reader.report_without_effect("gaps", strategy);
     for (const std::string_view key : {"readable", "no_read", "write_single"})
