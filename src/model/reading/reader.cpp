@@ -106,7 +106,7 @@ std::string with_point(std::string_view text) {
 std::string without_thousands(std::string_view text) {
     constexpr std::size_t kGroup = 3;
     const auto comma = text.find(',');
-    if (comma == std::string_view::npos || comma > kGroup || !all_digits(text.substr(0, comma))) return {};
+    if (comma > kGroup || !all_digits(text.substr(0, comma))) return {};
     std::string meant(text.substr(0, comma));
     for (auto rest = text.substr(comma); !rest.empty(); rest.remove_prefix(kGroup + 1)) {
         const auto group = rest.substr(1, kGroup);
