@@ -8,7 +8,7 @@ namespace takt::os {
 Result<std::string> set_aside(const std::string& path, const std::string& companion) {
     constexpr int kMostSetAside = 999;
     for (int i = 1; i <= kMostSetAside; ++i) {
-        const std::string aside = path + ".damaged-" + std::to_string(i);
+        std::string aside = path + ".damaged-" + std::to_string(i);
         std::error_code error;
         if (std::filesystem::exists(aside, error)) continue;
         std::filesystem::rename(path, aside, error);
