@@ -346,8 +346,10 @@ private:
     void check_stale(Instant t, VariableNumber v, const value::Slot& slot) const;
     [[nodiscard]] bool may_have_died(std::size_t device, Instant t) const;
     void check_advance(Instant t);
-    [[nodiscard]] Duration most_wait(const RequestState& request, Instant since) const;
-    [[nodiscard]] Duration lost_since(Instant from) const;
+    [[nodiscard]] Duration most_wait(const RequestState& request, Instant since, Instant t) const;
+    [[nodiscard]] Duration lost_since(Instant from, Instant t) const;
+    template <class Count>
+    void each_excess(Instant t, Count count) const;  // with what is in flight at that time
     [[nodiscard]] std::optional<Duration> bound(VariableNumber v, Instant t) const;
     [[nodiscard]] Duration beyond(const Transaction& transaction, Duration occupied) const;
     [[nodiscard]] Transaction* source_of(VariableNumber v, const value::Slot& slot);

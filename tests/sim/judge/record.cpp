@@ -303,7 +303,10 @@ void LineJudge::on_relayed_end(const bus::Outcome& outcome) {
     relayed_open_ = false;
     const auto device = device_of(outcome.unit.value);
     const bool answered = outcome.status == bus::Status::ok || outcome.status == bus::Status::exception;
-    if (answered) closes_.clear();
+    if (answered) {
+        closes_.clear();
+        answers_ = true;
+    }
     if (!device || answered) return;
     note_excess(
         {.t = outcome.ended_at, .length = {}, .device = device, .hold = 2 * hold_of(devices_[*device])});

@@ -75,26 +75,46 @@ void LineJudge::set_most_wait() {
     most_wait_ = 4 * longest + Duration(static_cast<std::int64_t>(static_cast<double>(busy.count()) / free));
 }
 
+// What is known, and what transactions in flight have taken so far.
+template <class Count>
+void LineJudge::each_excess(Instant t, Count count) const {
+    for (const Excess& excess : excess_) count(excess);
+    // A transaction at its deadline fails at this instant; an unbounded one may be in flight.
+    for (const Transaction& transaction : transactions_) {
+        if (transaction.over) continue;
+        if (t >= transaction.deadline && !transaction.broadcast)
+            count(excess_of_failure(transaction, t, t - transaction.start));
+        else if (!transaction.polls() && !transaction.expected)
+            count({.t = t, .length = t - transaction.start, .device = {}, .bounded = transaction.client});
+        else if (const auto more = beyond(transaction, t - transaction.start); more > Duration::zero())
+            count({t, more, {}});
+        else if (in_doubt(transaction))
+            count(excess_of_confirmation(transaction, t));
+    }
+}
+
 // Line time that faults, failures and repetitions took since then.
-Duration LineJudge::lost_since(Instant from) const {
+Duration LineJudge::lost_since(Instant from, Instant t) const {
     Duration lost{};
-    for (const Excess& excess : excess_)
+    each_excess(t, [&](const Excess& excess) {
         if (!excess.bounded && excess.t + excess.length >= from) lost += excess.length + excess.hold;
+    });
     return lost;
 }
 
 // On a line that holds its periods a read is sent within the period of its release, so at least once in two
 // periods. What faults and clients took of the line since then comes on top, with what has become due
 // meanwhile.
-Duration LineJudge::most_wait(const RequestState& request, Instant since) const {
-    const Duration longest = most_wait_ + 2 * lost_since(since - most_wait_);
+Duration LineJudge::most_wait(const RequestState& request, Instant since, Instant t) const {
+    const Duration longest = most_wait_ + 2 * lost_since(since - most_wait_, t);
     constexpr double kFull = 0.7;
     if (line_.relayed || load_ >= kFull || !guarantee_.feasible || in_doubt(since, request.plan->device))
         return longest;
     const Duration period = *request.plan->period;
     Duration taken = once_;
-    for (const Excess& excess : excess_)
+    each_excess(t, [&](const Excess& excess) {
         if (excess.t + excess.length >= since - period) taken += excess.length + excess.hold;
+    });
     return std::min(longest, period + Duration(static_cast<Duration::rep>(static_cast<double>(taken.count()) /
                                                                           (1 - load_))));
 }
@@ -118,7 +138,7 @@ void LineJudge::check_advance(Instant t) {
         const DeviceState& device = devices_[planned.device];
         const Instant released = first_release_after(request, request.served_until);
         const Instant since = std::max(released, device.clean_from);
-        const Duration most = most_wait(request, since);
+        const Duration most = most_wait(request, since, t);
         if (!device.enabled || may_have_died(planned.device, t) || since <= forgotten_ || t - since <= most)
             continue;
         complain("polling_advances", t,
@@ -412,27 +432,14 @@ std::optional<Duration> LineJudge::bound(VariableNumber v, Instant t) const {
     Duration lost{};
     std::optional<std::size_t> culprit;
     bool one_device = true;
-    const auto count = [&](const Excess& excess) {
+    each_excess(t, [&](const Excess& excess) {
         const Duration length = excess.length + (excess.device == own ? excess.hold : Duration::zero());
         if (excess.t > t || excess.t + length < from) return;
         lost += length;
         one_device = one_device && !excess.unproved && excess.device && excess.device != own &&
                      (!culprit || culprit == excess.device);
         culprit = excess.device;
-    };
-    for (const Excess& excess : excess_) count(excess);
-    // A transaction at its deadline fails at this instant; an unbounded one may be in flight.
-    for (const Transaction& transaction : transactions_) {
-        if (transaction.over) continue;
-        if (t >= transaction.deadline && !transaction.broadcast)
-            count(excess_of_failure(transaction, t, t - transaction.start));
-        else if (!transaction.polls() && !transaction.expected)
-            count({t, t - transaction.start, {}});
-        else if (const auto more = beyond(transaction, t - transaction.start); more > Duration::zero())
-            count({t, more, {}});
-        else if (in_doubt(transaction))
-            count(excess_of_confirmation(transaction, t));
-    }
+    });
     if (lost == Duration::zero()) return age;
     constexpr double kFull = 0.95;
     std::optional<Duration> longest;
