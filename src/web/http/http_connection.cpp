@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "http/reply_text.hpp"
 #include "takt/base/assert.hpp"
 
 namespace takt::web {
@@ -20,44 +21,12 @@ std::string host_of(std::string_view peer) {
     return std::string(peer.substr(0, peer.rfind(':')));
 }
 
-std::string_view phrase(int status) {
-    switch (status) {
-        case 400: return "Bad Request";
-        case 408: return "Request Timeout";
-        case 413: return "Content Too Large";
-        case 414: return "URI Too Long";
-        case 415: return "Unsupported Media Type";
-        case 417: return "Expectation Failed";
-        case 429: return "Too Many Requests";
-        case 431: return "Request Header Fields Too Large";
-        case 501: return "Not Implemented";
-        case 503: return "Service Unavailable";
-        case 505: return "HTTP Version Not Supported";
-        default: return "Error";
-    }
-}
-
 }  // namespace
 
 std::string event_text(std::string_view name, std::string_view data) {
     std::string text;
     text.reserve(name.size() + data.size() + 17);
     return text.append("event: ").append(name).append("\ndata: ").append(data).append("\n\n");
-}
-
-std::string bare_reply(int status) {
-    const std::string code = std::to_string(status);
-    const std::string_view reason = status == 429   ? ": this address is at a limit of one visitor"
-                                    : status == 503 ? ": all visitors together are at a limit"
-                                                    : "";
-    const std::string body = "{\"error\":{\"code\":\"http_" + code + "\",\"text\":\"" + code + ' ' +
-                             std::string(phrase(status)).append(reason) + "\"}}\n";
-    std::string text = "HTTP/1.1 " + code + ' ' + std::string(phrase(status)) +
-                       "\r\nContent-Type: application/json\r\nX-Content-Type-Options: nosniff\r\n"
-                       "Cache-Control: no-store\r\nConnection: close\r\nContent-Length: " +
-                       std::to_string(body.size()) + "\r\n";
-    if (status == 429 || status == 503) text += "Retry-After: 1\r\n";
-    return text + "\r\n" + body;
 }
 
 HttpConnection::HttpConnection(const Limits& limits, std::string_view peer, Instant t, Owner owner)
@@ -123,44 +92,46 @@ void HttpConnection::on_bytes(Instant t, Bytes bytes) {
 // One request; what follows it waits in input_ until its answer is sent.
 void HttpConnection::receive(Instant t) {
     if (!request_ && !receive_head(t)) return;
-    if (const int status = hold(std::min(input_.size(), body_bytes_)); status != 0) return reject(status);
-    if (input_.size() >= body_bytes_) begin_request();
+    const auto size = request_->head.body_bytes;
+    if (const int status = hold(std::min(input_.size(), size)); status != 0) return reject(status);
+    if (input_.size() >= size) begin_request();
 }
 
 /// @returns whether a head is there, and its request was admitted
 bool HttpConnection::receive_head(Instant t) {
     const auto size = head_size(input_, scanned_);
     scanned_ = size ? 0 : input_.size();
-    if (!size && input_.size() > limits_.framing.head_bytes) reject(431);
+    if (!size && input_.size() > limits_.head.head_bytes) reject(431);
     if (!size) return false;
-    auto parsed = parse_head(std::string_view(input_).substr(0, *size), limits_.framing);
+    auto parsed = parse_head(std::string_view(input_).substr(0, *size), limits_.head);
     if (parsed.status != 0) {
         reject(parsed.status);
         return false;
     }
     input_.erase(0, *size);
-    body_bytes_ = parsed.head.body_bytes;
-    HttpRequest request{.head = std::move(parsed.head.text), .peer = peer_, .has_body = body_bytes_ > 0};
+    HttpRequest request{.head = std::move(parsed.head), .peer = peer_};
     auto refusal = owner_.admit(request);
-    visitor_ = std::move(request.visitor);
+    visitor_ = request.visitor;
     if (refusal) {
+        refusal->close = refusal->close || request.head.body_bytes > 0;
         refuse(*std::move(refusal));
         return false;
     }
+    const auto body_bytes = request.head.body_bytes;
+    if (body_bytes > kSmallBody) deadline_ = after(t, limits_.body);
+    if (request.head.expects_continue && input_.size() < body_bytes) output_ = kContinue;
     request_ = std::move(request);
-    if (body_bytes_ > kSmallBody) deadline_ = after(t, limits_.body);
-    if (parsed.head.expects_continue && input_.size() < body_bytes_) output_ = kContinue;
     return true;
 }
 
 void HttpConnection::begin_request() {
     auto request = *std::exchange(request_, {});
-    request.visitor = visitor_;
-    if (input_.size() == body_bytes_) {
+    const auto size = request.head.body_bytes;
+    if (input_.size() == size) {
         request.body = std::exchange(input_, {});
     } else {
-        request.body = input_.substr(0, body_bytes_);
-        input_.erase(0, body_bytes_);
+        request.body = input_.substr(0, size);
+        input_.erase(0, size);
     }
     state_ = State::executing;
     deadline_ = kNever;
@@ -169,11 +140,10 @@ void HttpConnection::begin_request() {
 
 // The body of a request that is refused is not received. What would follow it is lost with it.
 void HttpConnection::refuse(HttpReply reply) {
-    const bool close = reply.close || body_bytes_ > 0;
     state_ = State::executing;
     deadline_ = kNever;
-    if (close) input_.clear();
-    answer({.bytes = std::move(reply.bytes), .close = close});
+    if (reply.close) input_.clear();
+    answer(std::move(reply));
 }
 
 void HttpConnection::reject(int status) {

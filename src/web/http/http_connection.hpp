@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "http/request_framing.hpp"
+#include "http/request_head.hpp"
 #include "takt/base/engine.hpp"
 #include "takt/line/tcp_server.hpp"
 #include "takt/web/api.hpp"
@@ -18,11 +18,11 @@
 namespace takt::web {
 
 struct HttpRequest {
-    std::string head;       ///< RequestHead::text
-    std::string body;       ///< empty until it is complete
-    std::string peer;       ///< address without the port
-    bool has_body = false;  ///< one is announced
+    RequestHead head;
+    std::string body = {};  ///< empty until it is complete
+    std::string peer = {};  ///< address without the port
     // Known when it is admitted.
+    std::string client = {};   ///< its address: the peer's, or behind a proxy
     std::string visitor = {};  ///< whose limits count
     Work work = Work::quick;
     bool is_stream = false;
@@ -36,10 +36,6 @@ struct HttpReply {
     std::unique_ptr<StreamSource> stream = {};  ///< sent behind `bytes`, to the end of the connection
 };
 
-/// A reply of the connection itself, which no handler has seen: `HTTP/1.1 STATUS …` with an empty body. Ends
-/// the connection.
-[[nodiscard]] std::string bare_reply(int status);
-
 /// An HTTP/1.1 connection as an engine (takt/base/engine.hpp): no sockets, no threads, no clock.
 ///
 /// A request is admitted by its head. Its body counts as it is received, not as it is announced.
@@ -51,7 +47,7 @@ struct HttpReply {
 class HttpConnection final : public line::Session, private Engine {
 public:
     struct Limits {
-        FramingLimits framing;
+        HeadLimits head;
         Duration idle = std::chrono::seconds(20);     ///< without a request
         Duration request = std::chrono::seconds(10);  ///< from the first byte of a request to its end
         Duration body = std::chrono::seconds(60);     ///< likewise of a request with a body over 64 KiB
@@ -133,7 +129,6 @@ private:
     std::string input_;
     std::size_t scanned_ = 0;             // of input_, without an end of a head
     std::optional<HttpRequest> request_;  // whose body is being received
-    std::size_t body_bytes_ = 0;          // announced for request_
     std::string visitor_;
     std::string output_;
     std::size_t taken_ = 0;  // of output_, by the driver

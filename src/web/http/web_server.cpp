@@ -17,6 +17,7 @@
 #include "http/http_connection.hpp"
 #include "http/http_router.hpp"
 #include "http/lower_ascii.hpp"
+#include "http/reply_text.hpp"
 #include "http/request_guard.hpp"
 #include "http/request_queue.hpp"
 #include "takt/base/assert.hpp"

@@ -48,11 +48,22 @@ HttpRouter router(bool streams_free = true) {
         {});
 }
 
+RequestHead head_of(const std::string& text) {
+    auto parsed = parse_head(text + "\r\n");
+    EXPECT_EQ(parsed.status, 0) << text;
+    return std::move(parsed.head);
+}
+
+/// As a connection does it.
+HttpReply answer(const HttpRouter& routes, HttpRequest request) {
+    if (auto refusal = routes.admit(request)) return *std::move(refusal);
+    return routes.reply(std::move(request));
+}
+
 std::string get(const std::string& target, const std::string& more = "", const std::string& method = "GET") {
-    const auto routes = router();
-    return routes
-        .reply({.head = method + " " + target + " HTTP/1.1\r\nhost: localhost\r\n" + more + "\r\n",
-                .peer = "10.0.0.5"})
+    return answer(router(),
+                  {.head = head_of(method + " " + target + " HTTP/1.1\r\nhost: localhost\r\n" + more),
+                   .peer = "10.0.0.5"})
         .bytes;
 }
 
@@ -103,13 +114,13 @@ TEST(HttpRouter, HidesWhyAHandlerFailed) {
 
 TEST(HttpRouter, HandsBodiesOverAndNamesDownloads) {
     const auto routes = router();
-    const std::string head =
+    const auto head = head_of(
         "POST /api/v1/echo HTTP/1.1\r\nhost: localhost\r\nx-takt: 1\r\ncontent-type: "
-        "application/json\r\n\r\n";
-    const auto reply = routes.reply({.head = head, .body = "{}", .peer = ""}).bytes;
+        "application/json\r\n");
+    const auto reply = answer(routes, {.head = head, .body = "{}"}).bytes;
     EXPECT_EQ(body_of(reply), "{}");
     EXPECT_NE(reply.find("Content-Disposition: attachment; filename=\"a_b.csv\"\r\n"), std::string::npos);
-    EXPECT_TRUE(routes.reply({.head = head, .body = "\xFF", .peer = ""}).bytes.starts_with("HTTP/1.1 400 "));
+    EXPECT_TRUE(answer(routes, {.head = head, .body = "\xFF"}).bytes.starts_with("HTTP/1.1 400 "));
 }
 
 TEST(HttpRouter, CompressesOnRequest) {
@@ -133,51 +144,52 @@ TEST(HttpRouter, ServesThePage) {
 }
 
 TEST(HttpRouter, OpensStreams) {
-    auto reply = router().reply({.head = "GET /api/v1/events HTTP/1.1\r\nhost: localhost\r\n\r\n"});
+    const auto head = head_of("GET /api/v1/events HTTP/1.1\r\nhost: localhost\r\n");
+    auto reply = answer(router(), {.head = head});
     ASSERT_TRUE(reply.stream);
     EXPECT_TRUE(reply.bytes.starts_with("HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\n"));
     std::string events;
     EXPECT_FALSE(reply.stream->take(events));
     EXPECT_EQ(events, "event: hello\ndata: 1\n\n");
-    reply = router(false).reply({.head = "GET /api/v1/events HTTP/1.1\r\nhost: localhost\r\n\r\n"});
+    reply = answer(router(false), {.head = head});
     EXPECT_FALSE(reply.stream);
     EXPECT_TRUE(reply.bytes.starts_with("HTTP/1.1 503 "));
 }
 
 TEST(HttpRouter, AdmitsByTheHead) {
     const auto routes = router();
-    const auto admitted = [&](HttpRequest request, const std::string& start, const std::string& fields) {
-        request.head = start + " HTTP/1.1\r\nhost: localhost\r\n" + fields + "\r\n";
-        request.peer = "10.0.0.5";
+    const auto admitted = [&](const std::string& start, const std::string& fields) {
+        HttpRequest request{.head = head_of(start + " HTTP/1.1\r\nhost: localhost\r\n" + fields),
+                            .peer = "10.0.0.5"};
         const auto refusal = routes.admit(request);
         return std::pair(refusal ? refusal->bytes : "", std::move(request));
     };
-    const std::string marked = "x-takt: 1\r\ncontent-type: application/json\r\n";
-    const auto [none, change] = admitted({.has_body = true}, "POST /api/v1/echo", marked);
+    const std::string body = "content-length: 2\r\n";
+    const std::string marked = "x-takt: 1\r\ncontent-type: application/json\r\n" + body;
+    const auto [none, change] = admitted("POST /api/v1/echo", marked);
     EXPECT_EQ(none, "");
     EXPECT_EQ(change.work, Work::device);
     EXPECT_EQ(change.superseded_by, "");
     EXPECT_FALSE(change.is_stream);
-    const auto [refused, stranger] = admitted({.has_body = true}, "POST /api/v1/echo", "");
+    const auto [refused, stranger] = admitted("POST /api/v1/echo", body);
     EXPECT_TRUE(refused.starts_with("HTTP/1.1 403 ")) << refused;
     EXPECT_NE(refused.find("Connection: close\r\n"), std::string::npos) << "its body is not received";
     EXPECT_EQ(stranger.visitor, change.visitor);
-    EXPECT_TRUE(admitted({}, "GET /api/v1/events", "").second.is_stream);
-    const auto newest = admitted({}, "GET /api/v1/newest?client=a", "").second;
+    EXPECT_TRUE(admitted("GET /api/v1/events", "").second.is_stream);
+    const auto newest = admitted("GET /api/v1/newest?client=a", "").second;
     EXPECT_EQ(newest.work, Work::planning);
     EXPECT_EQ(newest.superseded_by, "10.0.0.5 a");
-    EXPECT_EQ(admitted({}, "GET /", "").first, "");
-    EXPECT_TRUE(admitted({}, "GET", "").first.starts_with("HTTP/1.1 400 "));
+    EXPECT_EQ(admitted("GET /", "").first, "");
 }
 
 TEST(HttpRouter, FieldsOfANamedProxyCount) {
     const auto routes = router();
     const auto ask = [&](const char* peer, const std::string& fields) {
         HttpRequest request{
-            .head = "GET /api/v1/echo HTTP/1.1\r\nhost: plant.example.com\r\n" + fields + "\r\n",
+            .head = head_of("GET /api/v1/echo HTTP/1.1\r\nhost: plant.example.com\r\n" + fields),
             .peer = peer};
-        static_cast<void>(routes.admit(request));
-        return std::pair(request.visitor, routes.reply(request).bytes);
+        const auto refusal = routes.admit(request);
+        return std::pair(request.visitor, refusal ? refusal->bytes : routes.reply(request).bytes);
     };
     const std::string fields =
         "x-forwarded-for: 1.2.3.4, 192.0.2.7\r\nx-forwarded-proto: https\r\norigin: "
@@ -195,7 +207,7 @@ TEST(HttpRouter, FieldsOfANamedProxyCount) {
 TEST(HttpRouter, VisitorsWithTheTokenAreCountedApart) {
     const HttpRouter routes({.token = "0123456789abcdef"}, {}, text::Language::english, {}, {}, {});
     const auto visitor = [&](const std::string& fields) {
-        HttpRequest request{.head = "GET /api/v1/x HTTP/1.1\r\nhost: localhost\r\n" + fields + "\r\n",
+        HttpRequest request{.head = head_of("GET /api/v1/x HTTP/1.1\r\nhost: localhost\r\n" + fields),
                             .peer = "10.0.0.5"};
         static_cast<void>(routes.admit(request));
         return request.visitor;
@@ -207,8 +219,8 @@ TEST(HttpRouter, VisitorsWithTheTokenAreCountedApart) {
 TEST(HttpRouter, ClosesWhatAsksForIt) {
     const auto routes = router();
     const std::string head = "GET /api/v1/echo HTTP/1.1\r\nhost: localhost\r\n";
-    EXPECT_FALSE(routes.reply({.head = head + "\r\n"}).close);
-    EXPECT_TRUE(routes.reply({.head = head + "connection: close\r\n\r\n"}).close);
+    EXPECT_FALSE(answer(routes, {.head = head_of(head)}).close);
+    EXPECT_TRUE(answer(routes, {.head = head_of(head + "connection: close\r\n")}).close);
 }
 
 }  // namespace http_router_test

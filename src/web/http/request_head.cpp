@@ -1,9 +1,10 @@
-#include "http/request_framing.hpp"
+#include "http/request_head.hpp"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <set>
+#include <utility>
 
 #include "http/lower_ascii.hpp"
 #include "takt/base/ascii.hpp"
@@ -42,29 +43,63 @@ std::string_view take_line(std::string_view& rest) {
     return line;
 }
 
-/// 0: accepted.
-int check_request_line(std::string_view line, const FramingLimits& limits) {
+/// @returns nothing: a `%` without two digits behind it
+std::optional<std::string> decoded(std::string_view text, bool plus_is_blank) {
+    std::string result;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (text[i] != '%') {
+            result += text[i] == '+' && plus_is_blank ? ' ' : text[i];
+            continue;
+        }
+        const auto high = i + 2 < text.size() ? hex_value(text[i + 1]) : std::nullopt;
+        const auto low = high ? hex_value(text[i + 2]) : std::nullopt;
+        if (!low) return std::nullopt;
+        result += static_cast<char>(*high * 16 + *low);
+        i += 2;
+    }
+    return result;
+}
+
+/// Sets path and query. @returns 0 or the status
+int read_target(std::string_view target, RequestHead& head) {
+    target = target.substr(0, target.find('#'));
+    const auto mark = target.find('?');
+    auto path = decoded(target.substr(0, mark), false);
+    if (!path) return 400;
+    head.path = *std::move(path);
+    auto rest = mark == std::string_view::npos ? std::string_view() : target.substr(mark + 1);
+    while (!rest.empty()) {
+        const auto part = rest.substr(0, rest.find('&'));
+        rest.remove_prefix(std::min(rest.size(), part.size() + 1));
+        const auto equals = std::min(part.find('='), part.size());
+        auto name = decoded(part.substr(0, equals), true);
+        auto value = decoded(part.substr(std::min(part.size(), equals + 1)), true);
+        if (!name || !value) return 400;
+        if (!name->empty()) head.query.emplace(*std::move(name), *std::move(value));
+    }
+    return 0;
+}
+
+/// @returns 0 or the status
+int read_request_line(std::string_view line, const HeadLimits& limits, RequestHead& head) {
     const auto method_end = line.find(' ');
     const auto target_end = line.rfind(' ');
     if (method_end == std::string_view::npos || target_end == method_end) return 400;
     const auto target = line.substr(method_end + 1, target_end - method_end - 1);
     const auto version = line.substr(target_end + 1);
-    if (!is_token(line.substr(0, method_end)) || target.find(' ') != std::string_view::npos) return 400;
+    head.method = line.substr(0, method_end);
+    if (!is_token(head.method) || target.find(' ') != std::string_view::npos) return 400;
     if (target.empty() || target.front() != '/') return 400;
     if (target.size() > limits.target_bytes) return 414;
     if (!version.starts_with("HTTP/")) return 400;
-    return version == "HTTP/1.1" || version == "HTTP/1.0" ? 0 : 505;
+    head.keeps_alive = version == "HTTP/1.1";
+    if (version != "HTTP/1.1" && version != "HTTP/1.0") return 505;
+    return read_target(target, head);
 }
 
 class HeadParser {
 public:
-    explicit HeadParser(const FramingLimits& limits) : limits_(limits) {}
-
-    void end() {
-        for (std::size_t i = 0; i < kLists.size(); ++i)
-            if (!lists_[i].empty()) put(kLists[i], lists_[i]);
-        head.text += "\r\n";
-    }
+    explicit HeadParser(const HeadLimits& limits) : limits_(limits) {}
 
     /// @returns 0 or the status
     int line(std::string_view text) {
@@ -81,8 +116,8 @@ private:
         const bool known = std::ranges::find(kKnown, name) != kKnown.end();
         if (name == "transfer-encoding") return 501;
         if (name == "content-encoding" && lower_ascii(value) != "identity") return 415;
-        if (const auto list = std::ranges::find(kLists, name); list != kLists.end()) {
-            auto& text = lists_[static_cast<std::size_t>(list - kLists.begin())];
+        if (std::ranges::find(kLists, name) != kLists.end()) {
+            auto& text = head.fields[name];
             text.append(text.empty() ? "" : ", ").append(value);
             return 0;
         }
@@ -93,12 +128,16 @@ private:
             head.expects_continue = lower_ascii(value) == "100-continue";
             return head.expects_continue ? 0 : 417;
         }
-        put(name, value);
+        if (name == "connection") keep_alive(lower_ascii(value));
+        head.fields.emplace(name, value);
         return 0;
     }
 
-    void put(std::string_view name, std::string_view value) {
-        head.text.append(name).append(": ").append(value).append("\r\n");
+    void keep_alive(const std::string& value) {
+        if (value.contains("close"))
+            head.keeps_alive = false;
+        else if (value.contains("keep-alive"))
+            head.keeps_alive = true;
     }
 
     int content_length(std::string_view value) {
@@ -110,10 +149,9 @@ private:
         return head.body_bytes > limits_.body_bytes ? 413 : 0;
     }
 
-    const FramingLimits& limits_;
+    const HeadLimits& limits_;
     std::set<std::string, std::less<>> seen_;
     std::size_t count_ = 0;
-    std::array<std::string, kLists.size()> lists_;
 };
 
 }  // namespace
@@ -124,21 +162,34 @@ std::optional<std::size_t> head_size(std::string_view bytes, std::size_t from) {
     return found + kEnd.size();
 }
 
-ParsedHead parse_head(std::string_view head, const FramingLimits& limits) {
+ParsedHead parse_head(std::string_view head, const HeadLimits& limits) {
     if (head.size() > limits.head_bytes) return {.status = 431};
     auto rest = head.substr(0, head.size() - 2);  // the last line keeps its end
     const auto request_line = take_line(rest);
     if (!is_printable(request_line)) return {.status = 400};
-    if (const int status = check_request_line(request_line, limits)) return {.status = status};
     HeadParser parser(limits);
-    parser.head.text = std::string(request_line) + "\r\n";
+    if (const int status = read_request_line(request_line, limits, parser.head)) return {.status = status};
     while (!rest.empty()) {
         const auto line = take_line(rest);
         if (!is_printable(line)) return {.status = 400};
         if (const int status = parser.line(line)) return {.status = status};
     }
-    parser.end();
     return {.head = std::move(parser.head)};
+}
+
+std::optional<std::string> RequestHead::field(std::string_view name) const {
+    const auto found = fields.find(name);
+    return found == fields.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::string_view RequestHead::text_of(std::string_view name) const {
+    const auto found = fields.find(name);
+    return found == fields.end() ? std::string_view() : found->second;
+}
+
+std::optional<std::string> RequestHead::parameter(std::string_view name) const {
+    const auto found = query.find(name);
+    return found == query.end() ? std::nullopt : std::optional(found->second);
 }
 
 }  // namespace takt::web
