@@ -57,8 +57,8 @@ def seed_slaves():
             write(target, f"golden-{choice}", bytes([choice]) + b"".join(frame_steps(one)))
         write(target, "units", b"\0" + b"".join(b"".join(frame_steps(unit)) for unit in (two, broadcast)))
         write(
-            target, "pieces", b"\0" + b"".join(step[:2 + step[1] + 1] + b"\x03" + step[-3:]
-                                               for step in frame_steps(one | 0x40)))
+            target, "pieces", b"\0" +
+            b"".join(step[:2 + step[1] + 1] + b"\x03" + step[-3:] for step in frame_steps(one | 0x40)))
         write(target, "echo", b"\0" + b"".join(step + b"\6" for step in frame_steps(one)))
     for choice, name in ((0, "mbap"), (0xC1, "rtu"), (0xC0, "ascii")):
         write("tcp_slave", f"golden-{name}", bytes([choice]) + b"".join(frame_steps(1 | 8)))
@@ -66,7 +66,8 @@ def seed_slaves():
             "tcp_slave", f"many-{name}",
             bytes([choice]) + b"\x06" + b"".join(
                 bytes([4 | 8, len(bytes.fromhex(r)) - 1]) + bytes.fromhex(r) + b"\x27"
-                for r, _ in PDUS if len(r) < 20) + b"\x06")
+                for r, _ in PDUS
+                if len(r) < 20) + b"\x06")
     write("tcp_slave", "http", b"\0" + b"\0\x0fGET / HTTP/1.1\r\n")
     write("tcp_slave", "half", bytes.fromhex("00 00 03 0001 0000 05 20"))
 
@@ -163,8 +164,8 @@ def seed_listen():
     from frames import request
     for choice, framing in ((0, "rtu"), (2, "rtu"), (8, "rtu"), (1, "ascii")):
         steps = [
-            struct.pack(">HB", 100, len(frame)) + frame for pair in PDUS for pdu in pair
-            for frame in [request(framing, 1, pdu)] if len(frame) < 255
+            struct.pack(">HB", 100, len(frame)) + frame for pair in PDUS
+            for pdu in pair for frame in [request(framing, 1, pdu)] if len(frame) < 255
         ]
         damaged = request(framing, 1, PDUS[2][1])[:-3]
         write(
@@ -178,8 +179,38 @@ def seed_listen():
         write("listen", f"polls-{choice}", bytes([choice]) + b"".join(polls))
 
 
+def seed_http():
+    """Who it is, then pieces with their length: requests of a page, of a proxy, and what is refused."""
+    host = "Host: localhost\r\n"
+    token, marked = "Authorization: Bearer token\r\n", "X-Takt: 1\r\nContent-Type: application/json\r\n"
+    requests = {
+        "page":
+            f"GET / HTTP/1.1\r\n{host}Accept-Encoding: gzip\r\n\r\n" * 2,
+        "echo":
+            f"GET /api/v1/echo?a=%D0%B4+b&token=token&lang=uk HTTP/1.1\r\n{host}\r\n",
+        "proxy":
+            f"GET /api/v1/echo HTTP/1.0\r\n{host}{token}X-Forwarded-For: 1.2.3.4, [::1]:5\r\n"
+            "X-Forwarded-For: 10.0.0.1\r\nX-Forwarded-Proto: https\r\nConnection: keep-alive\r\n\r\n",
+        "post":
+            f"POST /api/v1/echo HTTP/1.1\r\n{host}{token}{marked}Expect: 100-continue\r\n"
+            "Content-Length: 4\r\n\r\n{}{}" + f"HEAD /none HTTP/1.1\r\n{host}\r\n",
+        "stranger":
+            f"PUT /api/v1/echo HTTP/1.1\r\nHost: evil.example\r\n{marked}Content-Length: 9\r\n\r\n{{}}",
+        "strict":
+            f"GET /% HTTP/1.1\r\n{host}Transfer-Encoding: chunked\r\n\r\n",
+    }
+    for name, text in requests.items():
+        for peer, size in ((0, 255), (1, 7)):
+            data = text.encode()
+            pieces = [data[at:at + size] for at in range(0, len(data), size)]
+            write(
+                "http", f"{name}-{size}",
+                bytes([peer]) + b"".join(bytes([len(piece) - 1]) + piece for piece in pieces) + b"\xff\xff\0")
+
+
 seed_captures()
 seed_listen()
+seed_http()
 seed_slaves()
 seed_masters()
 seed_texts()
