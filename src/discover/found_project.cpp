@@ -92,8 +92,11 @@ bool has_twin(const FoundDevice& device, const Group& group) {
 }
 
 model::Device device_of(const FoundUnit& unit, std::size_t line_number, const ProbeFindings* probe) {
+    const auto defaults = model::device_defaults(model::Profile::generic);
     model::Device device;
-    device.response_timeout = model::device_defaults(model::Profile::generic).response_timeout;
+    device.poll_period = defaults.poll_period;
+    device.response_timeout = defaults.response_timeout;
+    device.group_requests = defaults.group_requests;
     device.name = "unit " + std::to_string(unit.unit.value);
     device.address = unit.unit;
     const auto response_time = std::chrono::floor<std::chrono::milliseconds>(unit.response_time);
@@ -102,10 +105,22 @@ model::Device device_of(const FoundUnit& unit, std::size_t line_number, const Pr
     const auto prefix =
         "line" + std::to_string(line_number) + "_unit" + std::to_string(unit.unit.value) + "_";
     device.variables = probe ? probed_variables(*probe, prefix) : found_variables(unit, prefix);
+    for (auto& variable : device.variables) variable.period = device.poll_period;
+    if (probe) set_ranges(device, *probe);
     return device;
 }
 
 }  // namespace
+
+void set_ranges(model::Device& device, const ProbeFindings& probe) {
+    for (const auto& area : probe.areas)
+        device.readable[static_cast<std::size_t>(area.area)] = area.result.readable;
+    if (const auto registers = probe.longest_register_read()) {
+        device.registers_per_request = *registers;
+        device.registers_per_request_set = true;
+    }
+    if (probe.one_register_only()) device.group_requests = false;
+}
 
 FoundProject found_project(const ScanFindings& findings, const DeviceProbes& probes) {
     auto groups = by_line(findings);

@@ -149,7 +149,9 @@ model::Device device_of(std::uint8_t unit, const HeardDevice& heard, int stretch
     model::Device device;
     device.name = "unit " + std::to_string(unit);
     device.address = UnitId{unit};
-    device.response_timeout = model::device_defaults(model::Profile::generic).response_timeout;
+    const auto defaults = model::device_defaults(model::Profile::generic);
+    device.response_timeout = defaults.response_timeout;
+    device.group_requests = defaults.group_requests;
     const auto longest = heard.times.max();
     if (longest >= device.response_timeout / 2)
         device.response_timeout =

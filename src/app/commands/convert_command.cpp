@@ -225,7 +225,7 @@ private:
     }
 
     std::optional<std::string> project_text(const model::Document& document) {
-        auto text = file::write_project(document);
+        auto text = file::write_project(document.root);
         auto again = file::load_text(document.files[0], text);
         if (again.readable && again.findings.empty()) return text;
         accept(host::interpreted(std::move(again)));

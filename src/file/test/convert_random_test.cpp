@@ -159,7 +159,7 @@ RC_GTEST_PROP(Convert, TablesAndProjectsHoldTheSameVariables, ()) {
     RC_ASSERT(errors_of(project) == Findings{});
     const auto expected = described(model::interpret(project.document).project);
 
-    const auto yaml = write_project(project.document);
+    const auto yaml = write_project(project.document.root);
     const auto read = load_text("p.yaml", yaml);
     RC_LOG() << yaml;
     RC_ASSERT(errors_of(read) == Findings{});

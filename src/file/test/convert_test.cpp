@@ -25,7 +25,7 @@ constexpr std::string_view kIdeTable =
 TEST(Convert, TheTableOfAnIdeBecomesAProject) {
     const auto project = project_of(std::string(kIdeTable));
     EXPECT_EQ(errors_of(project), Findings{});
-    const auto text = write_project(project.document);
+    const auto text = write_project(project.document.root);
     const auto at = text.find("        variables:\n");
     ASSERT_NE(at, std::string::npos);
     EXPECT_EQ(text.substr(at),
@@ -44,7 +44,7 @@ TEST(Convert, TagsAreOneCell) {
     const auto project = project_of(
         "name;type;register;read;Теги\r\nA;int;1;3;energy, b-2;\r\nB;int;2;3;;\r\nC;int;3;3;x\r\n");
     EXPECT_EQ(errors_of(project), Findings{});
-    const auto yaml = write_project(project.document);
+    const auto yaml = write_project(project.document.root);
     EXPECT_NE(yaml.find("tags: [energy, b-2]"), std::string::npos) << yaml;
     const auto read = load_text("p.yaml", yaml);
     EXPECT_EQ(errors_of(read), Findings{});
@@ -86,7 +86,7 @@ TEST(Convert, OutputsAreWrittenAsTheyWere) {
         "    select:\n"
         "      - {tags: [x], period: 1s, topic: \"q/{variable}\"}\n"
         "      - {variables: [A, \"?\"]}\n";
-    EXPECT_EQ(write_project(load_text("p.yaml", std::string(kProject)).document), kProject);
+    EXPECT_EQ(write_project(load_text("p.yaml", std::string(kProject)).document.root), kProject);
 }
 
 TEST(Convert, AProjectMayNameTheTableOfAnIde) {

@@ -63,7 +63,7 @@ TEST(IdeTables, AreOneProject) {
         project_of({{"Стандартные", kStandard}, {"Устройство, 16", kMaster}, {"Слот 2", kSlave}});
     EXPECT_EQ(errors_of(loaded), Findings{});
     EXPECT_EQ(locations_and_codes(loaded), Findings{"3/2:1 csv.area_assumed"});
-    EXPECT_EQ(write_project(loaded.document),
+    EXPECT_EQ(write_project(loaded.document.root),
               "takt: 1\n"
               "lines:\n"
               "  - name: line\n"

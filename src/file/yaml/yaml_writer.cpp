@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "takt/file/convert.hpp"
 #include "takt/model/fields.hpp"
@@ -90,6 +91,8 @@ std::string field_text(Object object, const Node& mapping, std::string_view key,
 
 class ProjectWriter {
 public:
+    explicit ProjectWriter(const Comments& comments) : comments_(comments) {}
+
     // The kind of the items of a list.
     static Object object_of(std::string_view key) {
         if (key == "lines") return Object::line;
@@ -123,6 +126,8 @@ public:
             text_ += key.text + ":";
             if (value.kind == Node::Kind::list && !is_of_scalars(value))
                 list(object_of(key.text), value, depth);
+            else if (is_of_lists(value))
+                nested(value, depth);
             else
                 text_ += " " + value_text(object, node, key.text, value) + "\n";
         }
@@ -134,6 +139,17 @@ private:
     // Ranges and numbers: [0..9, 20]. An empty list is one of mappings.
     static bool is_of_scalars(const Node& list) {
         return !list.items.empty() && list.items.front().kind != Node::Kind::mapping;
+    }
+
+    static bool is_of_lists(const Node& mapping) {
+        return !mapping.entries.empty() && std::ranges::all_of(mapping.entries, [](const Node::Entry& entry) {
+            return entry.value.kind == Node::Kind::list && is_of_scalars(entry.value);
+        });
+    }
+
+    void nested(const Node& lists, std::size_t depth) {
+        text_ += '\n';
+        mapping(Object::device, lists, depth + 1, false);
     }
 
     static std::string value_text(Object object, const Node& mapping, std::string_view key,
@@ -168,6 +184,7 @@ private:
     void list(Object object, const Node& node, std::size_t depth) {
         text_ += node.items.empty() ? " []\n" : "\n";
         for (const auto& item : node.items) {
+            comment(item, depth + 1);
             text_.append((depth + 1) * kIndent, ' ');
             text_ += "- ";
             if (object == Object::line || object == Object::device || object == Object::server ||
@@ -178,14 +195,30 @@ private:
         }
     }
 
+    void comment(const Node& item, std::size_t depth) {
+        const auto found = comments_.find(&item);
+        if (found == comments_.end()) return;
+        std::istringstream lines(found->second);
+        for (std::string line; std::getline(lines, line);)
+            text_.append(depth * kIndent, ' ').append("# ").append(line) += '\n';
+    }
+
+    const Comments& comments_;
     std::string text_;
 };
 
 }  // namespace
 
-std::string write_project(const model::Document& document) {
-    ProjectWriter writer;
-    writer.mapping(Object::project, document.root, 0, false);
+std::string write_project(const model::Node& root, const Comments& comments) {
+    ProjectWriter writer(comments);
+    writer.mapping(Object::project, root, 0, false);
+    return writer.take();
+}
+
+std::string write_device_keys(const model::Node& device) {
+    const Comments none;
+    ProjectWriter writer(none);
+    writer.mapping(Object::device, device, 0, false);
     return writer.take();
 }
 

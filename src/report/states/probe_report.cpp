@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <vector>
 
+#include "takt/discover/found_project.hpp"
+#include "takt/file/convert.hpp"
+#include "takt/file/project_nodes.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/progress_text.hpp"
 
@@ -135,19 +138,15 @@ std::string probe_text(const ProbeFindings& findings) {
     return text;
 }
 
-std::string probe_yaml(const ProbeFindings& findings) {
+model::Node probe_keys(const ProbeFindings& findings) {
     if (!findings.any_readable()) return {};
-    std::string text;
-    for (const auto* const key : {"offers", "readable"}) {
-        text += fmt::format("{}:\n", key);
-        for (const auto& area : findings.areas)
-            if (!area.result.readable.empty())
-                text += fmt::format("  {}: [{}]\n", wire::name(area.area), ranges_text(area.result.readable));
-    }
-    if (const auto registers = findings.longest_register_read())
-        text += fmt::format("registers_per_request: {}\n", *registers);
-    if (findings.one_register_only()) text += "group_requests: false\n";
-    return text;
+    model::Device device{.group_requests = true};
+    discover::set_ranges(device, findings);
+    return file::range_keys(device, file::Ranges::all);
+}
+
+std::string probe_yaml(const ProbeFindings& findings) {
+    return file::write_device_keys(probe_keys(findings));
 }
 
 Json probe_json(const ProbeFindings& findings, const ProbeRun& run) {

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
-#include "plans/project_text.hpp"
+#include "takt/file/convert.hpp"
+#include "takt/file/project_nodes.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/target_url.hpp"
 #include "takt/report/formatting.hpp"
@@ -100,40 +102,6 @@ std::string_view kind_name(ScanTrouble::Kind kind) {
     return "error";
 }
 
-// ---- the project file
-
-std::string variables_yaml(const model::Device& device) {
-    if (device.variables.empty()) return "        variables: []\n";
-    std::string text = "        variables:\n";
-    for (const auto& variable : device.variables) {
-        const bool coil = is_bit_area(variable.area);
-        text += fmt::format("          - {{name: {}, type: {}, {}: {}, read: {}}}\n", variable.name,
-                            takt::name(variable.type), coil ? "coil" : "register", variable.start(),
-                            function_text(*variable.read));
-    }
-    return text;
-}
-
-/// The keys that a probe gives a device, each line indented.
-std::string probed_yaml(const discover::ProbeFindings& probe) {
-    std::string text = probe_yaml(probe);
-    constexpr std::string_view kIndent = "        ";
-    for (std::size_t line = 0; line < text.size(); line = text.find('\n', line) + 1)
-        text.insert(line, kIndent);
-    return text;
-}
-
-std::string found_device_yaml(const model::Device& device, const std::string& comment,
-                              const discover::ProbeFindings* probe) {
-    auto text = fmt::format("      - name: {}\n        address: {}\n", device.name, device.address.value);
-    if (!comment.empty()) text += fmt::format("        comment: {}\n", quoted_yaml(comment));
-    if (device.response_timeout != model::device_defaults(model::Profile::generic).response_timeout)
-        text += fmt::format("        response_timeout: {}ms\n",
-                            device.response_timeout / std::chrono::milliseconds(1));
-    if (probe) text += probed_yaml(*probe);
-    return text + variables_yaml(device);
-}
-
 }  // namespace
 
 std::string identity_text(const discover::UnitIdentity& identity) {
@@ -195,25 +163,30 @@ file::Json scan_json(const Texts& texts, const ScanFindings& findings) {
     return object;
 }
 
-std::string scan_project(const Texts& texts, const ScanFindings& findings,
-                         const discover::DeviceProbes& probes) {
-    const auto project = discover::found_project(findings, probes);
-    std::string text = fmt::format("# {}\ntakt: 1\nlines:\n", texts("app.scan.project_head"));
-    for (const auto& [line, found] : project.lines) {
-        text += fmt::format("  - name: {}\n{}    devices:\n", line.name, connection_yaml(line));
-        for (std::size_t i = 0; i < found.size(); ++i) {
-            const auto probe = probes.find(found[i]);
-            text += found_device_yaml(line.devices[i], identity_text(found[i]->unit.identity),
-                                      probe == probes.end() ? nullptr : &probe->second);
+FoundNodes found_nodes(const ScanFindings& findings, const discover::DeviceProbes& probes) {
+    FoundNodes found{.project = discover::found_project(findings, probes), .lines = {}};
+    for (auto& [line, devices] : found.project.lines) {
+        auto& node = found.lines.emplace_back(file::line_node(line));
+        for (std::size_t i = 0; i < devices.size(); ++i) {
+            line.devices[i].comment = identity_text(devices[i]->unit.identity);
+            node.entries.back().value.items.push_back(file::device_node(line.devices[i], file::Ranges::all));
         }
     }
+    return found;
+}
+
+std::string scan_project(const Texts& texts, const ScanFindings& findings,
+                         const discover::DeviceProbes& probes) {
+    auto found = found_nodes(findings, probes);
+    auto text = fmt::format("# {}\n", texts("app.scan.project_head")) +
+                file::write_project(file::project_node(std::move(found.lines)));
     const auto append_comment = [&](std::string_view head, const auto& devices) {
         if (devices.empty()) return;
         text += fmt::format("\n# {}\n", texts(head));
         for (const auto* device : devices) text += "# " + device_line(texts, *device) + '\n';
     };
-    append_comment("app.scan.project_same", project.same);
-    append_comment("app.scan.project_others", project.others);
+    append_comment("app.scan.project_same", found.project.same);
+    append_comment("app.scan.project_others", found.project.others);
     return text;
 }
 

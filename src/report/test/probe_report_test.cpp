@@ -52,8 +52,8 @@ TEST(ProbeReport, TheRequestThatIsNext) {
 TEST(ProbeReport, KeysOfAProjectFile) {
     auto findings = sample();
     EXPECT_EQ(probe_yaml(findings),
-              "offers:\n  holding_register: [0..99, 200]\n  coil: [0..7]\n"
-              "readable:\n  holding_register: [0..99, 200]\n  coil: [0..7]\nregisters_per_request: 16\n");
+              "offers:\n  coil: [0..7]\n  holding_register: [0..99, 200]\n"
+              "readable:\n  coil: [0..7]\n  holding_register: [0..99, 200]\nregisters_per_request: 16\n");
     findings.areas[0].result.longest = 100;
     EXPECT_TRUE(probe_yaml(findings).ends_with("registers_per_request: 100\n")) << "accepted, and no limit";
     findings.areas[0].result.longest = 16;

@@ -7,7 +7,6 @@
 
 #include "takt/discover/found_project.hpp"
 #include "takt/file/document_json.hpp"
-#include "takt/file/edit.hpp"
 #include "takt/file/json_members.hpp"
 #include "takt/model/target_url.hpp"
 #include "takt/report/formatting.hpp"
@@ -36,18 +35,8 @@ bool is_same(const model::Line& a, const model::Line& b) {
     return model::url_of(a) == model::url_of(b);
 }
 
-/// The document of a text without the origins, which name the file that it is not from.
-file::Json document_of_text(const std::string& text) {
-    auto read = file::read_project_text("", text);
-    return file::without_origins(file::document_json(read.document.root));
-}
-
-file::Json without_devices(const file::Json& line) {
-    auto copy = file::Json::object();
-    const auto* const entries = std::get_if<file::Json::Object>(&line.value());
-    for (const auto& [key, value] : entries ? *entries : file::Json::Object{})
-        if (key != "devices") copy.set(key, value);
-    return copy;
+file::Json json_of_node(const model::Node& node) {
+    return file::without_origins(file::document_json(node));
 }
 
 /// The nodes that found devices would be in a project document.
@@ -65,17 +54,17 @@ discover::DeviceProbes probes_of(const SearchState& state) {
     return probes;
 }
 
-std::map<const discover::FoundDevice*, Nodes> nodes_of(const report::Texts& texts, const SearchState& state) {
+std::map<const discover::FoundDevice*, Nodes> nodes_of(const SearchState& state) {
     std::map<const discover::FoundDevice*, Nodes> nodes;
     if (state.findings.devices.empty()) return nodes;
-    const auto probes = probes_of(state);
-    const auto document = document_of_text(report::scan_project(texts, state.findings, probes));
-    const auto project = discover::found_project(state.findings, probes);
-    const auto& lines = array_member(document, "lines");
-    for (std::size_t l = 0; l < project.lines.size() && l < lines.size(); ++l) {
-        const auto& devices = array_member(lines[l], "devices");
-        for (std::size_t d = 0; d < project.lines[l].found.size() && d < devices.size(); ++d)
-            nodes.emplace(project.lines[l].found[d], Nodes{without_devices(lines[l]), devices[d]});
+    const auto found = report::found_nodes(state.findings, probes_of(state));
+    for (std::size_t l = 0; l < found.lines.size(); ++l) {
+        auto without_devices = found.lines[l];
+        without_devices.entries.pop_back();
+        const auto line = json_of_node(without_devices);
+        const auto& devices = found.lines[l].entries.back().value.items;
+        for (std::size_t d = 0; d < devices.size(); ++d)
+            nodes.emplace(found.project.lines[l].found[d], Nodes{line, json_of_node(devices[d])});
     }
     return nodes;
 }
@@ -97,7 +86,7 @@ file::Json known_device(const model::Line* line, UnitId unit) {
 
 file::Json devices_json(const report::Texts& texts, const SearchState& state, const model::Project& project,
                         const file::Json& scanned) {
-    const auto nodes = nodes_of(texts, state);
+    const auto nodes = nodes_of(state);
     const auto& entries = array_member(scanned, "devices");
     auto list = file::Json::array();
     for (std::size_t i = 0; i < state.findings.devices.size(); ++i) {
@@ -131,8 +120,8 @@ file::Json probed_json(const report::Texts& texts, const DeviceSearch::Probed& p
     if (!probed.project_line.empty()) object.set("target", target_of(probed.project_line));
     object.set("line", line ? file::Json(line->name) : file::Json());
     object.set("known_as", known_device(line, probed.unit));
-    const auto keys = report::probe_yaml(probed.findings);
-    object.set("keys", keys.empty() ? file::Json::object() : document_of_text(keys));
+    const auto keys = report::probe_keys(probed.findings);
+    object.set("keys", keys.entries.empty() ? file::Json::object() : json_of_node(keys));
     return object;
 }
 

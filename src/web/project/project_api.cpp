@@ -251,7 +251,7 @@ struct ProjectApi::Impl {
         const auto path = string_member(sent->object, "path");
         if (const auto* const error = first_error(read.findings))
             return project_refusal(request, 422, "take_over", {{"subject", request.texts.message(*error)}});
-        const auto written = file::read_project_text(options.file, file::write_project(read.document));
+        const auto written = file::read_project_text(options.file, file::write_project(read.document.root));
         const auto taken = written.readable ? taken_over(*sent->object.find("document"),
                                                          file::document_json(written.document.root), path)
                                             : std::nullopt;

@@ -37,4 +37,8 @@ struct FoundProject {
 
 inline constexpr std::size_t kMostFoundVariables = 64;
 
+/// Sets what the probe found: the ranges (`readable`), the longest read of registers, and whether requests
+/// can be grouped.
+void set_ranges(model::Device& device, const ProbeFindings& probe);
+
 }  // namespace takt::discover

@@ -63,9 +63,14 @@ struct Surroundings {
 /// The names of the devices in the rows, each once, in order of appearance.
 [[nodiscard]] std::vector<std::string> devices_of(const std::vector<model::Node>& rows);
 
-/// Writes a document of project_of_table() as a project file: lines and devices in block style, each variable
-/// and local on one line. Reading it gives the same document. Precondition: model::interpret() found no
-/// error.
-[[nodiscard]] std::string write_project(const model::Document& document);
+/// The lines of comments above items of lists, without `#`.
+using Comments = std::map<const model::Node*, std::string>;
+
+/// Writes the root of a document as a project file: lines and devices in block style, each variable and local
+/// on one line. Reading it gives the same document. Precondition: model::interpret() finds no error.
+[[nodiscard]] std::string write_project(const model::Node& root, const Comments& comments = {});
+
+/// Likewise the keys of one device.
+[[nodiscard]] std::string write_device_keys(const model::Node& device);
 
 }  // namespace takt::file

@@ -6,6 +6,7 @@
 
 #include "takt/discover/device_probe.hpp"
 #include "takt/file/json.hpp"
+#include "takt/model/document.hpp"
 #include "takt/report/texts.hpp"
 
 namespace takt::report {
@@ -26,9 +27,10 @@ struct ProbeRun {
 /// refuse, "holding_register 300 exception 4".
 [[nodiscard]] std::string probe_text(const discover::ProbeFindings& findings);
 
-/// The keys of a device in a project file: `readable`, and as `registers_per_request` the longest read of
-/// registers that the device accepted (`group_requests: false` where that is one); empty where nothing is
-/// readable.
+/// The keys of a device in a project file: `offers`, `readable`, and as `registers_per_request` the longest
+/// read of registers that the device accepted (`group_requests: false` where that is one); empty where
+/// nothing is readable.
+[[nodiscard]] model::Node probe_keys(const discover::ProbeFindings& findings);
 [[nodiscard]] std::string probe_yaml(const discover::ProbeFindings& findings);
 
 /// The object that `takt probe --json` prints (docs/commands/probe.md).

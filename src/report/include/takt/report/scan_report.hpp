@@ -2,10 +2,12 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "takt/discover/found_project.hpp"
 #include "takt/discover/target_scan.hpp"
 #include "takt/file/json.hpp"
+#include "takt/model/document.hpp"
 #include "takt/report/texts.hpp"
 
 namespace takt::report {
@@ -21,6 +23,15 @@ namespace takt::report {
 
 /// The object that `takt scan --json` prints (docs/commands/scan.md).
 [[nodiscard]] file::Json scan_json(const Texts& texts, const discover::ScanFindings& findings);
+
+/// The nodes of a project file for what was found.
+struct FoundNodes {
+    discover::FoundProject project;
+    /// Of each line of it, with its devices as the last entry.
+    std::vector<model::Node> lines;
+};
+[[nodiscard]] FoundNodes found_nodes(const discover::ScanFindings& findings,
+                                     const discover::DeviceProbes& probes);
 
 /// A project with a line for each target and a device for each unit, with the ranges and the longest read of
 /// those that were probed. A port has one line: devices found on it with other settings than most of its
