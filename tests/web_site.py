@@ -4,6 +4,7 @@ import json
 import re
 import socket
 
+from api_schema import check_answer
 from program import DEADLINE, until
 
 
@@ -35,7 +36,10 @@ class Site:
             length = re.search(rb"(?i)content-length: (\d+)", head)
             while length and len(rest) < int(length[1]) and (got := s.recv(65536)):
                 rest += got
-        return int(head.split()[1]), rest.decode(errors="replace")
+        status, answered = int(head.split()[1]), rest.decode(errors="replace")
+        method, _, target = text.partition(" ")
+        check_answer(method, target.partition(" ")[0], status, answered)
+        return status, answered
 
     def get(self, path, *fields, host="127.0.0.1"):
         return self.send("\r\n".join([f"GET {path} HTTP/1.1", f"Host: {host}:{self.port}", *fields]))
@@ -61,6 +65,8 @@ class Api:
             headers = {"X-Takt": "1", "Content-Type": "application/json"} if method != "GET" else {}
             connection.request(method, f"/api/v1{path}", None if body is None else json.dumps(body), headers)
             answer = connection.getresponse()
-            return answer.status, json.loads(answer.read())
+            text = answer.read().decode()
+            check_answer(method, path, answer.status, text)
+            return answer.status, json.loads(text)
         finally:
             connection.close()

@@ -6,6 +6,7 @@ import time
 
 import pytest
 
+from api_schema import check_event
 from fake_slave import TcpSlave
 from program import WITHOUT_WAITING, start, until
 from web_site import Site
@@ -155,6 +156,7 @@ def test_ages_of_values_that_stay_the_same_are_right(site, meter):
             for event in events:
                 name, _, data = event.partition(b"\ndata: ")
                 name = name.rpartition(b"event: ")[2]
+                check_event(name.decode(), json.loads(data))
                 if name not in (b"snapshot", b"values", b"reads"):
                     continue
                 body = json.loads(data)

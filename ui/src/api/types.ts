@@ -1,19 +1,151 @@
-// The shapes of /api/v1 (docs/openapi.json).
+// The shapes of /api/v1. Written by tools/api_types from docs/openapi.json.
+
+export interface Events {
+  /**
+   * Events before this time are not kept: there are the newest 1,000 commands and the newest 1,000
+   * messages
+   */
+  since: number;
+  /** In order of time */
+  events: HistoryMark[];
+}
+
+export interface Error {
+  error: {
+    /** Stable; http_STATUS for requests that were rejected before they were understood */
+    code: string;
+    /** In the language of the request */
+    text: string;
+  };
+}
+
+/** A number, text, true, false or null */
+export type Scalar = string | number | boolean | null;
+
+export type Quality = 'good' | 'uncertain' | 'bad' | 'never_read';
 
 export interface Info {
+  /** Name of the project file */
   project: string;
   version: string;
   started: string;
   now: string;
   demo: boolean;
+  /** Routes that change something work */
   allow_write: boolean;
+  /** PUT /project works */
   editable: boolean;
+  /** The project has a history */
   history: boolean;
+  /** Of the configuration; grows with each applied project */
   generation: number;
 }
 
-export type Quality = 'good' | 'uncertain' | 'bad' | 'never_read';
-export type Scalar = string | number | boolean | null;
+export interface QualityCounts {
+  good: number;
+  uncertain: number;
+  bad: number;
+  never_read: number;
+}
+
+/** docs/commands/ctl.md describes all keys */
+export interface DeviceStatus {
+  name: string;
+  address: number;
+  state: 'unknown' | 'answering' | 'not_answering' | 'switched_off' | 'link_down';
+  cause?: string;
+  /** It answers again and again, and most of its requests fail. */
+  fails_often?: boolean;
+  /** The end of the back-off, after the time of the status. */
+  back_off: {
+    /**
+     * after the time of the status; zero or less: it is due. A line with no other request to send probes
+     * earlier
+     */
+    next_probe_ms: number;
+    pause_ms: number;
+  } | null;
+  values: QualityCounts;
+  response_ms: number | null;
+  sent: number;
+  failed: number;
+  exceptions: number;
+  outages: number;
+  availability_percent: number | null;
+  downtime_ms: number;
+  late_answers: number;
+  surplus_answers: number;
+  delays: {
+    /** the setting that is too short */
+    setting: string;
+    delay_ms: number;
+    limit_ms: number;
+    advised_ms: number | null;
+    count: number;
+    later: number;
+    text: string;
+  } | null;
+  noise: {
+    least_bytes: number;
+    most_bytes: number;
+    text: string;
+  } | null;
+  turnaround: ResponseTimes | null;
+  late_responses: LateResponses | null;
+}
+
+export interface LineStatus {
+  name: string;
+  state: 'connected' | 'never_connected' | 'lost';
+  /** Part of the last seconds that the line was busy */
+  load: number;
+  planned_cycle_ms: number;
+  measured_cycle_ms: number | null;
+  availability_percent: number | null;
+  downtime_ms: number;
+  requests: number;
+  overrun: number;
+  devices: DeviceStatus[];
+  /** Why it has no link */
+  text?: string;
+}
+
+/** The object of `takt ctl PATH --json status` */
+export interface Status {
+  time: string;
+  health: 'ok' | 'degraded' | 'failed';
+  /** The worst first. */
+  problems: Problem[];
+  uptime_ms: number;
+  values: QualityCounts;
+  lines: LineStatus[];
+  outputs: OutputStatus[];
+  /** as the control socket has it */
+  event: string;
+  command: string;
+}
+
+export interface Values {
+  time: string;
+  values: ({
+    name: string;
+    line?: string;
+    device?: string;
+    value: Scalar;
+    text: string;
+    words?: string;
+    unit?: string;
+    quality: Quality;
+    reason: string;
+    cause?: string;
+    age_ms: number | null;
+    /** Registers that hold the value; with raw=1 */
+    raw?: number[];
+  })[];
+  /** as the control socket has it */
+  event: string;
+  command: string;
+}
 
 /** A value of the stream's snapshot. Instants are milliseconds since 1970. */
 export interface LiveValue {
@@ -28,8 +160,9 @@ export interface LiveValue {
   quality: Quality;
   reason: string;
   cause?: string;
+  /** ms since 1970 */
   sampled_at: number | null;
-  area?: string;
+  area?: 'coils' | 'discrete' | 'input' | 'holding';
   register?: number;
   bit?: number;
   count?: number;
@@ -46,32 +179,295 @@ export interface LiveValue {
   /** Its numbers stand for words. */
   enumeration?: boolean;
   /** The values that are usual for a write, where the project has such a range. */
-  write_range?: { least?: number; greatest?: number };
+  write_range?: {
+    least?: number;
+    greatest?: number;
+  };
   deadline_ms?: number | null;
   proved_age_ms?: number | null;
 }
-/** index, value, text, quality, reason, sampled_at, words */
-export type ValueChange = [number, Scalar, string, Quality, string, number | null, string?];
 
+/** Event `snapshot` */
 export interface Snapshot {
   generation: number;
+  /** ms since 1970 */
   time: number;
   values: LiveValue[];
 }
+
+/** Event `values`, at most ten a second */
 export interface ValueBatch {
   time: number;
   values: ValueChange[];
 }
-/** Instants of reads that found values unchanged: instant, first and last index. */
-export interface ReadBatch {
-  time: number;
-  reads: [number | null, number, number][];
-}
+
+/** Event `notice` */
 export interface Notice {
   time: number;
   severity: 'info' | 'warning' | 'error';
   text: string;
 }
+
+/** An item of the event `frames`: a frame, dropped bytes, or an incident */
+export interface Frame {
+  /** ms since 1970 */
+  t: number;
+  line: string;
+  device?: string;
+  unit: number;
+  direction?: 'tx' | 'rx';
+  function?: number;
+  words: string;
+  /** Hexadecimal; the characters of ASCII frames */
+  raw?: string;
+  /** Why bytes were dropped, or `exception` */
+  fault?: string;
+  /** It is no frame. */
+  incident?: 'no_response' | 'late_response' | 'surplus_response' | 'connected' | 'disconnected';
+  /** Of no_response: how long the response was awaited; of late_response: how long after that it came */
+  after_ms?: number;
+  /** surplus_response: what came, and what was asked. */
+  instead?: {
+    part: 'unit' | 'function' | 'transaction';
+    came: number;
+    asked: number;
+  };
+}
+
+export interface RequestCounters {
+  device: string;
+  unit: number;
+  function: number | null;
+  write_function: number | null;
+  start: number;
+  quantity: number;
+  variables: string[];
+  period_ms: number | null;
+  real_period_ms: number | null;
+  sent: number;
+  answered: number;
+  timeouts: number;
+  faults: number;
+  exceptions: number;
+  mean_us: number | null;
+  /** Within 12.5 % */
+  p50_us: number | null;
+  p99_us: number | null;
+  longest_us: number | null;
+  planned_us: number | null;
+  /** Longest time of the bucket in us, count */
+  histogram: [number, number][];
+  /** Answered transactions that took longer than their C of the proof */
+  longer_than_proved: number;
+  /** How often values were older than their bound before they were read again */
+  late_refreshes: number;
+}
+
+/** Durations of one part of a line's time. */
+export interface LineTimes {
+  count: number;
+  /** Within 12.5 % */
+  p50_us: number;
+  p99_us: number;
+  longest_us: number;
+  /** Longest time of the bucket in us, count */
+  histogram: [number, number][];
+}
+
+export interface Requests {
+  lines: LineRequests[];
+}
+
+export interface Command {
+  kind?: 'set' | 'write' | 'trigger';
+  variable: string;
+  value?: Scalar;
+}
+
+export interface CommandResult {
+  outcome: 'done' | 'waiting' | 'refused' | 'unknown' | 'expired';
+  reason: string;
+  text: string;
+  written?: Scalar;
+  read_back?: Scalar;
+  rounded?: boolean;
+}
+
+export interface CommandPreview {
+  frames: {
+    raw: string;
+    words: string;
+    bus_time_us: number;
+  }[];
+  value_written: Scalar;
+  rounded: boolean;
+}
+
+export interface Why {
+  variable: string;
+  quality: Quality;
+  age_ms: number | null;
+  proved_age_ms: number | null;
+  hops: Hop[];
+}
+
+export interface Probe {
+  line: string;
+  device: string;
+}
+
+export interface ProbeResult {
+  outcome: 'done' | 'refused';
+  reason: string;
+  text: string;
+}
+
+export interface Finding {
+  severity: 'error' | 'warning' | 'note';
+  code: string;
+  file: string;
+  line: number;
+  column: number;
+  path: string;
+  value: string;
+  allowed: string;
+  message: string;
+  advice: string;
+}
+
+/**
+ * Mappings are objects, lists are arrays, scalars are strings with their raw text. `$from` of a mapping
+ * in a list: its index in the file
+ */
+export interface Mapping {
+  [key: string]: Node | number;
+}
+
+export interface Evaluation {
+  findings: Finding[];
+  lines: PlannedLine[];
+  /** The course of the polling of each line: when its requests occupy it, if nothing fails */
+  courses: Course[];
+  took_ms: number;
+}
+
+export interface Fields {
+  objects: FieldTable;
+}
+
+export interface ProjectFile {
+  file: string;
+  revision: string;
+  /** null: the file has faults that an editor cannot keep. */
+  document: Mapping | null;
+  findings: Finding[];
+  read_only_parts: FilePart[];
+}
+
+export interface Saved {
+  revision: string;
+  backup: string | null;
+  applied: boolean;
+  apply_error?: string;
+  findings: Finding[];
+}
+
+export interface ImportedRows {
+  kind: 'variables' | 'locals' | 'served' | 'list' | 'devices';
+  rows: ImportedRow[];
+  findings: Finding[];
+}
+
+/** Serial ports and hosts that a scan can begin with. */
+export interface SearchTargets {
+  /** Serial ports of this computer, and the hosts of its networks */
+  targets: string[];
+}
+
+/** Instants of reads that found values unchanged: instant, first and last index. */
+export interface ReadBatch {
+  time: number;
+  /** instant of the read, first and last index in the snapshot */
+  reads: ([number | null, number, number])[];
+}
+
+/** as `learnt` of `takt plan --json`: docs/commands/plan.md */
+export interface Learnt {
+  time: string;
+  lines: {
+    name: string;
+    learns: boolean;
+    learnt: LearntGaps[];
+  }[];
+}
+
+export interface Registers {
+  registers: WireItems[];
+}
+
+export interface ScanOrder {
+  /**
+   * as of `takt scan`: tcp://10.0.0.1-20:502, rtu:///dev/ttyUSB0; or line:NAME, a line of the project
+   * that runs
+   */
+  targets: string[];
+  /** 1-10,16 */
+  units?: string;
+  /**
+   * Of a line of the project: a request is sent only if it has ended before a polled request is due.
+   * Default: false
+   */
+  spare?: boolean;
+  timeout_ms?: number;
+  identify?: boolean;
+  thorough?: boolean;
+  bauds?: string;
+  parities?: string;
+  stop_bits?: string;
+}
+
+export interface ProbeOrder {
+  target: string;
+  unit: number;
+  /** first address */
+  from?: number;
+  /** last address */
+  to?: number;
+  /** for each area */
+  max_requests?: number;
+  /**
+   * Of a line of the project: a request is sent only if it has ended before a polled request is due.
+   * Default: false
+   */
+  spare?: boolean;
+  timeout_ms?: number;
+}
+
+export interface Search {
+  id: number;
+  kind: 'none' | 'scan' | 'probe';
+  running: boolean;
+  cancelled: boolean;
+  elapsed_ms: number;
+  done: number;
+  total: number;
+  requests: number;
+  where: string;
+  error: string | null;
+  devices: FoundDevice[];
+  troubles: ({
+    kind: string;
+    target: string;
+    text: string;
+    unit: number | null;
+    code: string | null;
+  })[];
+  absent_hosts: number;
+  probed: ProbedDevice[];
+}
+
+/** index, value, text, quality, reason, sampled_at, words */
+export type ValueChange = [number, Scalar, string, Quality, string, number | null, string?];
 
 /** Why the project is not in order. */
 export interface Problem {
@@ -91,59 +487,7 @@ export interface Problem {
   tried?: string;
   advice?: string;
 }
-export interface DeviceStatus {
-  name: string;
-  address: number;
-  state: 'unknown' | 'answering' | 'not_answering' | 'switched_off' | 'link_down';
-  cause?: string;
-  /** It answers again and again, and most of its requests fail. */
-  fails_often?: boolean;
-  /** The end of the back-off, after the time of the status. */
-  back_off: { next_probe_ms: number; pause_ms: number } | null;
-  values: Record<Quality, number>;
-  response_ms: number | null;
-  sent: number;
-  failed: number;
-  exceptions: number;
-  outages: number;
-  availability_percent: number | null;
-  downtime_ms: number;
-  late_answers: number;
-  surplus_answers: number;
-  delays: { text: string; setting: string; advised_ms: number | null; count: number; later: number } | null;
-  noise: { text: string } | null;
-  turnaround: {
-    exchanges: number;
-    longest_ms: number;
-    p999_ms: number | null;
-    learnt: boolean;
-    advised: string | null;
-    text?: string;
-  } | null;
-  late_responses: { count: number; requests: number; longest_ms: number; text?: string } | null;
-}
-export interface LineStatus {
-  name: string;
-  state: string;
-  load: number;
-  planned_cycle_ms: number;
-  measured_cycle_ms: number | null;
-  availability_percent: number | null;
-  downtime_ms: number;
-  requests: number;
-  overrun: number;
-  devices: DeviceStatus[];
-}
-export interface Status {
-  time: string;
-  health: 'ok' | 'degraded' | 'failed';
-  /** The worst first. */
-  problems: Problem[];
-  uptime_ms: number;
-  values: Record<Quality, number>;
-  lines: LineStatus[];
-  outputs: OutputStatus[];
-}
+
 export interface OutputStatus {
   name: string;
   state: string;
@@ -153,21 +497,26 @@ export interface OutputStatus {
   waiting: number;
   dropped: number;
   failure: string | null;
-  falls_behind: { samples_per_s: number; text: string; advice: string } | null;
+  falls_behind: {
+    samples_per_s: number;
+    text: string;
+    advice: string;
+  } | null;
+  lost: number;
+  gaps: number;
+  oldest_waiting: string | null;
+  oldest_waiting_ms: number | null;
+  commands: number;
+  commands_refused: number;
+  answers_dropped: number;
+  commands_unrecorded: number;
+  too_large: number;
+  damaged: number;
+  set_aside: string | null;
+  journal: OutputJournal | null;
+  mqtt?: OutputMqtt;
 }
 
-export interface Finding {
-  severity: 'error' | 'warning' | 'note';
-  code: string;
-  file: string;
-  line: number;
-  column: number;
-  path: string;
-  value: string;
-  allowed: string;
-  message: string;
-  advice: string;
-}
 export interface PlannedRequest {
   device: string;
   unit: number;
@@ -192,7 +541,13 @@ export interface PlannedRequest {
   ages_us: (number | null)[];
   why: string;
   bridged?: string;
+  byte_orders: string[];
+  f_us: number | null;
+  response_dead_us: number | null;
+  response_fault_us: number | null;
+  read_modify_write?: boolean;
 }
+
 export interface Cost {
   requests: number;
   bytes: number;
@@ -202,7 +557,9 @@ export interface Cost {
   requests_per_second: number;
   bytes_per_second: number;
 }
+
 export type Strategy = 'single' | 'classic' | 'optimal';
+
 export interface Change {
   path: string;
   name: string;
@@ -210,6 +567,7 @@ export interface Change {
   from: string;
   to: string;
 }
+
 export interface Measure {
   kinds: string[];
   text: string;
@@ -220,7 +578,10 @@ export interface Measure {
   deadline_us: number;
   utilization_before: number;
   utilization_after: number;
+  goal: string;
+  only_plan: boolean;
 }
+
 export interface PlannedLine {
   name: string;
   framing: string;
@@ -229,7 +590,12 @@ export interface PlannedLine {
   cycle_us: number;
   requests: PlannedRequest[];
   /** turnaround_us: null: it is neither written nor measured */
-  devices: { name: string; unit: number; share: number; turnaround_us: number | null }[];
+  devices: ({
+    name: string;
+    unit: number;
+    share: number;
+    turnaround_us: number | null;
+  })[];
   ungrouped_requests: number;
   request_count: number;
   feasible: boolean;
@@ -239,46 +605,51 @@ export interface PlannedLine {
   compare: {
     grouped: Cost;
     ungrouped: Cost;
-    strategies: Record<Strategy, Cost & { saved_percent: Record<string, number> }>;
+    strategies: {
+      single: Cost & {
+        saved_percent: SavedPercent;
+      };
+      classic: Cost & {
+        saved_percent: SavedPercent;
+      };
+      optimal: Cost & {
+        saved_percent: SavedPercent;
+      };
+    };
+    saved_percent: SavedPercent;
   };
+  client_share: number;
+  relayed_share: number;
+  /** The bounds are met; else they may be longer than any response */
+  exact: boolean;
+  feasible_edf: boolean;
+  in_flight: number;
+  measures_complete: boolean;
+  response_source: 'written' | 'measured' | 'time_out';
+  learnt?: LearntGaps[];
+  response_times?: ({
+    device: string;
+    unit: number;
+    turnaround: ResponseTimes | null;
+    late_responses: LateResponses | null;
+  })[];
 }
+
 /** When the requests of a line occupy it: request, start and end in microseconds, whether it is late. */
 export interface Course {
   length_ms: number;
+  /** [request, start in us, end in us, whether it ends after its deadline] */
   bars: [number, number, number, boolean][];
-}
-export interface Evaluation {
-  findings: Finding[];
-  lines: PlannedLine[];
-  courses: Course[];
-  took_ms: number;
 }
 
 /** A node of the project document: scalars are the raw texts of the file. */
-export type Node = string | null | Node[] | Mapping;
-export interface Mapping {
-  [key: string]: Node | number;
-}
+export type Node = string | Node[] | Mapping | null;
+
 /** A part that comes from a table or a template. */
 export interface FilePart {
   path: string;
   file: string;
   rows: Record<string, string>[];
-}
-export interface ProjectFile {
-  file: string;
-  revision: string;
-  /** null: the file has faults that an editor cannot keep. */
-  document: Mapping | null;
-  findings: Finding[];
-  read_only_parts: FilePart[];
-}
-export interface Saved {
-  revision: string;
-  backup: string | null;
-  applied: boolean;
-  apply_error?: string;
-  findings: Finding[];
 }
 
 export interface FieldRule {
@@ -292,29 +663,20 @@ export interface FieldRule {
   default?: string;
   /** The object behind the key: its rules are those of the items or of the mapping. */
   object?: string;
+  unit?: string;
 }
-export type FieldTable = Record<string, Record<string, FieldRule>>;
 
-export type Cells = Record<string, string>;
+export interface FieldTable {
+  [key: string]: Record<string, FieldRule>;
+}
+
+export interface Cells {
+  [key: string]: string;
+}
+
 /** A row; that of a device may have the `variables` below its window. */
-export type ImportedRow = Record<string, string | Cells[]>;
-export interface ImportedRows {
-  kind: 'variables' | 'locals' | 'served' | 'list' | 'devices';
-  rows: ImportedRow[];
-  findings: Finding[];
-}
-
-export interface CommandResult {
-  outcome: 'done' | 'waiting' | 'refused' | 'unknown' | 'expired';
-  reason: string;
-  text: string;
-  written?: Scalar;
-  read_back?: Scalar;
-}
-export interface CommandPreview {
-  frames: { raw: string; words: string; bus_time_us: number }[];
-  value_written: Scalar;
-  rounded: boolean;
+export interface ImportedRow {
+  [key: string]: string | Cells[];
 }
 
 export interface WireItems {
@@ -332,20 +694,22 @@ export interface ItemRange {
   first: number;
   last: number;
 }
+
 export interface LearntGaps {
   device: string;
   unit: number;
   function: number;
   confirmed: ItemRange[];
-  refused: (ItemRange & { exception: number; since_s: number; checked_s: number })[];
+  refused: (ItemRange & {
+    exception: number;
+    since_s: number;
+    checked_s: number;
+  })[];
   untried: ItemRange[];
   most_items: number | null;
 }
-export interface Learnt {
-  time: string;
-  lines: { name: string; learns: boolean; learnt: LearntGaps[] }[];
-}
 
+/** docs/commands/scan.md describes the other keys. The nodes are those of a project document */
 export interface FoundDevice {
   target: string;
   unit: number;
@@ -356,10 +720,28 @@ export interface FoundDevice {
   doubled: boolean;
   /** The line of the running project with this endpoint. */
   line: string | null;
+  /** the device of the project with this endpoint and address */
   known_as: string | null;
   line_node: Mapping | null;
   device_node: Mapping | null;
+  framing: 'rtu' | 'ascii' | 'tcp';
+  baud: number | null;
+  parity: string | null;
+  stop_bits: number | null;
+  function: number;
+  late: boolean;
+  vendor: string | null;
+  product: string | null;
+  revision: string | null;
+  url: string | null;
+  product_name: string | null;
+  model: string | null;
+  application: string | null;
+  /** hexadecimal */
+  server_id: string | null;
 }
+
+/** docs/commands/probe.md describes the other keys. `keys` are those of the device in a project document */
 export interface ProbedDevice {
   target: string;
   unit: number;
@@ -368,26 +750,13 @@ export interface ProbedDevice {
   line: string | null;
   known_as: string | null;
   keys: Mapping;
-}
-/** Serial ports and hosts that a scan can begin with. */
-export interface SearchTargets {
-  targets: string[];
-}
-export interface Search {
-  id: number;
-  kind: 'none' | 'scan' | 'probe';
-  running: boolean;
-  cancelled: boolean;
-  elapsed_ms: number;
-  done: number;
-  total: number;
+  areas: ProbedArea[];
+  readable: Record<string, string>;
+  exceptions: Record<string, number>;
   requests: number;
-  where: string;
-  error: string | null;
-  devices: FoundDevice[];
-  troubles: { kind: string; target: string; text: string }[];
-  absent_hosts: number;
-  probed: ProbedDevice[];
+  transmissions: number;
+  duration_ms: number;
+  complete: boolean;
 }
 
 export interface Hop {
@@ -396,69 +765,20 @@ export interface Hop {
   text: string;
   ms?: number;
 }
-export interface Why {
-  variable: string;
-  quality: Quality;
-  age_ms: number | null;
-  proved_age_ms: number | null;
-  hops: Hop[];
-}
 
-export interface Frame {
-  t: number;
-  line: string;
-  device?: string;
-  unit: number;
-  direction?: 'tx' | 'rx';
-  function?: number;
-  words: string;
-  raw?: string;
-  fault?: string;
-  /** It is no frame. */
-  incident?: 'no_response' | 'late_response' | 'surplus_response' | 'connected' | 'disconnected';
-  after_ms?: number;
-  /** surplus_response: what came, and what was asked. */
-  instead?: { part: 'unit' | 'function' | 'transaction'; came: number; asked: number };
-}
-export interface RequestCounters {
-  device: string;
-  unit: number;
-  function: number | null;
-  write_function: number | null;
-  start: number;
-  quantity: number;
-  variables: string[];
-  period_ms: number | null;
-  real_period_ms: number | null;
-  sent: number;
-  answered: number;
-  timeouts: number;
-  faults: number;
-  exceptions: number;
-  mean_us: number | null;
-  p50_us: number | null;
-  p99_us: number | null;
-  longest_us: number | null;
-  planned_us: number | null;
-  histogram: [number, number][];
-  longer_than_proved: number;
-  late_refreshes: number;
-}
-/** Durations of one part of a line's time. */
-export interface LineTimes {
-  count: number;
-  p50_us: number;
-  p99_us: number;
-  longest_us: number;
-  histogram: [number, number][];
-}
 export type LinePart = 'wire' | 'turnaround' | 'host';
+
 export interface LineRequests {
   name: string;
   utilization: number;
   cycle_us: number;
   measured_cycle_us: number | null;
-  times: Record<LinePart, LineTimes | null>;
+  /** Where the time of the line goes; null: not measured */
+  times: {
+    wire: LineTimes | null;
+    turnaround: LineTimes | null;
+    host: LineTimes | null;
+  };
   requests: RequestCounters[];
 }
 
@@ -468,6 +788,7 @@ export interface HistoryPoint {
   /** The poll before: the change happened after it. */
   previous_poll?: string;
 }
+
 export interface HistoryPixel {
   index: number;
   samples: number;
@@ -476,6 +797,7 @@ export interface HistoryPixel {
   max?: HistoryPoint;
   last?: HistoryPoint;
 }
+
 export interface HistoryVariable {
   name: string;
   device: string;
@@ -490,14 +812,21 @@ export interface HistoryVariable {
   /** The value that holds at the begin of the range. */
   held: HistoryPoint | null;
   points: HistoryPixel[];
-  bad: { from: string; to: string; quality: Quality; reason?: string }[];
+  bad: {
+    from: string;
+    to: string;
+    quality: Quality;
+    reason?: string;
+  }[];
 }
+
 export interface HistoryGap {
   from: string;
   to: string;
   cause: string;
   samples: number | null;
 }
+
 export interface History {
   from: string;
   to: string;
@@ -506,6 +835,7 @@ export interface History {
   /** Damaged parts of the database: samples of these times may be missing. */
   damage?: HistoryDamage[];
 }
+
 export interface HistoryDamage {
   part: 'log' | 'chunk' | 'rollup' | 'gap' | 'series' | 'state' | 'recorded';
   row: number | null;
@@ -514,16 +844,20 @@ export interface HistoryDamage {
   to: string | null;
   samples: number | null;
 }
+
 /** A message or a command of the past. */
 export interface HistoryMark {
+  /** Milliseconds since 1970 */
   time: number;
   kind: 'message' | 'command';
-  severity: Notice['severity'];
+  severity: 'info' | 'warning' | 'error';
   text: string;
-  outcome?: CommandResult['outcome'];
+  /** Of a command */
+  outcome?: 'done' | 'waiting' | 'refused' | 'unknown' | 'expired';
   /** The address of the browser that gave the command. */
   origin?: string;
 }
+
 export interface HistorySeries {
   name: string;
   device: string;
@@ -531,4 +865,88 @@ export interface HistorySeries {
   unit: string;
   oldest: string | null;
   newest: string | null;
+}
+
+/** Negative: it is more */
+export interface SavedPercent {
+  requests: number;
+  bytes: number;
+  bus_time: number;
+  cycle: number;
+  utilization: number;
+  requests_per_second: number;
+  bytes_per_second: number;
+}
+
+export interface ResponseTimes {
+  exchanges: number;
+  longest_ms: number;
+  p999_ms: number | null;
+  learnt: boolean;
+  advised: string | null;
+  text?: string;
+}
+
+export interface LateResponses {
+  count: number;
+  requests: number;
+  longest_ms: number;
+  text?: string;
+}
+
+export interface ProbedArea {
+  area: 'coil' | 'discrete_input' | 'input_register' | 'holding_register';
+  function: number;
+  end: 'complete' | 'out_of_requests' | 'stopped' | 'no_function' | 'no_answer' | 'fell_silent';
+  ranges: [number, number][];
+  items: number;
+  refused: (ItemRange & {
+    exception: number;
+  })[];
+  longest_read: number;
+  limited: boolean;
+  step: number;
+  requests: number;
+  next: number | null;
+  addresses: number;
+  tested: number;
+  tested_ranges: [number, number][];
+  longest_gap: [number, number] | null;
+}
+
+export interface OutputJournal {
+  epoch: number;
+  disk_bytes: number;
+  buffer_bytes: number;
+  buffer_samples: number;
+  samples_lost: number;
+  dropped_segments: number;
+  torn_bytes: number;
+  set_aside: string | null;
+  disk_waits_ms: number;
+  failure: {
+    code: string;
+    text: string;
+  } | null;
+}
+
+export interface OutputMqtt {
+  state: string;
+  window: number;
+  round_trip_ms: number | null;
+  in_flight: number;
+  published: number;
+  acknowledged: number;
+  repeated: number;
+  no_subscribers: number;
+  unproved: number;
+  refused: number;
+  connects: number;
+  lost_connections: number;
+  oversized: number;
+  version?: string;
+  last_oversized?: {
+    topic: string;
+    bytes: number;
+  };
 }
