@@ -23,6 +23,19 @@ TEN_REGISTERS = """servers:
 """
 
 
+# Banks of all items, as those of a blank device.
+ALL_ITEMS = "banks: [" + ", ".join(
+    f"{{area: {area}, items: [0..65535]}}"
+    for area in ("coil", "discrete_input", "input_register", "holding_register")) + "]"
+
+
+def slave(place, unit, banks=ALL_ITEMS):
+    """A project of one server with unit 1. `place` is where it answers, `unit` further keys of the unit:
+    lines of `key: value`."""
+    lines = [*place, "units:", "  - address: 1", *(f"    {key}" for key in (banks, *unit))]
+    return "takt: 1\nservers:\n  - name: s\n" + "".join(f"    {line}\n" for line in lines)
+
+
 def serial(variables, *, port=UNUSED_PORT, framing="rtu", profile="generic", local="", line="", **device):
     """A project of one serial line with the device Node1, unit 16.
 

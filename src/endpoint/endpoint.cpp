@@ -5,7 +5,6 @@
 #include <span>
 #include <utility>
 
-#include "blank_unit.hpp"
 #include "hook_chain.hpp"
 #include "listener.hpp"
 #include "retained_unit.hpp"
@@ -43,12 +42,11 @@ UnitsView view_of_devices(const model::Line& line) {
 }
 
 UnitsView make_units(const EndpointSpec& spec) {
-    return std::visit(
-        Overloaded{
-            [](const ServerUnits& server) { return view_of(std::make_shared<StoredUnits>(server.units)); },
-            [](const LineDevices& devices) { return view_of_devices(devices.line); },
-            [](const BlankSpec& blank) { return view_of(std::make_shared<BlankUnit>(blank)); }},
-        spec.units);
+    return std::visit(Overloaded{[](const ServerUnits& server) {
+                                     return view_of(std::make_shared<StoredUnits>(server.units, server.fill));
+                                 },
+                                 [](const LineDevices& devices) { return view_of_devices(devices.line); }},
+                      spec.units);
 }
 
 /// The own units in their order, then the relayed ones that are not among them.

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "blank_unit.hpp"
 #include "takt/model/service.hpp"
 
 namespace takt::endpoint {
@@ -88,6 +87,15 @@ std::string state_path(const fs::path& project, const model::Server& server, con
         .string();
 }
 
+store::Durability to_durability(model::Durability durability) {
+    switch (durability) {
+        case model::Durability::acknowledged: break;
+        case model::Durability::interval: return store::Durability::interval;
+        case model::Durability::at_end: return store::Durability::at_end;
+    }
+    return store::Durability::acknowledged;
+}
+
 std::vector<RetainSpec> retained_of(const model::Server& server, const fs::path& project) {
     std::vector<RetainSpec> all;
     for (std::size_t i = 0; i < server.units.size(); ++i) {
@@ -100,6 +108,15 @@ std::vector<RetainSpec> retained_of(const model::Server& server, const fs::path&
             all.push_back(std::move(retained));
     }
     return all;
+}
+
+/// All four areas, and an identification.
+model::ServerUnit blank_unit(UnitId address) {
+    model::ServerUnit unit{.address = address,
+                           .identification = {{0, "Takt"}, {1, "takt serve"}, {2, "1"}},
+                           .server_id = "takt"};
+    for (auto& items : unit.offered) items = {{0, 65535}};
+    return unit;
 }
 
 bool is_of_line(const model::Binding& binding) {
@@ -117,15 +134,6 @@ model::ListenLimits LimitOverrides::instead_of(const model::ListenLimits& limits
             write_timeout.value_or(limits.write_timeout)};
 }
 
-store::Durability to_durability(model::Durability durability) {
-    switch (durability) {
-        case model::Durability::acknowledged: break;
-        case model::Durability::interval: return store::Durability::interval;
-        case model::Durability::at_end: return store::Durability::at_end;
-    }
-    return store::Durability::acknowledged;
-}
-
 std::vector<EndpointSpec> server_endpoints(const model::Project& project, const std::string& project_file,
                                            const Overrides& overrides, bool relays) {
     const fs::path file(project_file);
@@ -134,7 +142,7 @@ std::vector<EndpointSpec> server_endpoints(const model::Project& project, const 
         EndpointSpec spec;
         spec.name = server.name;
         spec.listeners.push_back(server_listener(server));
-        spec.units = ServerUnits{server.units};
+        spec.units = ServerUnits{server.units, overrides.fill};
         spec.retained = retained_of(server, file);
         spec.access = server.access;
         if (!server.audit.empty()) spec.audit = (file.parent_path() / server.audit).string();
@@ -162,8 +170,7 @@ Result<std::vector<EndpointSpec>> device_endpoints(const model::Project& project
     return specs;
 }
 
-Result<EndpointSpec> blank_endpoint(const BlankSpec& blank, const std::string& state,
-                                    store::Durability durability, const Overrides& overrides) {
+Result<EndpointSpec> blank_endpoint(UnitId unit, const Overrides& overrides) {
     EndpointSpec spec;
     spec.name = "takt";
     model::Line line;
@@ -176,8 +183,7 @@ Result<EndpointSpec> blank_endpoint(const BlankSpec& blank, const std::string& s
         TAKT_TRY(auto listener, serial_listener(overrides.port, line));
         spec.listeners.push_back(std::move(listener));
     }
-    spec.units = blank;
-    if (!state.empty()) spec.retained.push_back({0, by_area(blank.retain), durability, state});
+    spec.units = ServerUnits{{blank_unit(unit)}, overrides.fill};
     apply(overrides, spec);
     return spec;
 }

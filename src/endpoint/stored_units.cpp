@@ -20,10 +20,12 @@ std::vector<serve::AddressRange> ranges_of(const std::vector<model::ItemRange>& 
 
 }  // namespace
 
-StoredUnit::StoredUnit(const model::ServerUnit& unit)
+StoredUnit::StoredUnit(const model::ServerUnit& unit, sim::Fill how)
     : functions_({unit.may_restart, unit.may_listen_only, unit.exception_coils}) {
+    sim::Content content(how);
     lay_out(unit);
-    add_functions(unit);
+    fill(content);
+    add_functions(unit, content);
     unit_.id = unit.address;
     unit_.extensions = functions_.extensions();
     for (const auto& variable : unit.variables)
@@ -66,32 +68,48 @@ void StoredUnit::lay_out(const model::ServerUnit& unit) {
     }
 }
 
-void StoredUnit::add_functions(const model::ServerUnit& unit) {
+void StoredUnit::fill(sim::Content& content) {
+    for (Bank& bank : banks_) {
+        std::size_t index = 0;
+        for (const auto [first, last] : bank.offered)
+            for (unsigned address = first; address <= last; ++address, ++index) {
+                const auto item = content.item(address);
+                if (index < bank.registers.size()) bank.registers[index] = item;
+                if (index / 8 < bank.bits.size())
+                    bank.bits[index / 8] |= static_cast<std::uint8_t>((item & 1U) << index % 8);
+            }
+    }
+}
+
+void StoredUnit::add_functions(const model::ServerUnit& unit, sim::Content& content) {
     for (const auto& [id, text] : unit.identification) functions_.add_object(id, text);
     functions_.set_server_id(unit.address, unit.server_id);
-    for (const auto& file : unit.files) functions_.add_file(file.number, file.records, file.read_only);
+    for (const auto& file : unit.files) {
+        unsigned number = 0;
+        for (auto& record : functions_.add_file(file.number, file.records, file.read_only))
+            record = content.item(number++);
+    }
     for (const auto& [address, values] : unit.fifos) functions_.add_fifo(address, values);
 }
 
 void StoredUnit::put(const model::Variable& variable) {
     const auto value = value::to_value(variable.type, variable.scaled(), *variable.default_value);
-    if (wire::is_bit_area(variable.area)) {
-        if (variable.default_value->integer != 0) unit_.banks.set_bit(variable.area, variable.start(), true);
-        return;
-    }
-    const auto encoded = value::encode(value::layout_of(variable), value);
+    if (wire::is_bit_area(variable.area))
+        return unit_.banks.set_bit(variable.area, variable.start(), variable.default_value->integer != 0);
+    const auto layout = value::layout_of(variable);
+    const auto encoded = value::encode(layout, value);
     if (!encoded) return;  // the project was checked: only a scaled value that fits no register
     serve::RegisterBank& bank = unit_.banks.registers(variable.area);
     for (std::size_t i = 0; i < encoded->registers.size(); ++i) {
         const auto address = static_cast<std::uint16_t>(variable.start() + i);
-        const unsigned kept = variable.bit ? bank.get(address) : 0U;  // neighbours of a bit
+        const unsigned kept = bank.get(address) & ~value::register_mask(layout);  // neighbours of a bit
         bank.set(address, static_cast<std::uint16_t>(kept | encoded->registers[i]));
     }
 }
 
-StoredUnits::StoredUnits(std::span<const model::ServerUnit> units) {
+StoredUnits::StoredUnits(std::span<const model::ServerUnit> units, sim::Fill fill) {
     for (const auto& unit : units) {
-        stored_.push_back(std::make_unique<StoredUnit>(unit));
+        stored_.push_back(std::make_unique<StoredUnit>(unit, fill));
         units_.push_back(stored_.back()->unit());
     }
     server_ = serve::Server(units_);

@@ -9,6 +9,7 @@
 
 #include "takt/model/project.hpp"
 #include "takt/serve/server.hpp"
+#include "takt/sim/fill.hpp"
 #include "unit_functions.hpp"
 
 namespace takt::endpoint {
@@ -18,7 +19,8 @@ namespace takt::endpoint {
 class StoredUnit {
 public:
     /// @param unit  outlives it
-    explicit StoredUnit(const model::ServerUnit& unit);
+    /// @param fill  of the items and files without a default
+    StoredUnit(const model::ServerUnit& unit, sim::Fill fill);
     StoredUnit(const StoredUnit&) = delete;
     StoredUnit& operator=(const StoredUnit&) = delete;
 
@@ -36,7 +38,8 @@ private:
     };
 
     void lay_out(const model::ServerUnit& unit);
-    void add_functions(const model::ServerUnit& unit);
+    void fill(sim::Content& content);
+    void add_functions(const model::ServerUnit& unit, sim::Content& content);
     void put(const model::Variable& variable);
 
     std::array<Bank, 4> banks_;  // by wire::Area
@@ -48,7 +51,7 @@ private:
 class StoredUnits final : public serve::Responder {
 public:
     /// @param units  outlive it
-    explicit StoredUnits(std::span<const model::ServerUnit> units);
+    explicit StoredUnits(std::span<const model::ServerUnit> units, sim::Fill fill = sim::Fill::zero);
     StoredUnits(const StoredUnits&) = delete;
     StoredUnits& operator=(const StoredUnits&) = delete;
 

@@ -8,13 +8,13 @@ std::span<std::uint16_t> UnitFunctions::add_file(std::uint16_t number, std::size
     return all;
 }
 
-std::span<serve::Extension* const> UnitFunctions::extensions(bool every) {
+std::span<serve::Extension* const> UnitFunctions::extensions() {
     const auto* const text = reinterpret_cast<const std::uint8_t*>(server_text_.data());
     const Bytes id = server_text_.empty() ? Bytes() : Bytes(server_id_);
     identification_.emplace(objects_, id, Bytes(text, server_text_.size()));
     extensions_ = {&diagnostics_, &*identification_};
-    if (every || !file_list_.empty()) extensions_.push_back(&files_.emplace(file_list_));
-    if (every || !fifo_list_.empty()) extensions_.push_back(&fifos_.emplace(fifo_list_));
+    if (!file_list_.empty()) extensions_.push_back(&files_.emplace(file_list_));
+    if (!fifo_list_.empty()) extensions_.push_back(&fifos_.emplace(fifo_list_));
     return extensions_;
 }
 

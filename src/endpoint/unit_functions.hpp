@@ -45,8 +45,7 @@ public:
     }
 
     /// For serve::Unit; valid as long as this object. Called once.
-    /// @param every  functions 20, 21 and 24 exist even without a file or a queue
-    [[nodiscard]] std::span<serve::Extension* const> extensions(bool every = false);
+    [[nodiscard]] std::span<serve::Extension* const> extensions();
 
 private:
     serve::EventLog log_;

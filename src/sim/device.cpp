@@ -17,7 +17,7 @@ namespace {
 using wire::Area;
 
 constexpr std::array kAreas{Area::coil, Area::discrete_input, Area::input_register, Area::holding_register};
-constexpr std::size_t kAllAddresses = 65536;
+constexpr unsigned kAllAddresses = 65536;
 
 bool overlap(std::uint32_t a, std::uint32_t a_count, std::uint32_t b, std::uint32_t b_count) {
     return a < b + b_count && b < a + a_count;
@@ -93,22 +93,20 @@ void Device::lay_out(const model::Device& device, Area area) {
 }
 
 void Device::fill(Fill how) {
-    std::uint64_t noise = seed_of("random");
+    Content content(how);
     for (const Area area : kAreas) {
         AreaData& data = of(area);
         data.count = kAllAddresses;
-        if (wire::is_bit_area(area))
-            data.bits.assign(kAllAddresses / 8, how == Fill::ramp ? 0xAA : 0x00);
-        else
-            data.registers.assign(kAllAddresses, 0);
-        for (std::size_t i = 0; how == Fill::ramp && i < data.registers.size(); ++i)
-            data.registers[i] = static_cast<std::uint16_t>(i);
-        if (how != Fill::random) continue;
-        const auto next = [&noise] {
-            return noise = noise * 6364136223846793005 + 1442695040888963407, noise >> 48;
-        };
-        std::ranges::generate(data.registers, [&] { return static_cast<std::uint16_t>(next()); });
-        std::ranges::generate(data.bits, [&] { return static_cast<std::uint8_t>(next()); });
+        const bool bits = wire::is_bit_area(area);
+        data.bits.assign(bits ? kAllAddresses / 8 : 0, 0);
+        data.registers.assign(bits ? 0 : kAllAddresses, 0);
+        for (unsigned i = 0; i < kAllAddresses; ++i) {
+            const auto item = content.item(i);
+            if (bits)
+                data.bits[i / 8] |= static_cast<std::uint8_t>((item & 1U) << i % 8);
+            else
+                data.registers[i] = item;
+        }
     }
 }
 

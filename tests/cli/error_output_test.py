@@ -295,7 +295,6 @@ def test_a_project_with_a_peer_that_is_not_modbus(project):
       ], "--listen: '127.0.0.1:80x' is not valid, correct form: 127.0.0.1:1502"),
     (["serve", "--listen", "127.0.0.1:99999"], "--listen: '127.0.0.1:99999' is not valid"),
     (["serve", "--listen", "plc:502"], "ports: 0..65535"),
-    (["serve", "--listen", "127.0.0.1:0", "--limit", "holding:0..9=5..1"], "the least value first"),
     (["serve", "--listen", "127.0.0.1:0", "--fault", "exception=300"], "exception=1..255"),
     (["serve", "--listen", "127.0.0.1:1", "--listen", "127.0.0.1:2"
       ], "--listen: given 2 times (127.0.0.1:1, 127.0.0.1:2), allowed: once"),
@@ -316,8 +315,6 @@ def test_in_other_languages(language, words):
     ["read", "tcp://127.0.0.1:1", "holding", 0, "--watch", "--also", "x"],
     ["read", "--unit"],
     ["run"],
-    ["serve", "--server-id", "x" * 249],
-    ["serve", "--range", "holding:9..1"],
     ["serve", "--fault", "unknown"],
     ["serve", "--listen", "127.0.0.1:99999"],
     ["serve", "--max-connections", 0],

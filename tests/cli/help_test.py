@@ -37,11 +37,6 @@ def test_help_is_free_of_the_parser(command):
     assert all(len(line.split("  ")[0]) < 60 for line in text.splitlines() if line.startswith("  -"))
 
 
-def test_options_of_a_blank_device_have_a_heading():
-    own, blank = takt("serve", "--help").out.split("\nOptions of a blank device")
-    assert "--listen" in own and "--fill" not in own and "--fill" in blank
-
-
 def test_every_command_is_listed():
     text = takt("--help").out
     for command in COMMANDS[1:]:

@@ -12,6 +12,7 @@ import pytest
 import endpoints
 from ethernet import adu, free_port, running
 from program import DEADLINE, start, takt, until
+from projects import slave
 
 CONNECTIONS = 4
 
@@ -149,11 +150,14 @@ def requests(seed, count):
 
 
 def test_its_bytes_are_those_of_the_desktop(tmp_path):
-    areas = ("coils:0..63", "discrete:0..63", "holding:0..127")
-    banks = [word for area in areas for word in ("--range", area)]
     desktop = endpoints.free_port()
+    path = tmp_path / "desktop.yaml"
+    path.write_text(
+        slave(["listen: 127.0.0.1", f"tcp_port: {desktop}"], [],
+              "banks: [{area: coil, items: [0..63]}, {area: discrete_input, items: [0..63]}, "
+              "{area: input_register, items: [0..65535]}, {area: holding_register, items: [0..127]}]"))
     with on_network("an386", tmp_path) as (port, _), \
-         start("serve", "--listen", f"127.0.0.1:{desktop}", "--unit", 1, "--fill", "zero", *banks) as server:
+         start("serve", path) as server:
         endpoints.wait_listening(desktop, server)
         with connection(port) as board, connection(desktop) as computer:
             for i, pdu in enumerate(requests(7, 400)):

@@ -18,7 +18,7 @@ constexpr const char* kWords[] = {
     "raw",      "scan",     "probe",     "table",     "build",     "show",    "ctl",
     "convert",  "--json",   "--help",    "--for",     "--unit",    "--units", "--lang",
     "--to",     "--from",   "--svg",     "--fix",     "--compare", "--prove", "--no-notes",
-    "--listen", "--retain", "--fill",    "--watch",   "--type",    "holding", "-1",
+    "--listen", "--strict", "--fill",    "--watch",   "--type",    "holding", "-1",
     "65536",    "10s",      "1..247",    "tcp://h:1", "--",        "",        "rtu:///dev/ttyS0?baud=9600",
     "a.yaml",   "--state",  "--control", "--stdin",   "--traffic", "--log",   "--profile",
 };

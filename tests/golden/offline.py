@@ -23,7 +23,7 @@ WRONG_CALLS = ("", "chekc x", "check", "check nothing.yaml", "check examples", "
                "read tcp://127.0.0.1:1 holding 0 --order ABDC", "read rtu:///dev/x?buad=9600 holding 0",
                "write tcp://127.0.0.1:1 holding 0 x", "write tcp://127.0.0.1:1 input 0 1",
                "raw tcp://127.0.0.1:1 0", "raw tcp://127.0.0.1:1 zz", "serve --listen 127.0.0.1:99999",
-               "serve --fault slience", "serve --range holding:9..0", "scan tcp://10.0.0.1-300",
+               "serve --fault slience", "scan tcp://10.0.0.1-300",
                "convert examples/meters.csv", "convert nothing.csv --to yaml",
                "table show examples/first.yaml", "history examples/first.yaml x", "replay examples/mqtt.yaml",
                "latency nothing.pcap", "capture", "ctl", "ctl nowhere status", "--lang xx check",

@@ -1,32 +1,41 @@
-"""Every function beyond reading and writing, of the blank device of `takt serve`: asked by pymodbus, and by
-`takt raw` where pymodbus cannot. Which options give which function: docs/commands/serve.md."""
+"""Every function beyond reading and writing, of a server of `takt serve`: asked by pymodbus, and by
+`takt raw` where pymodbus cannot. Which keys give which function: docs/project-file.md."""
 import contextlib
+import pathlib
 
 import pytest
 
 import endpoints
 from overheard import overheard
 from program import DEADLINE, start, takt
+from projects import ALL_ITEMS, slave
 
 BAUD = "19200"
-OPTIONS = [
-    "--file", "4:100", "--file", "5:10", "--fifo", "1246:440,4740", "--object", "0=Vendor", "--object",
-    "1=Product", "--object", "2=3.1", "--object", "0x80=" + "x" * 240, "--server-id", "Pump",
-    "--allow-restart", "--allow-listen-only", "--exception-coils", "8", "--fill", "ramp"
+LONG = "x" * 61
+UNIT = [
+    "files: [{number: 4, records: 100}, {number: 5, records: 10}, {number: 6, records: 200}]",
+    "fifos: [{register: 1246, values: [440, 4740]}]",
+    "identification: [{id: 0, text: Vendor}, {id: 1, text: Product}, {id: 2, text: '3.1'}, " +
+    ", ".join(f"{{id: {i}, text: {LONG}}}" for i in range(128, 132)) + "]", "server_id: Pump",
+    "restart: true", "listen_only: true", "exception_coils: 8",
+    "limits: [{registers: [50], least: 100, greatest: 200}]"
 ]
 
 
 @contextlib.contextmanager
-def served(pair, framing, *options):
-    """A blank device; gives the endpoint and its target."""
+def served(pair, framing, unit, *options, banks=ALL_ITEMS):
+    """A unit filled with the ramp; gives the endpoint and its target."""
     if framing == "tcp":
         endpoint = endpoints.free_port()
-        command = ["--listen", f"127.0.0.1:{endpoint}"]
+        place = ["listen: 127.0.0.1", f"tcp_port: {endpoint}"]
     else:
         endpoint = pair.a
         settings = f"?baud={BAUD}&parity=even" + ("&data_bits=7" if framing == "ascii" else "")
-        command = ["--port", f"{framing}://{pair.b}{settings}"]
-    with start("serve", *command, *options) as running:
+        place = ["transport: serial", f"port: {pair.b}", f"framing: {framing}", f"baud: {BAUD}"]
+        place += ["data_bits: 7"] * (framing == "ascii")
+    path = pathlib.Path(pair.a).with_name("unit.yaml")
+    path.write_text(slave(place, unit, banks), encoding="utf-8")
+    with start("serve", path, "--fill", "ramp", *options) as running:
         if framing == "tcp":
             endpoints.wait_listening(endpoint, running)
         else:
@@ -68,7 +77,7 @@ def test_pymodbus_asks_for_every_further_function(pair, framing):
     from pymodbus.mei_message import ReadDeviceInformationRequest
     from pymodbus.other_message import (GetCommEventCounterRequest, GetCommEventLogRequest,
                                         ReadExceptionStatusRequest, ReportSlaveIdRequest)
-    with served(pair, framing, *OPTIONS) as (endpoint, _), connected(framing, endpoint) as ask:
+    with served(pair, framing, UNIT) as (endpoint, _), connected(framing, endpoint) as ask:
         ask(ClearCountersRequest())
         assert ask(ReturnQueryDataRequest(0xA537)).message == (0xA537, )
         assert ask(ReturnSlaveMessageCountRequest()).message == (2, )
@@ -80,9 +89,9 @@ def test_pymodbus_asks_for_every_further_function(pair, framing):
         assert ask(ReportSlaveIdRequest()).identifier == b"\x01\xFFPump"
         basic = ask(ReadDeviceInformationRequest(1, 0))
         assert basic.information == {0: b"Vendor", 1: b"Product", 2: b"3.1"} and basic.conformity == 0x83
-        assert ask(ReadDeviceInformationRequest(4, 0x80)).information == {0x80: b"x" * 240}
+        assert ask(ReadDeviceInformationRequest(4, 0x80)).information == {0x80: LONG.encode()}
         extended = ask(ReadDeviceInformationRequest(3, 0))
-        assert extended.more_follows == 0xFF and extended.next_object_id == 0x80
+        assert extended.more_follows == 0xFF and extended.next_object_id == 0x83
         ask(
             WriteFileRecordRequest(
                 [FileRecord(file_number=4, record_number=7, record_data=b"\x06\xaf\x04\xbe")]))
@@ -100,7 +109,7 @@ def test_pymodbus_asks_for_every_diagnosis(pair, framing):
     counters = (diag.ReturnBusCommunicationErrorCountRequest, diag.ReturnBusExceptionErrorCountRequest,
                 diag.ReturnSlaveNoResponseCountRequest, diag.ReturnSlaveNAKCountRequest,
                 diag.ReturnSlaveBusyCountRequest, diag.ReturnSlaveBusCharacterOverrunCountRequest)
-    with served(pair, framing, *OPTIONS) as (endpoint, _), connected(framing, endpoint) as ask:
+    with served(pair, framing, UNIT) as (endpoint, _), connected(framing, endpoint) as ask:
         ask(diag.ClearCountersRequest())
         for asked, counter in enumerate(
             (diag.ReturnBusMessageCountRequest, diag.ReturnSlaveMessageCountRequest), 1):
@@ -141,23 +150,23 @@ ANSWERS = [
 
 @pytest.mark.parametrize("framing", ["tcp", "rtu", "ascii"])
 def test_answers_and_exceptions(pair, framing):
-    with served(pair, framing, *OPTIONS) as (_, target):
+    with served(pair, framing, UNIT) as (_, target):
         for request, answer in ANSWERS:
             refused = int(answer[:2], 16) & 0x80
             assert takt("raw", target, "--timeout", "30s", request,
                         code=5 if refused else 0).out.strip() == answer, request
 
 
-def test_rights_are_refused_without_their_option(pair):
-    with served(pair, "tcp") as (_, target):
+def test_rights_and_files_are_refused_without_their_key(pair):
+    with served(pair, "tcp", ["server_id: takt"]) as (_, target):
         for request in ("08 0001 0000", "08 0004 0000"):
             assert takt("raw", target, request, code=5).out.strip() == "88 01"
         assert takt("raw", target, "11").out.strip() == "11 06 01 FF 74 61 6B 74"
-        assert takt("raw", target, "14 07 06 0001 0000 0001", code=5).out.strip() == "94 02"
+        assert takt("raw", target, "14 07 06 0001 0000 0001", code=5).out.strip() == "94 01"
 
 
 def test_listen_only_mode_until_restarted(pair):
-    with served(pair, "tcp", "--allow-listen-only", "--allow-restart") as (_, target):
+    with served(pair, "tcp", ["listen_only: true", "restart: true"]) as (_, target):
         takt("raw", target, "08 0004 0000", "--timeout", "300ms", code=4)
         takt("read", target, "holding", 0, "--timeout", "300ms", code=4)
         takt("raw", target, "08 0001 0000", "--timeout", "300ms", code=4)
@@ -165,11 +174,10 @@ def test_listen_only_mode_until_restarted(pair):
 
 
 def test_layout_of_the_banks(pair):
-    layout = [
-        "--range", "holding:0..9", "--range", "holding:0x20..0x21", "--read-only", "holding:3", "--limit",
-        "holding:4=-5..5", "--overlay", "--fill", "ramp"
-    ]
-    with served(pair, "tcp", *layout) as (_, target):
+    banks = ("banks: [{area: holding_register, items: [0..9, 0x20..0x21], read_only: [3]}, "
+             "{area: coil, items: [0..159], overlay: holding_register}]")
+    limits = ["limits: [{registers: [4], least: -5, greatest: 5}]"]
+    with served(pair, "tcp", limits, banks=banks) as (_, target):
 
         def ask(request, code=0):
             return takt("raw", target, request, code=code).out.strip()
@@ -181,16 +189,6 @@ def test_layout_of_the_banks(pair):
         assert ask("06 0004 FFFB") == "06 00 04 FF FB"
         assert ask("01 0050 0010") == "01 02 05 00", "the bits of register 5"
         assert ask("05 0033 FF00", 5) == "85 02", "register 3 is read only"
-        assert ask("05 00A0 FF00", 5) == "85 02", "there is no register 10"
+        assert ask("05 00A0 FF00", 5) == "85 02", "there is no coil 160"
         assert ask("0F 0010 0008 01 81") == "0F 00 10 00 08"
         assert ask("03 0001 0001") == "03 02 00 81"
-
-
-@pytest.mark.parametrize("option, value", [("--range", "holding:9..5"), ("--range", "coil:1"),
-                                           ("--limit", "coils:1=0..1"), ("--limit", "holding:1=-1..40000"),
-                                           ("--file", "0:5"), ("--file", "1"), ("--fifo", "1:70000"),
-                                           ("--object", "256=x"), ("--object", "1=" + "y" * 245),
-                                           ("--server-id", "z" * 250), ("--exception-coils", "70000")])
-def test_options_that_cannot_be(option, value):
-    refused = takt("serve", "--listen", "127.0.0.1:0", option, value, code=2)
-    assert option in refused.err and refused.out == ""

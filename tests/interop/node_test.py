@@ -4,11 +4,10 @@ docs/interop.md."""
 import pytest
 
 import endpoints
-from functions_test import OPTIONS, served
+from functions_test import LONG, UNIT, served
 from node_peer import Client
 from program import start
 
-DEVICE = [*OPTIONS, "--file", "6:200", "--limit", "holding:50=100..200"]
 FRAMING = {"tcp": "tcp", "rtu": "rtu", "buffered": "rtu", "ascii": "ascii"}
 
 
@@ -22,6 +21,7 @@ def ramp(start_at, count):
 
 MOST_REGISTERS, MOST_COILS = [50000 + 7 * i for i in range(123)], [i % 3 == 0 for i in range(1968)]
 IDENTITY = {"0": "Vendor", "1": "Product", "2": "3.1"}
+OWN = {str(number): LONG for number in range(128, 132)}  # the last one is in a second response
 
 # Requests to a device filled with the ramp, and the answer as the library returns it.
 MODBUS_SERIAL = [  # functions 1 to 6, 15 and 16
@@ -96,7 +96,8 @@ MODBUS_SERIAL_IDENTITY = [  # 17; 43/14, in pieces
     }),
     ("readDeviceIdentification", [3, 0], {
         "data": {
-            **IDENTITY, "128": "x" * 240
+            **IDENTITY,
+            **OWN
         },
         "conformityLevel": 0x83
     }),
@@ -165,9 +166,10 @@ JSMODBUS = [  # all it has: 1 to 6, 15, 16 and 43/14
     }),
     ("readCoils", [2000, 1968], MOST_COILS),
     ("readDeviceIdentification", [1, 0], IDENTITY),
-    ("readDeviceIdentification", [3, 0], IDENTITY),  # it does not ask for what follows
+    # It does not ask for what follows.
+    ("readDeviceIdentification", [3, 0], IDENTITY | dict(list(OWN.items())[:3])),
     ("readDeviceIdentification", [4, 128], {
-        "128": "x" * 240
+        "128": LONG
     }),
 ]
 
@@ -194,8 +196,8 @@ def check_refusals(client, cases):
 
 @pytest.mark.parametrize("transport", ["tcp", "rtu", "buffered", "ascii"])
 def test_modbus_serial(pair, transport):
-    with served(pair, FRAMING[transport], *DEVICE) as (endpoint, _), Client("modbus_serial", transport,
-                                                                            endpoint) as client:
+    with served(pair, FRAMING[transport], UNIT) as (endpoint, _), Client("modbus_serial", transport,
+                                                                         endpoint) as client:
         check(client, MODBUS_SERIAL)
         check_refusals(client, REFUSALS["modbus_serial"])
         if transport != "ascii":
@@ -213,7 +215,7 @@ def test_modbus_serial(pair, transport):
 
 @pytest.mark.parametrize("transport", ["tcp", "rtu"])
 def test_jsmodbus(pair, transport):
-    with served(pair, transport, *DEVICE) as (endpoint, _), Client("jsmodbus", transport, endpoint) as client:
+    with served(pair, transport, UNIT) as (endpoint, _), Client("jsmodbus", transport, endpoint) as client:
         check(client, JSMODBUS)
         check_refusals(client, REFUSALS["jsmodbus"])
 
@@ -259,22 +261,21 @@ def test_modbus_serial_over_rtu_over_tcp(project):
 
 @pytest.mark.parametrize("transport", ["buffered", "ascii"])
 def test_modbus_serial_does_not_know_how_long_some_answers_are(pair, transport):
-    with served(pair, FRAMING[transport],
-                *DEVICE) as (endpoint, _), Client("modbus_serial", transport, endpoint,
-                                                  timeout_ms=4000) as client:
+    with served(pair, FRAMING[transport], UNIT) as (endpoint, _), Client("modbus_serial", transport, endpoint,
+                                                                         timeout_ms=4000) as client:
         check(client, [("writeRegister", [30, 0x12], {"address": 30, "value": 0x12})])
         assert client.ask("maskWriteRegister", 30, 0xF2, 0x25)["error"]["text"] == "Timed out"
         check(client, [("readHoldingRegisters", [30, 1], {"data": [0x17]})])
 
 
 def test_jsmodbus_cuts_long_writes_over_tcp(pair):
-    with served(pair, "tcp", *DEVICE) as (endpoint, _), Client("jsmodbus", "tcp", endpoint) as client:
+    with served(pair, "tcp", UNIT) as (endpoint, _), Client("jsmodbus", "tcp", endpoint) as client:
         check_refusals(client, [("writeMultipleRegisters", [200, MOST_REGISTERS[:121]], 3)])
         check(client, [("readHoldingRegisters", [200, 121], ramp(200, 121))])
 
 
 def test_jsmodbus_writes_them_whole_on_a_serial_line(pair):
-    with served(pair, "rtu", *DEVICE) as (endpoint, _), Client("jsmodbus", "rtu", endpoint) as client:
+    with served(pair, "rtu", UNIT) as (endpoint, _), Client("jsmodbus", "rtu", endpoint) as client:
         check(client, [("writeMultipleRegisters", [200, MOST_REGISTERS], {
             "address": 200,
             "value": 123

@@ -14,6 +14,7 @@ import serial as pyserial
 import endpoints
 from frames import crc16
 from program import DEADLINE, start, takt, until
+from projects import slave
 
 LIVES = int(os.environ.get("TAKT_KILLS", "12"))  # thousands of them: TAKT_KILLS=2000
 SLICE = 8  # registers of each client: it writes the same number to all of them at once
@@ -47,11 +48,24 @@ def write_pdu(number, first, values):
         f">{len(values)}H", *values)
 
 
+def retaining(state, place, retain="0..99", coils="", durability="ack"):
+    """A project beside its file of retained registers."""
+    banks = (f"banks: [{{area: holding_register, items: [0..65535], retain: [{retain}]}}, "
+             f"{{area: coil, items: [0..1023]{coils}}}]")
+    path = state.with_suffix(".yaml")
+    path.write_text(slave(place, [f"state: {state}", f"durability: '{durability}'"], banks), encoding="utf-8")
+    return path
+
+
+def on_port(port):
+    return ["listen: 127.0.0.1", f"tcp_port: {port}"]
+
+
 @contextlib.contextmanager
-def keeping(state, *options, port=None, retain="holding:0..99", **popen):
+def keeping(state, *options, port=None, retain="0..99", coils="", durability="ack", **popen):
     port = port or endpoints.free_port()
-    with start("serve", "--listen", f"127.0.0.1:{port}", "--state", state, "--retain", retain, *options,
-               **popen) as device:
+    path = retaining(state, on_port(port), retain, coils, durability)
+    with start("serve", path, *options, **popen) as device:
         until(lambda: any("serving" in line for line in device.err), f"that it serves: {device!r}")
         yield port, device
 
@@ -112,8 +126,8 @@ def test_acknowledged_writes_survive_kills_on_a_serial_line(tmp_path):
     last = 0
     with endpoints.serial_pair(tmp_path) as pair:
         for _ in range(4):
-            with start("serve", "--port", f"rtu://{pair.b}?baud=115200", "--state", state, "--retain",
-                       "holding:0..9") as device, \
+            path = retaining(state, ["transport: serial", f"port: {pair.b}", "baud: 115200"], "0..9")
+            with start("serve", path) as device, \
                     pyserial.Serial(pair.a, 115200, timeout=DEADLINE) as port:
                 until(lambda: any("serving" in line for line in device.err), "that it serves")
                 body = bytes.fromhex("010300000001")
@@ -134,22 +148,22 @@ def test_every_function_and_overlaid_coils(tmp_path):
         "06 0000 1234", "10 0001 0002 04 5678 9ABC", "16 0003 0000 00FF", "17 0000 0001 0004 0001 02 0BAD",
         "05 0050 FF00", "0F 0061 0003 01 05"
     ]  # coils 80 (register 5, bit 0), 97..99 (register 6, bits 1..3)
-    with keeping(state, "--overlay") as (port, device):
+    with keeping(state, coils=", overlay: holding_register") as (port, device):
         for pdu in writes:
             assert ask(port, pdu)[0] < 0x80, pdu
         device.process.kill()
-    with keeping(state, "--overlay") as (port, device):
+    with keeping(state, coils=", overlay: holding_register") as (port, device):
         assert read(port, 0, 7) == (0x1234, 0x5678, 0x9ABC, 0x00FF, 0x0BAD, 1, 0b1010)
         device.interrupt()
 
 
 def test_coils_and_items_without_retain(tmp_path):
     state = tmp_path / "registers"
-    with keeping(state, "--retain", "coils:3..20") as (port, device):
+    with keeping(state, coils=", retain: [3..20]") as (port, device):
         for pdu in ("05 0004 FF00", "0F 0012 0004 01 0F", "06 0063 0007", "06 0064 0008"):
             assert ask(port, pdu)[0] < 0x80
         device.process.kill()
-    with keeping(state, "--retain", "coils:3..20") as (port, device):
+    with keeping(state, coils=", retain: [3..20]") as (port, device):
         assert ask(port, "01 0000 0018") == bytes.fromhex("01 03 10 00 1C")
         assert read(port, 99, 2) == (7, 0)
         device.interrupt()
@@ -177,7 +191,7 @@ def test_a_failing_disk_refuses_and_takes_back(tmp_path):
 
 def test_durability_none_writes_at_the_end_and_counts(tmp_path):
     state = tmp_path / "registers"
-    with keeping(state, "--durability", "none", "--json") as (port, device):
+    with keeping(state, "--json", durability="none") as (port, device):
         for number in range(1, 20):
             assert ask(port, write_pdu(16, 0, [number]))[0] == 16
         result = device.interrupt()
@@ -188,7 +202,7 @@ def test_durability_none_writes_at_the_end_and_counts(tmp_path):
         "bytes": 3 * 4096,
         "failures": 0
     }]
-    with keeping(state, "--durability", "100ms") as (port, device):
+    with keeping(state, durability="100ms") as (port, device):
         assert read(port, 0, 1) == (19, )
         assert ask(port, "06 0000 0042")[0] == 6
         device.interrupt()
@@ -202,12 +216,11 @@ def test_the_state_of_the_file_is_reported(tmp_path):
     with keeping(state) as (port, device):
         assert ask(port, "06 0005 0007")[0] == 6
         assert any("new file" in line for line in device.err)
-        second = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--state", state, "--retain",
-                      "holding:0..99", "--for", "1s", code=3)
+        second = takt("serve", retaining(state, on_port(endpoints.free_port())), "--for", "1s", code=3)
         assert str(state) in second.err
         device.interrupt()
     whole = state.read_bytes()
-    with keeping(state, retain="holding:5..9") as (port, device):  # another layout
+    with keeping(state, retain="5..9") as (port, device):  # another layout
         assert read(port, 5, 1) == (7, )
         assert any("5 retained items were taken over" in line for line in device.err), repr(device)
         device.interrupt()
@@ -228,25 +241,13 @@ def test_the_state_of_the_file_is_reported(tmp_path):
     assert (tmp_path / "registers.damaged-1").read_bytes() == bytes(torn)
     for lines in (1, 2000):
         state.write_text("not registers\n" * lines)
-        foreign = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--state", state,
-                       "--retain", "holding:0..99", code=2)
+        foreign = takt("serve", retaining(state, on_port(endpoints.free_port())), code=2)
         assert "not a file of retained registers" in foreign.err
         assert state.read_text() == "not registers\n" * lines
     state.unlink()
     os.mkfifo(state)
-    foreign = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--state", state, "--retain",
-                   "holding:0..99", code=2)
+    foreign = takt("serve", retaining(state, on_port(endpoints.free_port())), code=2)
     assert "not a file of retained registers" in foreign.err and state.is_fifo()
-
-
-def test_usage(tmp_path):
-    for options in (["--state", tmp_path / "s"], ["--retain", "holding:0..9"]):
-        result = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", *options, code=2)
-        assert "--state" in result.err
-    takt("serve", "--listen", "127.0.0.1:1", "--durability", "soon", code=2)
-    missing = takt("serve", "--listen", f"127.0.0.1:{endpoints.free_port()}", "--range", "holding:0..9",
-                   "--state", tmp_path / "s", "--retain", "holding:5..10", code=None)
-    assert missing.code != 0 and "10" in missing.err
 
 
 def test_servers_of_a_project(project, tmp_path):

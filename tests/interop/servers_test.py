@@ -3,6 +3,7 @@ import pytest
 
 import endpoints
 from program import start, takt
+from projects import tcp
 
 SERVERS = """
 takt: 1
@@ -91,16 +92,16 @@ servers:
         running.interrupt()
 
 
-@pytest.mark.parametrize(
-    "options",
-    [["--unit", "2"], ["--fill", "ramp"], ["--range", "holding:0..9"], ["--read-only", "holding:0..9"],
-     ["--limit", "holding:0..9=0..5"], ["--overlay"], ["--object", "0=x"], ["--server-id", "x"],
-     ["--file", "1:1"], ["--fifo", "1:1"], ["--allow-restart"], ["--allow-listen-only"],
-     ["--exception-coils", "1"], ["--retain", "holding:0..9", "--state", "x"], ["--durability", "none"],
-     ["--listen", "127.0.0.1:1"], ["--port", "/dev/null"]], ids=lambda options: options[0])
+@pytest.mark.parametrize("options", [["--unit", "2"], ["--listen", "127.0.0.1:1"], ["--port", "/dev/null"]],
+                         ids=lambda options: options[0])
 def test_options_that_would_do_nothing_beside_servers(project, options):
     result = takt("serve", project(SERVERS.format(port=endpoints.free_port())), *options, code=2)
     assert options[0] in result.err
+
+
+def test_devices_of_a_line_are_not_filled(project):
+    path = project(tcp(["type: int, register: 0, read: 0x03"], 1502))
+    assert "--fill applies to" in takt("serve", path, "--fill", "ramp", code=2).err
 
 
 def test_two_servers_on_one_port(project):

@@ -181,11 +181,12 @@ std::optional<std::string> without_address(const Texts& texts, const ServeOption
 /// The error in the combination of options; nothing: they may be used.
 std::optional<std::string> misuse(const Texts& texts, const ServeOptions& options,
                                   const std::optional<host::LoadedProject>& loaded) {
-    if (options.state.empty() != options.blank.retain.empty()) return texts("app.registers.where");
     const bool replaced = !options.listen.empty() || !options.port.empty();
     if (is_no_serial_port(options.port)) return texts("app.serve.no_serial_port", {{"value", options.port}});
     if (!loaded) return replaced ? std::nullopt : std::optional(texts("app.serve_where"));
     const auto& project = loaded->project;
+    if (options.fill != sim::Fill::zero && project.servers.empty())
+        return texts("app.serve.fill_of_lines", {{"file", options.file}});
     if (!replaced) return project.servers.empty() ? without_address(texts, options, *loaded) : std::nullopt;
     if (!project.servers.empty()) return texts("app.serve_has_servers", {{"file", options.file}});
     if (project.lines.size() == 1 && (options.listen.empty() || options.port.empty())) return std::nullopt;
@@ -210,9 +211,7 @@ bool keep_line(const Texts& texts, const ServeOptions& options, model::Project& 
 Result<Specs> specs_of(const ServeOptions& options, const model::Project* project,
                        const endpoint::Overrides& overrides) {
     if (!project) {
-        TAKT_TRY(auto blank,
-                 endpoint::blank_endpoint(options.blank, options.state,
-                                          endpoint::to_durability(options.durability), overrides));
+        TAKT_TRY(auto blank, endpoint::blank_endpoint(options.unit, overrides));
         return Specs{std::move(blank)};
     }
     if (project->servers.empty()) return endpoint::device_endpoints(*project, overrides);
@@ -225,7 +224,7 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
     hold_reload();
     const Texts texts(common.language);
     std::optional<host::LoadedProject> loaded;
-    if (!options.file.empty() && options.state.empty() == options.blank.retain.empty()) {
+    if (!options.file.empty()) {
         loaded = load_to_run(texts, options.file);
         if (!loaded) return ExitCode::usage;
     }
@@ -236,8 +235,8 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
         return ExitCode::usage;
     }
     const model::Project* const project = loaded ? &loaded->project : nullptr;
-    endpoint::Overrides overrides{options.listen, options.port, options.strict,
-                                  options.limits, {},           options.audit};
+    endpoint::Overrides overrides{options.listen, options.port, options.strict, options.limits, {},
+                                  options.audit,  options.fill};
     if (!options.access.empty()) {
         overrides.access = load_access(texts, options.access);
         if (!overrides.access) return ExitCode::usage;

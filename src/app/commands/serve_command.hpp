@@ -10,10 +10,9 @@
 #include "exit_code.hpp"
 #include "takt/base/time.hpp"
 #include "takt/console/capture_file.hpp"
-#include "takt/endpoint/blank_spec.hpp"
 #include "takt/endpoint/overrides.hpp"
-#include "takt/model/server.hpp"
 #include "takt/sim/answer_faults.hpp"
+#include "takt/sim/fill.hpp"
 
 namespace takt::app {
 
@@ -21,7 +20,8 @@ struct ServeOptions {
     std::string file;    ///< a project whose devices to be; empty: a blank device
     std::string listen;  ///< host:port
     std::string port;    ///< serial port or serial target
-    endpoint::BlankSpec blank;
+    UnitId unit{1};      ///< of the blank device
+    sim::Fill fill = sim::Fill::zero;
     bool strict = false;  ///< RTU: pauses above t1.5 inside a frame spoil it
     std::optional<Duration> run_for;
     std::string traffic;
@@ -30,8 +30,6 @@ struct ServeOptions {
     endpoint::LimitOverrides limits;
     std::string access;  ///< file of access rules for all endpoints; empty: those of the project
     std::string audit;   ///< file of writes and refusals at all endpoints; empty: those of the project
-    std::string state;   ///< file of the blank device's retained registers; empty: none
-    model::Durability durability = model::Durability::acknowledged;  ///< of these
     std::vector<sim::FaultRule> faults;
     std::string control_path;  ///< Unix socket for commands to the devices; empty: none
     bool commands_from_stdin = false;

@@ -239,17 +239,6 @@ Option& Option::one_of(std::vector<std::string> words) {
     return *this;
 }
 
-Option& Option::longest(std::size_t bytes) {
-    option_->check([option = option_, bytes](const std::string& text) -> std::string {
-        if (text.size() <= bytes) return {};
-        reject({"app.option.long",
-                {{"option", option->get_name()},
-                 {"length", std::to_string(text.size())},
-                 {"greatest", std::to_string(bytes)}}});
-    });
-    return *this;
-}
-
 Option& Option::check(std::function<void(const std::string&)> check) {
     option_->check([check = std::move(check)](const std::string& text) {
         check(text);
@@ -332,10 +321,6 @@ Option Command::number(const std::string& name, std::function<void(int)> read, c
     Option option(app_->add_option_function<int>(
         name, [read = std::move(read)](const int& number) { read(number); }, help));
     return option.add_range(0, std::numeric_limits<int>::max());
-}
-
-Option Command::find(const std::string& name) const {
-    return Option(app_->get_option(name));
 }
 
 Command Command::command(const std::string& name, const std::string& help,

@@ -37,8 +37,6 @@ public:
     Option& range(int least, int greatest);
     /// These words only.
     Option& one_of(std::vector<std::string> words);
-    /// At most this many bytes.
-    Option& longest(std::size_t bytes);
     /// Calls `check` with each value; it may call reject().
     Option& check(std::function<void(const std::string&)> check);
     /// From `least` to `most` values.
@@ -85,9 +83,6 @@ public:
     Option texts(const std::string& name, const std::function<void(const std::vector<std::string>&)>& read,
                  const std::string& help);
     Option number(const std::string& name, std::function<void(int)> read, const std::string& help);
-
-    /// The option of that name, which must exist.
-    [[nodiscard]] Option find(const std::string& name) const;
 
     /// A command below this one. `execute` is run when it is chosen.
     Command command(const std::string& name, const std::string& help, std::function<ExitCode()> execute);

@@ -1,7 +1,6 @@
-// serve: where, what the blank device has, and what clients may take.
+// serve: where, what clients may take, and faults.
 #include "commands/serve_command.hpp"
 #include "options/add_commands.hpp"
-#include "options/blank_options.hpp"
 #include "options/shared_options.hpp"
 #include "takt/line/target.hpp"
 
@@ -19,28 +18,6 @@ void add_listen_addresses(Command& serve, std::string& listen) {
             },
             "help.serve.listen")
         .value_name("HOST:PORT");
-}
-
-void add_blank_device(Command& serve, BlankSpec& blank) {
-    add_parsed(serve, "--range", blank.ranges, parse_item_range, "AREA:ITEMS", "app.option.form.items",
-               "help.serve.range");
-    add_parsed(serve, "--read-only", blank.read_only, parse_item_range, "AREA:ITEMS", "app.option.form.items",
-               "help.serve.read_only");
-    add_parsed(serve, "--retain", blank.retain, parse_item_range, "AREA:ITEMS", "app.option.form.items",
-               "help.serve.retain");
-    add_parsed(serve, "--limit", blank.limits, parse_value_limits, "AREA:ITEMS=VALUES",
-               "app.option.form.limits", "help.serve.limit");
-    serve.flag("--overlay", blank.overlay, "help.serve.overlay");
-    add_parsed(serve, "--object", blank.objects, parse_object, "ID=TEXT", "app.option.form.object",
-               "help.serve.object");
-    serve.value("--server-id", blank.server_id, "help.serve.server_id").longest(248).value_name("TEXT");
-    add_parsed(serve, "--file", blank.files, parse_file_records, "NUMBER:RECORDS", "app.option.form.records",
-               "help.serve.records");
-    add_parsed(serve, "--fifo", blank.fifos, parse_fifo, "ADDRESS:VALUES", "app.option.form.fifo",
-               "help.serve.fifo");
-    serve.flag("--allow-restart", blank.may_restart, "help.serve.allow_restart");
-    serve.flag("--allow-listen-only", blank.may_listen_only, "help.serve.allow_listen_only");
-    serve.value("--exception-coils", blank.status_coils, "help.serve.exception_coils");
 }
 
 void add_serve_limits(Command& serve, endpoint::LimitOverrides& limits) {
@@ -61,18 +38,6 @@ void add_serve_limits(Command& serve, endpoint::LimitOverrides& limits) {
     add_time("--write-timeout", limits.write_timeout, "help.serve.write_timeout");
 }
 
-void add_serve_state(Command& serve, ServeOptions& options) {
-    static const std::map<std::string, model::Durability> kDurabilities{
-        {"ack", model::Durability::acknowledged},
-        {"100ms", model::Durability::interval},
-        {"none", model::Durability::at_end}};
-    serve.value("--state", options.state, "help.serve.state").value_name("FILE");
-    add_word(serve, "--durability", options.durability, kDurabilities, "help.serve.durability")
-        .value_name("WHEN");
-    serve.value("--access", options.access, "help.serve.access").value_name("FILE");
-    serve.value("--audit", options.audit, "help.serve.audit").value_name("FILE");
-}
-
 void add_serve_faults(Command& serve, ServeOptions& options) {
     add_parsed(serve, "--fault", options.faults, sim::parse_fault, "FAULT", "app.option.form.fault",
                "help.serve.fault");
@@ -91,24 +56,21 @@ void add_serve(CommandLine& line, const CommonOptions& common) {
     serve.value("--line", options.line, "help.serve.line").value_name("NAME").needs(file);
     add_listen_addresses(serve, options.listen);
     serve.value("--port", options.port, "help.serve.port").value_name("PORT");
-    serve.value("--unit", options.blank.unit.value, "help.serve.unit").range(0, 255).default_text("1");
-    add_word(serve, "--fill", options.blank.fill, kFills, "help.serve.fill").value_name("FILL");
-    add_blank_device(serve, options.blank);
+    serve.value("--unit", options.unit.value, "help.serve.unit")
+        .range(0, 255)
+        .default_text("1")
+        .excludes(file);
+    add_word(serve, "--fill", options.fill, kFills, "help.serve.fill").value_name("FILL");
     serve.flag("--strict", options.strict, "help.serve.strict");
     add_duration(serve, "--for", [&](Duration time) { options.run_for = time; }, "help.for");
     serve.value("--traffic", options.traffic, "help.traffic").value_name("FILE");
     add_capture(serve, options.capture);
     serve.flag("--json", options.json, "help.serve.json");
     add_serve_limits(serve, options.limits);
-    add_serve_state(serve, options);
+    serve.value("--access", options.access, "help.serve.access").value_name("FILE");
+    serve.value("--audit", options.audit, "help.serve.audit").value_name("FILE");
     add_serve_faults(serve, options);
     add_realtime(serve, options.realtime);
-    // A project describes its devices and servers itself.
-    for (const auto* const name :
-         {"--unit", "--fill", "--range", "--read-only", "--retain", "--limit", "--overlay", "--object",
-          "--server-id", "--file", "--fifo", "--allow-restart", "--allow-listen-only", "--exception-coils",
-          "--state", "--durability"})
-        serve.find(name).excludes(file).group("help.label.blank");
 }
 
 }  // namespace takt::app

@@ -326,30 +326,12 @@ TEST(Options, OfAConversion) {
 
 TEST(Options, OfABlankDevice) {
     const auto serve = options_of<ServeOptions>(
-        "serve --listen 127.0.0.1:0 --port /dev/ttyS1 --unit 0 --fill ramp --range holding:0..9 --range "
-        "coils:7 "
-        "--read-only holding:9 --retain holding:2..4 --limit holding:0=-5..100 --overlay --object 0=A=B "
-        "--server-id id --file 4:100 --fifo 1246:440,0x10 --allow-restart --allow-listen-only "
-        "--exception-coils 8 --strict --state s --durability 100ms");
-    const auto& blank = serve.blank;
+        "serve --listen 127.0.0.1:0 --port /dev/ttyS1 --unit 0 --fill ramp --strict");
     EXPECT_EQ(serve.listen, "127.0.0.1:0");
     EXPECT_EQ(serve.port, "/dev/ttyS1");
-    EXPECT_EQ(blank.unit, UnitId{0});
-    EXPECT_EQ(blank.fill, sim::Fill::ramp);
-    ASSERT_EQ(blank.ranges.size(), 2U);
-    EXPECT_EQ(blank.ranges[0].addresses.last, 9);
-    EXPECT_EQ(blank.ranges[1].area, Area::coil);
-    EXPECT_EQ(blank.read_only.at(0).addresses.first, 9);
-    EXPECT_EQ(blank.retain.at(0).addresses.first, 2);
-    EXPECT_EQ(blank.limits.at(0).least, -5);
-    EXPECT_EQ(blank.objects.at(0).text, "A=B");
-    EXPECT_EQ(blank.server_id, "id");
-    EXPECT_EQ(blank.files.at(0).records, 100);
-    EXPECT_EQ(blank.fifos.at(0).values, (std::vector<std::uint16_t>{440, 16}));
-    EXPECT_TRUE(blank.overlay && blank.may_restart && blank.may_listen_only && serve.strict);
-    EXPECT_EQ(blank.status_coils, 8);
-    EXPECT_EQ(serve.state, "s");
-    EXPECT_EQ(serve.durability, model::Durability::interval);
+    EXPECT_EQ(serve.unit, UnitId{0});
+    EXPECT_EQ(serve.fill, sim::Fill::ramp);
+    EXPECT_TRUE(serve.strict);
 }
 
 TEST(Options, OfServers) {
@@ -371,7 +353,6 @@ TEST(Options, OfServers) {
     EXPECT_EQ(serve.faults[0].per_million, 100'000U);
     const auto plain = options_of<ServeOptions>("serve p.yaml");
     EXPECT_TRUE(!plain.limits.max_connections && !plain.limits.idle_timeout && plain.faults.empty());
-    EXPECT_EQ(plain.durability, model::Durability::acknowledged);
 }
 
 TEST(Options, WhatIsRejectedAndWhy) {
@@ -426,17 +407,10 @@ TEST(Options, WhatIsRejectedAndWhy) {
         {"convert t.csv --encoding utf-16", "app.option.word.nearest", "--encoding"},
         {"convert t.csv --unit 256", "app.option.range", "--unit"},
         {"convert t.csv --separator space", "app.option.word", "--separator"},
-        {"serve --range holding:9..5", "app.option.form.items", "--range"},
-        {"serve --limit input:0=1..2", "app.option.form.limits", "--limit"},
-        {"serve --object 256=x", "app.option.form.object", "--object"},
-        {"serve --file 0:1", "app.option.form.records", "--file"},
-        {"serve --fifo x", "app.option.form.fifo", "--fifo"},
         {"serve --fault noise", "app.option.form.fault", "--fault"},
         {"serve --max-connections 20001", "app.option.range", "--max-connections"},
         {"serve --idle-timeout 0s", "app.option.range", "--idle-timeout"},
-        {"serve --durability always", "app.option.word", "--durability"},
-        {"serve p.yaml --fill ramp", "app.option.excludes", "FILE"},
-        {"serve p.yaml --retain holding:0", "app.option.excludes", "FILE"},
+        {"serve p.yaml --unit 2", "app.option.excludes", "FILE"},
         {"check p.yaml q.yaml", "app.option.extra", nullptr},
     };
     for (const auto& [line, code, option] : cases) {
@@ -512,14 +486,6 @@ TEST(Options, AnOptionOfOneValueIsGivenOnce) {
     EXPECT_EQ(too_many->code, "app.option.too_many");
     EXPECT_EQ(too_many->arguments[1].second, "65");
     EXPECT_EQ(too_many->arguments[3].second, "64");
-}
-
-TEST(Options, AServerIdIsNotLongerThanItsResponse) {
-    EXPECT_EQ(options_of<ServeOptions>("serve --server-id " + std::string(248, 'x')).blank.server_id.size(),
-              248U);
-    EXPECT_EQ(parse("serve --server-id " + std::string(249, 'x')).error,
-              (OptionError{"app.option.long",
-                           {{"option", "--server-id"}, {"length", "249"}, {"greatest", "248"}}}));
 }
 
 TEST(Options, HelpIsGivenInsteadOfAnError) {

@@ -337,20 +337,32 @@ TEST_F(EndpointTest, AFileThatCannotBeIsAnError) {
     EXPECT_TRUE(statistics.listeners.empty());
 }
 
-TEST(BlankEndpoint, IsLaidOutAsTheOptionsSay) {
+TEST(ServerEndpoint, IsLaidOutAsTheProjectSaysAndFilled) {
     const auto loop = line::Loop::create().value();
     test::Notices notices;
-    BlankSpec blank;
-    blank.unit = UnitId{3};
-    blank.fill = sim::Fill::ramp;
-    blank.ranges = {{wire::Area::holding_register, {10, 19}}};
-    blank.read_only = {{wire::Area::holding_register, {19, 19}}};
-    blank.limits = {{{10, 12}, -5, 5}};
-    blank.objects = {{1, "Second"}, {0, "First"}, {1, "Third"}};
-    blank.files = {{4, 3}};
-    blank.fifos = {{100, {7, 8}}};
+    const auto plant = test::project(R"(
+takt: 1
+servers:
+  - name: s
+    listen: 127.0.0.1
+    tcp_port: 1502
+    units:
+      - address: 3
+        banks:
+          - {area: holding_register, items: [10..19, 30..31], read_only: [19]}
+          - {area: coil, items: [5..8]}
+        limits: [{registers: [10..12], least: -5, greatest: 5}]
+        identification: [{id: 1, text: Second}, {id: 0, text: First}]
+        server_id: takt
+        files: [{number: 4, records: 3}]
+        fifos: [{register: 100, values: [7, 8]}]
+        variables:
+          - {name: Off, type: bool, area: coil, coil: 7, default: false}
+          - {name: Bit, type: bool, area: holding_register, register: 31, bit: 0, default: false}
+)");
     const Environment environment{*loop, notices.sink()};
-    Endpoint endpoint(0, *blank_endpoint(blank, {}, {}, {}), environment);
+    Endpoint endpoint(0, server_endpoints(plant, "p.yaml", {.fill = sim::Fill::ramp}, false).at(0),
+                      environment);
     const auto ask = [&](std::string_view request) {
         return to_hex(
             endpoint.handler()
@@ -358,15 +370,34 @@ TEST(BlankEndpoint, IsLaidOutAsTheOptionsSay) {
                 .pdu.span());
     };
     EXPECT_EQ(ask("03 00 0A 00 02"), "03 04 00 0A 00 0B");
+    EXPECT_EQ(ask("03 00 1E 00 02"), "03 04 00 1E 00 1E") << "bit 0 of register 31 has a default";
+    EXPECT_EQ(ask("01 00 05 00 04"), "01 01 01") << "of the coils 5 and 7 the second has a default";
     EXPECT_EQ(ask("03 00 09 00 02"), "83 02");
     EXPECT_EQ(ask("06 00 13 00 01"), "86 02");
     EXPECT_EQ(ask("06 00 0A FF FB"), "06 00 0A FF FB");
     EXPECT_EQ(ask("06 00 0A FF FA"), "86 03");
-    EXPECT_EQ(ask("04 FF FF 00 01"), "04 02 FF FF") << "an area without ranges is whole";
+    EXPECT_EQ(ask("04 FF FF 00 01"), "84 02");
     EXPECT_EQ(ask("11").substr(0, 5), "11 06");
     EXPECT_EQ(ask("14 07 06 00 04 00 01 00 02"), "14 06 05 06 00 01 00 02");
     EXPECT_EQ(ask("18 00 64"), "18 00 06 00 02 00 07 00 08");
-    EXPECT_EQ(ask("2B 0E 04 01"), "2B 0E 04 81 00 00 01 01 06 53 65 63 6F 6E 64") << "of equal ids the first";
+    EXPECT_EQ(ask("2B 0E 04 01"), "2B 0E 04 81 00 00 01 01 06 53 65 63 6F 6E 64");
+}
+
+TEST(BlankEndpoint, HasAllItems) {
+    const auto loop = line::Loop::create().value();
+    test::Notices notices;
+    const Environment environment{*loop, notices.sink()};
+    Endpoint endpoint(0, *blank_endpoint(UnitId{3}, {.fill = sim::Fill::ramp}), environment);
+    const auto ask = [&](std::string_view request) {
+        return to_hex(
+            endpoint.handler()
+                .handle({line::now(), UnitId{3}, false, "", {}}, wire::RequestView(pdu(request).span()))
+                .pdu.span());
+    };
+    EXPECT_EQ(ask("04 FF FF 00 01"), "04 02 FF FF");
+    EXPECT_EQ(ask("02 FF F8 00 08"), "02 01 AA");
+    EXPECT_EQ(ask("11"), "11 06 03 FF 74 61 6B 74");
+    EXPECT_EQ(ask("14 07 06 00 04 00 01 00 02"), "94 01");
 }
 
 TEST(DeviceEndpoint, AnswersForTheDevicesOfALine) {

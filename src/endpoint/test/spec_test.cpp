@@ -139,24 +139,20 @@ TEST(Spec, PortsThatCannotBeAreErrors) {
     EXPECT_EQ(device_endpoints(plant, {.port = "tcp://127.0.0.1"}).error().code, Code::unsupported);
     plant.lines[0].transport = model::Transport::simulated;
     EXPECT_EQ(device_endpoints(plant, {}).error().subject.view(), "bus: simulated");
-    EXPECT_EQ(blank_endpoint({}, {}, {}, {.port = "bus://1"}).error().code, Code::syntax);
+    EXPECT_EQ(blank_endpoint({}, {.port = "bus://1"}).error().code, Code::syntax);
 }
 
 TEST(Spec, OfTheBlankDevice) {
-    BlankSpec blank;
-    blank.retain = {{Area::holding_register, {5, 9}}, {Area::holding_register, {0, 5}}, {Area::coil, {1, 2}}};
     const auto spec =
-        blank_endpoint(blank, "state", store::Durability::at_end, {.listen = ":1502", .port = "/dev/ttyS0"});
+        blank_endpoint(UnitId{3}, {.listen = ":1502", .port = "/dev/ttyS0", .fill = sim::Fill::ramp});
     ASSERT_TRUE(spec);
     ASSERT_EQ(spec->listeners.size(), 2u) << "the same unit on both";
     EXPECT_TRUE(spec->listeners[0].address);
     EXPECT_FALSE(spec->listeners[1].address);
-    ASSERT_EQ(spec->retained.size(), 1u);
-    const auto& items = spec->retained[0].items;
-    EXPECT_EQ(items[static_cast<std::size_t>(Area::holding_register)],
-              (std::vector<serve::AddressRange>{{0, 9}}));
-    EXPECT_EQ(items[static_cast<std::size_t>(Area::coil)], (std::vector<serve::AddressRange>{{1, 2}}));
-    EXPECT_TRUE(blank_endpoint(blank, {}, {}, {.listen = ":1502"})->retained.empty()) << "no file";
+    EXPECT_TRUE(spec->retained.empty());
+    const auto& [units, fill] = std::get<ServerUnits>(spec->units);
+    EXPECT_EQ(units.at(0).address, UnitId{3});
+    EXPECT_EQ(fill, sim::Fill::ramp);
 }
 
 TEST(Spec, LimitsThatAreNotGivenStay) {

@@ -8,6 +8,7 @@
 
 #include "takt/base/time.hpp"
 #include "takt/model/server.hpp"
+#include "takt/sim/fill.hpp"
 
 namespace takt::endpoint {
 
@@ -30,6 +31,7 @@ struct Overrides {
     LimitOverrides limits;
     std::optional<std::vector<model::AccessRule>> access;  ///< of all endpoints
     std::string audit;                                     ///< file, of all endpoints; empty: the project's
+    sim::Fill fill = sim::Fill::zero;                      ///< of the units of servers
 };
 
 }  // namespace takt::endpoint

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "takt/base/result.hpp"
-#include "takt/endpoint/blank_spec.hpp"
 #include "takt/endpoint/overrides.hpp"
 #include "takt/line/target.hpp"
 #include "takt/model/project.hpp"
@@ -33,6 +32,7 @@ struct ListenerSpec {
 /// The units of a project's server; bound variables need the project's values (see Environment).
 struct ServerUnits {
     std::vector<model::ServerUnit> units;
+    sim::Fill fill = sim::Fill::zero;
 };
 
 /// The devices of a project's line, with moving values.
@@ -52,7 +52,7 @@ struct RetainSpec {
 struct EndpointSpec {
     std::string name;
     std::vector<ListenerSpec> listeners;  ///< the same units answer on all of them
-    std::variant<ServerUnits, LineDevices, BlankSpec> units;
+    std::variant<ServerUnits, LineDevices> units;
     std::vector<RetainSpec> retained;
     std::vector<model::AccessRule> access;  ///< empty: everybody may do everything
     bool access_is_override = false;        ///< `access` is Overrides::access, the same for all endpoints
@@ -74,13 +74,9 @@ struct EndpointSpec {
 [[nodiscard]] Result<std::vector<EndpointSpec>> device_endpoints(const model::Project& project,
                                                                  const Overrides& overrides);
 
-/// The blank device, on all listeners that the overrides name.
-/// @param state  the file of its retained items; empty: none
+/// A server of one unit with all items of the four areas, on all listeners that the overrides name.
 /// @returns as line::parse_listen() and parse_target()
-[[nodiscard]] Result<EndpointSpec> blank_endpoint(const BlankSpec& blank, const std::string& state,
-                                                  store::Durability durability, const Overrides& overrides);
-
-[[nodiscard]] store::Durability to_durability(model::Durability durability);
+[[nodiscard]] Result<EndpointSpec> blank_endpoint(UnitId unit, const Overrides& overrides);
 
 /// How many variables of servers are bound to variables of lines or to service variables, or written to
 /// variables of lines.

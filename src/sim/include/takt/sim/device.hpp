@@ -11,6 +11,7 @@
 #include "takt/model/project.hpp"
 #include "takt/serve/server.hpp"
 #include "takt/sim/device_observer.hpp"
+#include "takt/sim/fill.hpp"
 #include "takt/sim/pattern.hpp"
 #include "takt/sim/value_source.hpp"
 #include "takt/value/codec.hpp"
@@ -33,10 +34,6 @@ struct Behaviour {
     std::optional<wire::ExceptionCode> refuses_all;
     std::vector<Refusal> refusals;
 };
-
-/// Initial content of a blank device: zeros; a ramp (register a holds a, bit a holds a & 1); or noise from a
-/// fixed seed.
-enum class Fill : std::uint8_t { zero, ramp, random };
 
 /// Banks with moving values. Written variables keep their written value.
 /// Not movable in memory: its unit() refers to it.
