@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "disturber.hpp"
 #include "takt/serve/tcp_connection.hpp"
+#include "takt/sim/disturber.hpp"
 #include "takt/sim/wire.hpp"
 
 namespace takt::sim {

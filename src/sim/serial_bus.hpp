@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "disturber.hpp"
+#include "takt/sim/disturber.hpp"
 #include "takt/sim/wire.hpp"
 #include "takt/wire/line_timing.hpp"
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "sim/faults/line_faults.hpp"
+
 namespace takt::gatewaysim {
 
 using namespace std::chrono_literals;
@@ -66,7 +68,7 @@ void Bus::add_line(const Scenario& scenario, std::size_t index) {
     faults.quiet_from = scenario.quiet_from;
     sim::SimulatedLine::Options options;
     options.devices.source = &field_;
-    options.faults = faults;
+    options.faults = sim::faults_of(faults);
     options.device_observer = ports_.back().get();
     options.must_reconnect = [this, index] { return owner_ != nullptr && owner_->must_reconnect(index); };
     lines_.push_back(std::make_unique<sim::SimulatedLine>(line, *ports_.back(), options));

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "sim/faults/faults.hpp"
 #include "takt/host/configuration.hpp"
 #include "takt/publish/mqtt_session.hpp"
-#include "takt/sim/faults.hpp"
 #include "takt/store/journal.hpp"
 
 namespace takt::gatewaysim {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string_view>
 
+#include "sim/faults/faults.hpp"
 #include "takt/base/engine.hpp"
 #include "takt/poll/statistics.hpp"
-#include "takt/sim/faults.hpp"
 #include "takt/value/command.hpp"
 #include "users.hpp"
 

@@ -9,6 +9,7 @@
 #include "hash.hpp"
 #include "judge/frames.hpp"
 #include "judge/limits.hpp"
+#include "sim/faults/line_faults.hpp"
 #include "takt/plan/guarantee.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/proof.hpp"
@@ -190,9 +191,8 @@ void World::add_line(std::size_t index) {
     if (adapter.echoes) ++result_.recoveries["line_with_echo"];
     if (adapter.chunk > 0) ++result_.recoveries["line_in_lumps"];
     options.devices.source = &plant_;
-    options.faults = fault_plan(project_, settings_, index, quiet_from_);
+    options.faults = sim::faults_of(fault_plan(project_, settings_, index, quiet_from_), ports_.back().get());
     options.device_observer = ports_.back().get();
-    options.fault_observer = ports_.back().get();
     options.must_reconnect = [this, index] { return master_.line(index).must_reconnect(); };
     lines_.push_back(std::make_unique<sim::SimulatedLine>(line, *ports_.back(), options));
 }
@@ -341,7 +341,7 @@ Result World::run() {
         if (limits_.step(next)) heap_then_ = heap_in_use();
     }
     if (!complaints_.any()) finish();
-    for (const auto& line : lines_) result_.faults += line->faults();
+    for (const auto& line : lines_) result_.faults += sim::fault_counts(*line);
     for (const auto& judge : judges_)
         for (const auto& [kind, count] : judge->recoveries()) result_.recoveries[std::string(kind)] += count;
     for (std::size_t line = 0; line < lines_.size(); ++line) {

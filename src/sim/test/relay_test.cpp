@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/faults/line_faults.hpp"
 #include "support.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/master.hpp"
@@ -207,7 +208,7 @@ struct Plant {
     SimulatedLine::Options options(const std::optional<FaultPlan>& faults) {
         SimulatedLine::Options made;
         made.devices.source = &numbers;
-        made.faults = faults;
+        if (faults) made.faults = faults_of(*faults);
         return made;
     }
 
@@ -278,7 +279,7 @@ int answers_of_a_bad_line(wire::Framing framing, std::uint64_t seed, std::uint32
         EXPECT_EQ(client->wrong, "");
         answers += client->answers;
     }
-    EXPECT_EQ(plant.line.faults().of(FaultKind::late_response) > 5u, late > 0);
+    EXPECT_EQ(fault_counts(plant.line).of(FaultKind::late_response) > 5u, late > 0);
     EXPECT_GT(plant.gateway.counters().no_answer, 0u);
     expect_right_values(plant);
     return answers;

@@ -9,12 +9,10 @@
 #include "takt/serve/serial_slave.hpp"
 #include "takt/serve/tcp_connection.hpp"
 #include "takt/sim/devices.hpp"
-#include "takt/sim/faults.hpp"
+#include "takt/sim/disturber.hpp"
 #include "takt/sim/wire.hpp"
 
 namespace takt::sim {
-
-class FaultInjector;
 
 /// Runs a master's engine against the devices of `line` at the line's byte times: RTU and ASCII on a serial
 /// bus, TCP as a stream. Bytes, values and times depend on the calls only.
@@ -31,9 +29,9 @@ public:
         /// every engine that keeps the contract.
         std::size_t chunk = 0;
         bool receives_echo = false;  ///< serial: the master receives its own transmissions
-        std::optional<FaultPlan> faults;
+        /// Makes the faults of the line; empty: there are none.
+        std::function<std::unique_ptr<LineFaults>(const model::Line& line, Devices& devices)> faults;
         DeviceObserver* device_observer = nullptr;  ///< may be nullptr; must outlive the line
-        FaultObserver* fault_observer = nullptr;    ///< likewise
         /// Byte streams: returns true to close and reopen the connection (a master's must_reconnect()).
         /// Called after every event.
         std::function<bool()> must_reconnect;
@@ -56,20 +54,22 @@ public:
 
     [[nodiscard]] Devices& devices() { return devices_; }
     [[nodiscard]] const serve::Counters& counters() const;
-    /// Counts of the faults so far; all zero without a FaultPlan.
-    [[nodiscard]] const FaultCounts& faults() const;
+    /// What Options::faults made; nullptr: nothing.
+    [[nodiscard]] const LineFaults* faults() const { return faults_.get(); }
 
     /// The measured view: sender 0 is the master, 1 the devices, 2 noise and babble.
     void set_observer(WireObserver* observer) { wire_->set_observer(observer); }
 
 private:
-    void make_bus(const model::Line& line, Engine& master, const Options& options);
-    void make_stream(const model::Line& line, Engine& master, const Options& options);
+    void make_bus(const model::Line& line, Engine& master, serve::Responder& responder,
+                  const Options& options);
+    void make_stream(const model::Line& line, Engine& master, serve::Responder& responder,
+                     const Options& options);
 
     Devices devices_;
     std::unique_ptr<serve::SerialSlave> slave_;         // of a serial line
     std::unique_ptr<serve::TcpConnection> connection_;  // of the others
-    std::unique_ptr<FaultInjector> faults_;
+    std::unique_ptr<LineFaults> faults_;
     std::unique_ptr<Wire> wire_;
 };
 

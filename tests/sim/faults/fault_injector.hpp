@@ -8,25 +8,24 @@
 #include <optional>
 #include <vector>
 
-#include "disturber.hpp"
+#include "faults.hpp"
 #include "frames.hpp"
 #include "takt/model/project.hpp"
 #include "takt/sim/devices.hpp"
-#include "takt/sim/faults.hpp"
+#include "takt/sim/disturber.hpp"
 
 namespace takt::sim {
 
 /// Connects a simulated line's wire, slave engine and devices; made and driven by SimulatedLine. This base
 /// class has the parts common to serial lines and connections: the draw for an exchange, the devices, the
 /// clock.
-class FaultInjector : public serve::Responder, public Disturber {
+class FaultInjector : public LineFaults {
 public:
-    virtual ~FaultInjector() = default;
     FaultInjector(const FaultInjector&) = delete;
     FaultInjector& operator=(const FaultInjector&) = delete;
 
-    /// The line was started or stopped from outside. Scheduled faults are drawn from the first start on.
-    void run(Instant t, bool on);
+    /// Scheduled faults are drawn from the first start on.
+    void run(Instant t, bool on) override;
 
     [[nodiscard]] const FaultCounts& counts() const { return counts_; }
 

@@ -17,8 +17,8 @@ public:
     StreamFaults(const model::Line& line, Devices& devices, const FaultPlan& plan, FaultObserver* observer)
         : FaultInjector(line, devices, plan, observer) {}
 
-    /// Before anything happens on it; it outlives the faults.
-    void work_on(ByteStream& stream) { stream_ = &stream; }
+    using FaultInjector::work_on;
+    void work_on(ByteStream& stream) override { stream_ = &stream; }
 
     [[nodiscard]] serve::Answer handle(const serve::Context& context,
                                        const wire::RequestView& request) override;

@@ -1,5 +1,5 @@
 // The frames that the fault injector recognises by its own rules.
-#include "../frames.hpp"
+#include "sim/faults/frames.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <string>
 
+#include "sim/faults/faults.hpp"
 #include "takt/model/project.hpp"
-#include "takt/sim/faults.hpp"
 
 namespace takt::sim {
 

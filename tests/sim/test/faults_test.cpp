@@ -6,8 +6,9 @@
 #include <map>
 #include <utility>
 
-#include "../frames.hpp"
 #include "fault_plant.hpp"
+#include "sim/faults/frames.hpp"
+#include "sim/faults/line_faults.hpp"
 #include "support.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/master.hpp"
@@ -54,8 +55,7 @@ struct Session {
         result.devices.source = &labels;
         result.devices.unknown_turnaround = 3ms;
         result.chunk = chunk;
-        result.faults = std::move(faults);
-        result.fault_observer = &events;
+        result.faults = faults_of(std::move(faults), &events);
         result.must_reconnect = [this] { return master.line(0).must_reconnect(); };
         return result;
     }
@@ -87,7 +87,7 @@ struct Session {
             });
         });
     }
-    std::uint64_t injected(FaultKind kind) { return line.faults().of(kind); }
+    std::uint64_t injected(FaultKind kind) { return fault_counts(line).of(kind); }
 
     Labels labels;
     Events events;
@@ -132,12 +132,12 @@ TEST_P(EachKind, HappensShowsNoWrongValueAndPasses) {
     const auto [kind, medium] = GetParam();
     Session run(medium, only(kind));
     EXPECT_GE(run.injected(kind), 3u);
-    EXPECT_GE(run.line.faults().recovered_from(kind), 1u);
+    EXPECT_GE(fault_counts(run.line).recovered_from(kind), 1u);
     if (can_be_recognised(kind, medium)) {
         EXPECT_EQ(run.wrong_values, 0);
     }
     EXPECT_TRUE(run.all_good());
-    EXPECT_EQ(run.events.all.size(), run.line.faults().total());
+    EXPECT_EQ(run.events.all.size(), fault_counts(run.line).total());
     for (const FaultEvent& event : run.events.all)
         EXPECT_LE(event.time, at(27s));  // late ones are reported when they arrive
 }
@@ -151,8 +151,8 @@ INSTANTIATE_TEST_SUITE_P(Faults, EachKind, testing::ValuesIn(cases()), case_name
 TEST(Faults, NoneWithoutRates) {
     for (const Medium medium : kMedia) {
         Session run(medium, {}, 5s);
-        EXPECT_EQ(run.line.faults().total(), 0u);
-        EXPECT_GT(run.line.faults().exchanges, 100u);
+        EXPECT_EQ(fault_counts(run.line).total(), 0u);
+        EXPECT_GT(fault_counts(run.line).exchanges, 100u);
         EXPECT_TRUE(run.all_good());
     }
 }
@@ -206,8 +206,9 @@ FaultyWrites faulty_writes(model::Project described, FaultKind kind, std::uint64
     const plan::Plan plan = plan::make_plan(described);
     poll::Master master(described, plan);
     SimulatedLine::Options options;
-    options.faults = FaultPlan{};
-    options.faults->rates.set(kind, 500'000);
+    FaultPlan faults;
+    faults.rates.set(kind, 500'000);
+    options.faults = faults_of(std::move(faults));
     options.must_reconnect = [&] { return master.line(0).must_reconnect(); };
     SimulatedLine line(described.lines[0], master.line(0), options);
     line.start(at(0s));
@@ -219,7 +220,7 @@ FaultyWrites faulty_writes(model::Project described, FaultKind kind, std::uint64
         line.advance(at(2s) + 1s * i);
         while (const auto outcome = master.take_outcome()) ++writes.results[outcome->result];
     }
-    writes.faults = static_cast<int>(line.faults().of(kind));
+    writes.faults = static_cast<int>(fault_counts(line).of(kind));
     return writes;
 }
 
@@ -260,16 +261,17 @@ TEST(Faults, AnswersInOneSegmentAreCountedOneByOne) {
         client.send(at(1s), both);
         client.send(at(5s), request(1, 3));
         SimulatedLine::Options options;
-        options.faults = FaultPlan{};
-        options.faults->turnarounds = {Turnaround{Turnaround::Shape::constant, 10ms, 10ms},
-                                       Turnaround{Turnaround::Shape::constant, 0ms, 0ms}};
+        FaultPlan faults;
+        faults.turnarounds = {Turnaround{Turnaround::Shape::constant, 10ms, 10ms},
+                              Turnaround{Turnaround::Shape::constant, 0ms, 0ms}};
+        options.faults = faults_of(std::move(faults));
         SimulatedLine line(described.lines[0], client, options);
         line.start(at(0s));
         line.advance(at(10s));
         EXPECT_EQ(line.counters().answers, 3U);
         ASSERT_FALSE(client.received.empty());
         EXPECT_GE(client.received.back().first, at(5s + 10ms));
-        EXPECT_EQ(line.faults().of(FaultKind::late_response), 0U);
+        EXPECT_EQ(fault_counts(line).of(FaultKind::late_response), 0U);
     }
 }
 

@@ -1,4 +1,4 @@
-#include "takt/sim/faults.hpp"
+#include "faults.hpp"
 
 #include <numeric>
 

@@ -11,8 +11,8 @@ class SerialFaults final : public FaultInjector {
 public:
     SerialFaults(const model::Line& line, Devices& devices, const FaultPlan& plan, FaultObserver* observer);
 
-    /// Before anything happens on it; it outlives the faults.
-    void work_on(SerialBus& bus) { bus_ = &bus; }
+    using FaultInjector::work_on;
+    void work_on(SerialBus& bus) override { bus_ = &bus; }
 
     [[nodiscard]] bool on_sent(Instant t, std::size_t sender, Bytes sent,
                                std::vector<Piece>& arrives) override;

@@ -1,8 +1,8 @@
 // Turns valid frames into damaged ones.
 #pragma once
 
+#include "faults.hpp"
 #include "frames.hpp"
-#include "takt/sim/faults.hpp"
 #include "takt/sim/random.hpp"
 
 namespace takt::sim {

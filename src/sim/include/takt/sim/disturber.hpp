@@ -6,6 +6,7 @@
 
 #include "takt/base/engine.hpp"
 #include "takt/base/time.hpp"
+#include "takt/serve/server.hpp"
 
 namespace takt::sim {
 
@@ -49,6 +50,20 @@ public:
 
 protected:
     ~Disturber() = default;
+};
+
+class ByteStream;
+class SerialBus;
+
+/// The faults of one SimulatedLine, which drives it: of its wire, and as the responder of its answers.
+class LineFaults : public serve::Responder, public Disturber {
+public:
+    virtual ~LineFaults() = default;
+    /// Before anything happens on it; it outlives the faults. One of the two, for the kind of the line.
+    virtual void work_on(SerialBus&) {}
+    virtual void work_on(ByteStream&) {}
+    /// The line was started or stopped from outside.
+    virtual void run(Instant t, bool on) = 0;
 };
 
 }  // namespace takt::sim

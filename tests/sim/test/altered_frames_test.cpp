@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <bit>
 
-#include "../frames.hpp"
 #include "fault_plant.hpp"
+#include "sim/faults/frames.hpp"
+#include "sim/faults/line_faults.hpp"
 #include "support.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/master.hpp"
@@ -36,7 +37,7 @@ std::vector<Received> altered_answers(FaultKind kind, std::size_t sender = 1) {
     const plan::Plan plan = plan::make_plan(described);
     poll::Master master(described, plan);
     SimulatedLine::Options options;
-    options.faults = only(kind);
+    options.faults = faults_of(only(kind));
     SimulatedLine line(described.lines[0], master.line(0), options);
     line.set_observer(&keep);
     line.start(at(0s));
