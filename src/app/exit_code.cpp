@@ -44,6 +44,11 @@ ExitCode ended_by(const Texts& texts, const Error& error) {
     return exit_code(error);
 }
 
+ExitCode ended_with(const std::string& text, ExitCode code) {
+    print_error(text);
+    return code;
+}
+
 int end_status(text::Language language, ExitCode code) {
     for (const auto& [path, number] : {LostOutput{"stdout", stdout_error()}, lost_output()}) {
         if (number == 0 || number == EPIPE) continue;

@@ -23,6 +23,9 @@ ExitCode exit_code(const Error& error);
 /// The same, and prints what happened.
 ExitCode ended_by(const Texts& texts, const Error& error);
 
+/// Prints the error that ends the command. @returns `code`
+ExitCode ended_with(const std::string& text, ExitCode code);
+
 /// Reports output that could not be written. A closed pipe is no failure: its reader has read enough.
 /// @returns the exit status of the program
 [[nodiscard]] int end_status(text::Language language, ExitCode code);

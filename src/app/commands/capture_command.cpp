@@ -1,5 +1,5 @@
 // takt capture: a serial line that is overheard, or the packets of a network interface.
-#include "commands/capture_command.hpp"
+#include "commands/commands.hpp"
 
 #include <algorithm>
 #include <cerrno>

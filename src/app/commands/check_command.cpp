@@ -1,5 +1,5 @@
 // takt check: the findings of a project and of its guarantees, or of a microcontroller.
-#include "commands/check_command.hpp"
+#include "commands/commands.hpp"
 
 #include <optional>
 #include <utility>

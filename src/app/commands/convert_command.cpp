@@ -1,4 +1,4 @@
-#include "commands/convert_command.hpp"
+#include "commands/commands.hpp"
 
 #include <cerrno>
 #include <filesystem>

@@ -1,6 +1,6 @@
 // One command to a running project, over its control socket. Answers about the state of the project come as
 // JSON, which this program turns into text in its own language.
-#include "commands/ctl_command.hpp"
+#include "commands/commands.hpp"
 
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -179,10 +179,8 @@ ExitCode finish_with(const Texts& texts, const CtlOptions& options, const std::s
 ExitCode ctl(const CommonOptions& common, const CtlOptions& options) {
     const Texts texts(common.language);
     const std::string command = command_of(options.words);
-    if (command.find_first_not_of(" \t") == std::string::npos) {
-        print_error(texts("app.ctl.empty"));
-        return ExitCode::usage;
-    }
+    if (command.find_first_not_of(" \t") == std::string::npos)
+        return ended_with(texts("app.ctl.empty"), ExitCode::usage);
     const auto fd = connect_to(options.path);
     const std::string asked = "--lang " + std::string(text::tag(common.language)) +
                               (needs_json(options) ? " --json " : " ") + command;
@@ -190,10 +188,8 @@ ExitCode ctl(const CommonOptions& common, const CtlOptions& options) {
         fd ? ask(*fd, options.path, asked) : Result<std::optional<std::string>>(std::unexpected(fd.error()));
     if (fd) ::close(*fd);
     if (!answer) return ended_by(texts, answer.error());
-    if (!*answer) {
-        print_error(texts("app.ctl.interrupted", {{"command", command}}));
-        return ExitCode::timed_out;
-    }
+    if (!*answer)
+        return ended_with(texts("app.ctl.interrupted", {{"command", command}}), ExitCode::timed_out);
     return finish_with(texts, options, **answer);
 }
 

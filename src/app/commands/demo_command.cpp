@@ -8,10 +8,9 @@
 #include <optional>
 #include <utility>
 
-#include "commands/demo_past.hpp"
+#include "commands/commands.hpp"
 #include "commands/demo_plant.hpp"
 #include "commands/demo_project.hpp"
-#include "commands/run_command.hpp"
 #include "commands/run_project.hpp"
 #include "output.hpp"
 #include "takt/base/assert.hpp"

@@ -1,4 +1,4 @@
-#include "commands/demo_past.hpp"
+#include "commands/demo_plant.hpp"
 
 #include <optional>
 

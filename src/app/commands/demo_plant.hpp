@@ -2,8 +2,10 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 
+#include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
 #include "takt/model/line.hpp"
 #include "takt/sim/devices.hpp"
@@ -54,5 +56,12 @@ private:
     Approach setpoint_;  // as the burner has reached it
     Approach turning_;   // part of the speed: 0 while the pump stands
 };
+
+/// Writes the hour before `now` to a new history: what a master would have read from the simulated devices of
+/// the line at those instants. Variables that the plant does not have are left out.
+/// @param plant  as it is now
+/// @returns the errors of store::History
+[[nodiscard]] Result<void> write_demo_past(const std::string& database, const model::Line& line,
+                                           DemoPlant& plant, Instant now);
 
 }  // namespace takt::app

@@ -1,4 +1,4 @@
-#include "commands/history_command.hpp"
+#include "commands/commands.hpp"
 
 #include <unistd.h>
 

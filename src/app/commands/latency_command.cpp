@@ -106,10 +106,8 @@ private:
     }
 
     [[nodiscard]] ExitCode failed(const Error& error) const {
-        if (error.code == Code::unsupported) {
-            print_error(texts_("app.latency.not_a_file", {{"file", name()}}));
-            return ExitCode::usage;
-        }
+        if (error.code == Code::unsupported)
+            return ended_with(texts_("app.latency.not_a_file", {{"file", name()}}), ExitCode::usage);
         const auto code = ended_by(texts_, error);
         if (error.code == Code::cannot_open && error.numbers[0] == EPERM && !options_.interface.empty())
             print_status("    " + texts_("app.latency.rights") + '\n');

@@ -70,11 +70,11 @@ private:
     ExitCode refused(const Error& error) const {
         if (error.code != Code::unsupported || error.numbers[0] == 0) return ended_by(texts_, error);
         const bool connections = error.subject.view() == "connections";
-        print_error(
+        return ended_with(
             texts_("app.latency.load.line", {{"option", connections ? "--connections" : "--in-flight"},
                                              {"value", std::to_string(error.numbers[0])},
-                                             {"target", options_.source}}));
-        return ExitCode::usage;
+                                             {"target", options_.source}}),
+            ExitCode::usage);
     }
 
     [[nodiscard]] report::Done done(const client::LoadProgress& second) const {
@@ -108,11 +108,11 @@ private:
     [[nodiscard]] ExitCode answer() const {
         const auto& total = report_.total();
         const auto& counts = load_->counts();
-        if (total.answered == 0) {
-            print_error(texts_("app.latency.load.unanswered",
-                               {{"target", options_.source}, {"count", std::to_string(total.requests)}}));
-            return ExitCode::timed_out;
-        }
+        if (total.answered == 0)
+            return ended_with(
+                texts_("app.latency.load.unanswered",
+                       {{"target", options_.source}, {"count", std::to_string(total.requests)}}),
+                ExitCode::timed_out);
         const bool kept = !options_.limit || report::latency_verdict(report_).kept();
         const bool good = counts.wrong == 0 && counts.unexpected == 0 && counts.different == 0;
         return kept && good ? ExitCode::ok : ExitCode::no;
@@ -136,7 +136,7 @@ ExitCode latency_of_target(const Texts& texts, const LatencyOptions& options) {
     const auto request = wire::prepare(wire::ReadRequest{
         wire::read_function(given.area.value_or(wire::Area::holding_register)),
         DataAddress{static_cast<std::uint16_t>(start)}, static_cast<std::uint16_t>(quantity)});
-    if (!request) return bad_arguments(texts, request.error());
+    if (!request) return ended_with(texts.describe(request.error()), ExitCode::usage);
     return TargetLatency(texts, options, *request).run();
 }
 

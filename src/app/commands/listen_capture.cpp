@@ -1,5 +1,3 @@
-#include "commands/listen_capture.hpp"
-
 #include <algorithm>
 #include <deque>
 #include <filesystem>

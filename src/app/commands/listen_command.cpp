@@ -1,5 +1,5 @@
 // takt listen: a port that is only read.
-#include "commands/listen_command.hpp"
+#include "commands/commands.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,6 @@
 #include <string>
 #include <utility>
 
-#include "commands/listen_capture.hpp"
 #include "commands/listen_output.hpp"
 #include "output.hpp"
 #include "takt/console/clock_text.hpp"

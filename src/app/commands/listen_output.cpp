@@ -142,10 +142,8 @@ ExitCode ListenOutput::write_project(std::span<const report::ListenRun> runs) co
         return ExitCode::ok;
     }
     const auto written = file::write_file(options_.write, accepted_project(runs), options_.force);
-    if (!written) {
-        print_error(report::unwritten_text(texts_, options_.write, written.error()));
-        return ExitCode::partly;
-    }
+    if (!written)
+        return ended_with(report::unwritten_text(texts_, options_.write, written.error()), ExitCode::partly);
     print_status(texts_("app.scan.project_written", {{"file", options_.write}}) + '\n');
     return ExitCode::ok;
 }

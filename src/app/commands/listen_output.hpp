@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "commands/listen_command.hpp"
+#include "commands/commands.hpp"
 #include "progress.hpp"
 #include "takt/host/project_file.hpp"
 #include "takt/listen/heard_exchange.hpp"
@@ -70,5 +70,8 @@ private:
     const CapturedLine* line_ = &port_line_;
     bool several_ = false;  // lines
 };
+
+/// `takt listen FILE`: the serial frames of a capture, of the first line that has some.
+[[nodiscard]] ExitCode listen_to_capture(const Texts& texts, const ListenOptions& options);
 
 }  // namespace takt::app

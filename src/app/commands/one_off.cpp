@@ -45,11 +45,6 @@ ExitCode exit_code(const report::ClientRun& run, const Error& error) {
     return run.interrupted ? ExitCode::timed_out : exit_code(error);
 }
 
-ExitCode bad_arguments(const Texts& texts, const Error& error) {
-    print_error(texts.describe(error));
-    return ExitCode::usage;
-}
-
 namespace {
 
 /// As start_meant(), with `--type bool`.

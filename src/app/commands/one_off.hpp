@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "commands/client_commands.hpp"
+#include "commands/commands.hpp"
 #include "exit_code.hpp"
 #include "takt/client/client.hpp"
 #include "takt/report/client_report.hpp"
@@ -47,9 +47,6 @@ private:
 
 /// The exit code of a run that `error` or a signal ended.
 [[nodiscard]] ExitCode exit_code(const report::ClientRun& run, const Error& error);
-
-/// Reports arguments that cannot be sent. @returns the exit code
-ExitCode bad_arguments(const Texts& texts, const Error& error);
 
 /// The first item that START means. With `--type bool` tables number bools by registers, so START may be a
 /// coil, or bit 0 of a register: asks on a terminal which one is meant; elsewhere reports both.

@@ -1,4 +1,4 @@
-#include "commands/plan_command.hpp"
+#include "commands/commands.hpp"
 
 #include <unistd.h>
 

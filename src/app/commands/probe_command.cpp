@@ -1,5 +1,5 @@
 // takt probe: which items of each area a device has.
-#include "commands/probe_command.hpp"
+#include "commands/commands.hpp"
 
 #include "commands/one_off.hpp"
 #include "output.hpp"

@@ -1,5 +1,5 @@
 // read and raw: one device asked once.
-#include "commands/client_commands.hpp"
+#include "commands/commands.hpp"
 
 #include <cstdint>
 #include <string>
@@ -53,8 +53,7 @@ ExitCode read_all_types(const Texts& texts, const ReadOptions& options) {
                                         std::pair{!(spec.layout.order == plain.order), "--order"},
                                         std::pair{spec.layout.registers != plain.registers, "--length"}}) {
         if (!given) continue;
-        print_error(texts("app.read.all_alone", {{"option", option}}));
-        return ExitCode::usage;
+        return ended_with(texts("app.read.all_alone", {{"option", option}}), ExitCode::usage);
     }
     spec.layout = {.type = DataType::uint16, .order = {}};
     if (!options.count_given) spec.count = kRegistersOfLongestType;
@@ -91,11 +90,10 @@ ExitCode read(const CommonOptions& common, const ReadOptions& given) {
 ExitCode raw(const CommonOptions& common, const RawOptions& options) {
     const Texts texts(common.language);
     const auto pdu = client::parse_pdu(options.bytes);
-    if (!pdu && pdu.error().code == Code::syntax) {
-        print_error(texts("app.raw.digits", {{"value", std::string(pdu.error().subject.view())}}));
-        return ExitCode::usage;
-    }
-    if (!pdu) return bad_arguments(texts, pdu.error());
+    if (!pdu && pdu.error().code == Code::syntax)
+        return ended_with(texts("app.raw.digits", {{"value", std::string(pdu.error().subject.view())}}),
+                          ExitCode::usage);
+    if (!pdu) return ended_with(texts.describe(pdu.error()), ExitCode::usage);
     auto run = run_of(options);
     const auto failed = [&](const Error& error) {
         if (options.json)

@@ -1,4 +1,4 @@
-#include "commands/replay_command.hpp"
+#include "commands/commands.hpp"
 
 #include <unistd.h>
 
@@ -87,15 +87,10 @@ ExitCode replay(const CommonOptions& common, const ReplayOptions& options) {
     const auto* const output = find_output(texts, loaded->project, options.output);
     if (output == nullptr) return ExitCode::usage;
     const auto from = report::parse_history_time(options.from, wall_ns());
-    if (!from) {
-        print_error(texts("app.history.no_time", {{"value", options.from}}));
-        return ExitCode::usage;
-    }
+    if (!from) return ended_with(texts("app.history.no_time", {{"value", options.from}}), ExitCode::usage);
     const auto replayed = go_back(publish::journal_folder(options.file, *output), *output, *from);
-    if (!replayed && replayed.error().code == Code::busy) {
-        print_error(texts("app.replay.busy", {{"name", output->name}}));
-        return ExitCode::cannot_open;
-    }
+    if (!replayed && replayed.error().code == Code::busy)
+        return ended_with(texts("app.replay.busy", {{"name", output->name}}), ExitCode::cannot_open);
     if (!replayed) return ended_by(texts, replayed.error());
     if (options.json) {
         auto object = file::Json::object();

@@ -1,4 +1,4 @@
-#include "commands/run_command.hpp"
+#include "commands/commands.hpp"
 
 #include <algorithm>
 #include <cerrno>

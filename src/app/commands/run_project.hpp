@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <functional>
 
-#include "commands/run_command.hpp"
+#include "commands/commands.hpp"
 #include "takt/model/project.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/sim/devices.hpp"

@@ -1,5 +1,5 @@
 // takt scan: ports and hosts side by side, the settings of a port one after the other.
-#include "commands/scan_command.hpp"
+#include "commands/commands.hpp"
 
 #include <fmt/format.h>
 
@@ -194,10 +194,9 @@ private:
         }
         const auto written = file::write_file(
             options_.project, report::scan_project(texts_, findings_, probes_), options_.force);
-        if (!written) {
-            print_error(report::unwritten_text(texts_, options_.project, written.error()));
-            return ExitCode::partly;
-        }
+        if (!written)
+            return ended_with(report::unwritten_text(texts_, options_.project, written.error()),
+                              ExitCode::partly);
         print_status(texts_("app.scan.project_written", {{"file", options_.project}}) + '\n');
         return ExitCode::ok;
     }

@@ -1,4 +1,4 @@
-#include "commands/schema_command.hpp"
+#include "commands/commands.hpp"
 
 #include "output.hpp"
 #include "takt/file/schema.hpp"

@@ -1,5 +1,5 @@
 // takt selftest: a thread measures; this one shows the progress and takes the signals.
-#include "commands/selftest_command.hpp"
+#include "commands/commands.hpp"
 
 #include <algorithm>
 #include <atomic>

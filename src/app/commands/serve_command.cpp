@@ -1,5 +1,5 @@
 // Being the devices of a project on its lines, its servers, or one blank device.
-#include "commands/serve_command.hpp"
+#include "commands/commands.hpp"
 
 #include <unistd.h>
 
@@ -230,10 +230,7 @@ ExitCode serve(const CommonOptions& common, const ServeOptions& options) {
     }
     if (loaded && !options.line.empty() && !keep_line(texts, options, loaded->project))
         return ExitCode::usage;
-    if (const auto wrong = misuse(texts, options, loaded)) {
-        print_error(*wrong);
-        return ExitCode::usage;
-    }
+    if (const auto wrong = misuse(texts, options, loaded)) return ended_with(*wrong, ExitCode::usage);
     const model::Project* const project = loaded ? &loaded->project : nullptr;
     endpoint::Overrides overrides{options.listen, options.port, options.strict, options.limits, {},
                                   options.audit,  options.fill};

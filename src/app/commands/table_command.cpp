@@ -1,5 +1,5 @@
 // takt table: from a project to its request table, and a look into one.
-#include "commands/table_command.hpp"
+#include "commands/commands.hpp"
 
 #include <algorithm>
 #include <string_view>
@@ -41,8 +41,8 @@ ExitCode build_for_owen(const Texts& texts, host::LoadedProject& loaded, const p
     if (errors == 0)
         return write_table_image(texts, path, table::write_owen(built.table), built.table.entries.size(),
                                  built.table.places);
-    print_error(texts("app.table.refused", {{"file", path}, {"count", std::to_string(errors)}}));
-    return ExitCode::no;
+    return ended_with(texts("app.table.refused", {{"file", path}, {"count", std::to_string(errors)}}),
+                      ExitCode::no);
 }
 
 ExitCode build_own(const Texts& texts, const host::LoadedProject& loaded, const plan::Plan& plan,
@@ -51,14 +51,11 @@ ExitCode build_own(const Texts& texts, const host::LoadedProject& loaded, const 
     for (const auto& line : loaded.project.lines)
         build.lines.push_back(poll::line_config(loaded.project, line));
     const auto image = table::build(loaded.project, plan, build);
-    if (const auto* const service = model::service_of_lines(loaded.project)) {
-        print_error(texts("table.service", {{"name", service->name}}) + ". " + texts("table.service.advice"));
-        return ExitCode::no;
-    }
-    if (!image) {
-        print_error(texts.describe(image.error()));
-        return ExitCode::no;
-    }
+    if (const auto* const service = model::service_of_lines(loaded.project))
+        return ended_with(
+            texts("table.service", {{"name", service->name}}) + ". " + texts("table.service.advice"),
+            ExitCode::no);
+    if (!image) return ended_with(texts.describe(image.error()), ExitCode::no);
     const auto view = table::View::open(*image);
     return write_table_image(texts, options.output, *image, view->entry_count(), view->item_count());
 }

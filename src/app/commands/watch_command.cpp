@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "commands/client_commands.hpp"
+#include "commands/commands.hpp"
 #include "commands/one_off.hpp"
 #include "output.hpp"
 #include "takt/console/clock_text.hpp"
@@ -174,7 +174,7 @@ ExitCode watch(const CommonOptions& common, const ReadOptions& options) {
                            .name = report::item_text};
     spec.ranges.insert(spec.ranges.end(), options.also.begin(), options.also.end());
     auto project = client::watch_project(options, spec);
-    if (!project) return bad_arguments(texts, project.error());
+    if (!project) return ended_with(texts.describe(project.error()), ExitCode::usage);
     return Watch(texts, options, *std::move(project)).run();
 }
 

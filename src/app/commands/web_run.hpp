@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "commands/run_command.hpp"
+#include "commands/commands.hpp"
 #include "takt/host/project_file.hpp"
 #include "takt/web/web_face.hpp"
 #include "texts.hpp"

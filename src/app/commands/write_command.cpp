@@ -1,5 +1,5 @@
 // write: values to one device, in as many requests as it takes.
-#include "commands/client_commands.hpp"
+#include "commands/commands.hpp"
 #include "commands/one_off.hpp"
 #include "output.hpp"
 
@@ -16,8 +16,7 @@ ExitCode report_end(const Texts& texts, const WriteOptions& options, const repor
     }
     print_error(report::write_ended_text(texts, run, ended.error()));
     if (write.written.items == 0) return exit_code(run, ended.error());
-    print_error(report::write_text(texts, write));
-    return ExitCode::partly;
+    return ended_with(report::write_text(texts, write), ExitCode::partly);
 }
 
 }  // namespace
@@ -25,15 +24,13 @@ ExitCode report_end(const Texts& texts, const WriteOptions& options, const repor
 ExitCode write(const CommonOptions& common, const WriteOptions& options) {
     const Texts texts(common.language);
     auto spec = options.spec;
-    if (spec.area != wire::Area::coil && spec.area != wire::Area::holding_register) {
-        print_error(texts("app.read_only_area"));
-        return ExitCode::usage;
-    }
+    if (spec.area != wire::Area::coil && spec.area != wire::Area::holding_register)
+        return ended_with(texts("app.read_only_area"), ExitCode::usage);
     const auto start = start_meant(texts, spec.area, spec.start, options);
     if (!start) return ExitCode::usage;
     spec.start = *start;
     const auto parts = client::write_parts(spec);
-    if (!parts) return bad_arguments(texts, parts.error());
+    if (!parts) return ended_with(texts.describe(parts.error()), ExitCode::usage);
     const std::size_t items = parts->back().end;
     if (is_beyond(texts, spec.start, items)) return ExitCode::usage;
     auto run = run_of(options);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "commands/client_commands.hpp"
+#include "commands/commands.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
 

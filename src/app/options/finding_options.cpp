@@ -3,8 +3,7 @@
 #include <span>
 #include <string>
 
-#include "commands/probe_command.hpp"
-#include "commands/scan_command.hpp"
+#include "commands/commands.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
 #include "takt/client/port_scan.hpp"

@@ -1,4 +1,4 @@
-// latency.
+// latency and selftest.
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 
@@ -6,6 +6,7 @@
 #include <optional>
 #include <sstream>
 
+#include "commands/commands.hpp"
 #include "commands/latency_command.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
@@ -187,6 +188,17 @@ void add_latency(CommandLine& line, const CommonOptions& common) {
         .excludes(json)
         .excludes(csv);
     latency.value("--svg", options.svg, "help.latency.svg").value_name("FILE.svg");
+}
+
+void add_selftest(CommandLine& line, const CommonOptions& common) {
+    auto& options = line.keep<SelftestOptions>();
+    auto selftest =
+        line.root().command("selftest", "help.selftest", [&] { return app::selftest(common, options); });
+    add_wait(
+        selftest, "--for", [&](Duration time) { options.time = time; }, "help.selftest.for")
+        .default_text("5s");
+    selftest.flag("--json", options.json, "help.json");
+    add_realtime(selftest, options.realtime);
 }
 
 }  // namespace takt::app

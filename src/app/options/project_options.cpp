@@ -1,10 +1,8 @@
-// check, plan and table.
+// check, plan, table and schema.
 #include <map>
 #include <string>
 
-#include "commands/check_command.hpp"
-#include "commands/plan_command.hpp"
-#include "commands/table_command.hpp"
+#include "commands/commands.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
 
@@ -62,6 +60,10 @@ void add_table_commands(CommandLine& line, const CommonOptions& common) {
     auto table = line.root().group("table", "help.table");
     add_table_build(table, line, common);
     add_table_show(table, line, common);
+}
+
+void add_schema(CommandLine& line, const CommonOptions& common) {
+    line.root().command("schema", "help.schema", [&] { return app::schema(common); });
 }
 
 }  // namespace takt::app

@@ -1,6 +1,5 @@
 // demo, run and ctl.
-#include "commands/ctl_command.hpp"
-#include "commands/run_command.hpp"
+#include "commands/commands.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
 #include "takt/base/network.hpp"

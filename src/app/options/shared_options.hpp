@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "commands/client_options.hpp"
+#include "commands/commands.hpp"
 #include "commands/realtime_mode.hpp"
 #include "options/command_line.hpp"
 #include "takt/base/data_type.hpp"

@@ -4,18 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "commands/check_command.hpp"
-#include "commands/client_commands.hpp"
-#include "commands/convert_command.hpp"
-#include "commands/ctl_command.hpp"
-#include "commands/latency_command.hpp"
-#include "commands/listen_command.hpp"
-#include "commands/plan_command.hpp"
-#include "commands/probe_command.hpp"
-#include "commands/run_command.hpp"
-#include "commands/scan_command.hpp"
-#include "commands/serve_command.hpp"
-#include "commands/table_command.hpp"
+#include "commands/commands.hpp"
 #include "parsed.hpp"
 
 namespace takt::app {
