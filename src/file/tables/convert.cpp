@@ -173,7 +173,10 @@ public:
         qualify_names(std::move(named), surroundings_.names, reporter_);
         auto root = collection(Node::Kind::mapping);
         set(root, "takt", scalar("1"));
-        if (!devices_.empty() || !serves_) add_lines(root);
+        if (devices_.empty() && !serves_ && !locals_.items.empty())
+            set(root, "lines", collection(Node::Kind::list));
+        else if (!devices_.empty() || !serves_)
+            add_lines(root);
         if (serves_) add_server(root);
         if (!locals_.items.empty()) set(root, "locals", std::move(locals_));
         return root;

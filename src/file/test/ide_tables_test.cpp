@@ -91,6 +91,18 @@ TEST(IdeTables, AreOneProject) {
               "  - {name: Var1, type: bool, retain: false, default: 0, used: false}\n");
 }
 
+TEST(IdeTables, LocalsAloneMakeNoLine) {
+    const auto loaded = project_of({{"Стандартные", kStandard}});
+    EXPECT_EQ(errors_of(loaded), Findings{});
+    EXPECT_EQ(write_project(loaded.document),
+              "takt: 1\n"
+              "lines: []\n"
+              "locals:\n"
+              "  - {name: r1, type: int16, retain: true, default: 1, used: true}\n"
+              "  - {name: r2, type: int16, retain: true, default: 0, used: true}\n"
+              "  - {name: Var1, type: bool, retain: false, default: 0, used: false}\n");
+}
+
 TEST(IdeTables, TheShortListIsADevice) {
     const auto loaded = project_of({{"Список", kList}, {"Устройство, 7", kMaster}});
     EXPECT_EQ(errors_of(loaded), Findings{});
