@@ -11,8 +11,8 @@
 
 #include "takt/base/ascii.hpp"
 #include "takt/model/fields.hpp"
-#include "takt/model/nearest.hpp"
 #include "takt/model/synonyms.hpp"
+#include "takt/model/target_url.hpp"
 
 namespace takt::line {
 namespace {
@@ -32,7 +32,6 @@ constexpr std::array kSchemes{
 };
 // tls is read, but no driver has it yet.
 constexpr std::array<std::string_view, 4> kSchemeNames{"tcp", "rtu+tcp", "rtu", "ascii"};
-constexpr std::array<std::string_view, 5> kKeys{"baud", "parity", "stop_bits", "data_bits", "rs485"};
 constexpr std::string_view kPort = "/dev/ttyUSB0";
 
 std::unexpected<Error> wrong(std::string_view part, std::string_view right = {}) {
@@ -49,38 +48,18 @@ std::string list(std::span<const std::string_view> words) {
     return text;
 }
 
-// Not one of `words`. @param key  of the value; empty: it is a key itself, or a scheme
-std::unexpected<Error> wrong_word(std::string_view part, std::string_view key, std::string_view value,
-                                  std::span<const std::string_view> words) {
-    auto meant = model::value_synonym(key, words, value);
-    if (meant.empty() && !value.empty()) {
-        meant = model::nearest(value, words);
-        if (model::is_unlike(value, meant)) meant = {};
-    }
-    return wrong(part, (meant.empty() ? "" : std::string(meant) + " → ") + list(words));
+// `value`, one part of "rtu+tpc://plc" or "parity=evn", is not one of `words`.
+// @param key  of the value; empty: it is a key itself, or a scheme
+std::unexpected<Error> wrong_word(std::string_view before, std::string_view value, std::string_view after,
+                                  std::string_view key, std::span<const std::string_view> words) {
+    const auto whole = [&](std::string_view word) { return std::string(before).append(word).append(after); };
+    const auto meant = model::meant_word(key, words, value);
+    return wrong(whole(value), meant.empty() ? list(words) : whole(meant));
 }
 
-// Where a parameter of a serial port begins: "parity=E" in "/dev/ttyS0&parity=E"; npos: nowhere.
-std::size_t find_parameter(std::string_view text) {
-    std::size_t first = std::string_view::npos;
-    for (const auto key : kKeys) first = std::min(first, text.find(std::string(key) + '='));
-    return first;
-}
-
-// "parity=E,baud=9600" as "?parity=even&baud=9600"
-std::string query_of(std::string_view parameters) {
-    std::string query;
-    while (!parameters.empty()) {
-        const auto end = std::min(parameters.find_first_of("&,; "), parameters.size());
-        const auto one = parameters.substr(0, end);
-        parameters.remove_prefix(std::min(end + 1, parameters.size()));
-        const auto equals = std::min(one.find('=') + 1, one.size());
-        const auto meant = model::value_synonym("parity", model::kParities, one.substr(equals));
-        const bool parity = one.starts_with("parity=") && !meant.empty();
-        query.append(query.empty() ? "?" : "&").append(parity ? one.substr(0, equals) : one);
-        if (parity) query.append(meant);
-    }
-    return query;
+// "?baud=9600&parity=even"; empty without settings.
+std::string query_of(const model::PortSettings& meant) {
+    return (meant.settings.empty() ? "" : "?") + meant.joined("=", "&");
 }
 
 // The number of "COM3"; 0: it is no such name.
@@ -95,11 +74,11 @@ unsigned com_number(std::string_view text) {
 }
 
 // The serial port that a name without a folder means.
-std::string port_of(std::string_view scheme, std::string_view name) {
+std::string port_of(std::string_view scheme, std::string_view name, const std::string& query = {}) {
     const auto com = com_number(name);
-    if (com == 0) return std::string(scheme).append("/dev/").append(name);
-    return std::string(scheme).append(kPort).append(", ").append(scheme).append("/dev/ttyS") +
-           std::to_string(com - 1);
+    if (com == 0) return std::string(scheme).append("/dev/").append(name).append(query);
+    const auto second = std::string(scheme).append("/dev/ttyS").append(std::to_string(com - 1)).append(query);
+    return std::string(scheme).append(kPort).append(query).append(", ").append(second);
 }
 
 Result<std::uint32_t> parse_number(std::string_view name, std::string_view text, std::uint32_t least,
@@ -168,18 +147,16 @@ Result<void> apply_parameter(Target& target, std::string_view key, std::string_v
         target.format.data_bits = static_cast<std::uint8_t>(bits);
     } else if (key == "parity") {
         const auto word = std::ranges::find(model::kParities, value);
-        if (word == model::kParities.end())
-            return wrong_word(std::string("parity=").append(value), key, value, model::kParities);
+        if (word == model::kParities.end()) return wrong_word("parity=", value, {}, key, model::kParities);
         target.format.parity = static_cast<wire::Parity>(word - model::kParities.begin());
     } else if (key == "rs485") {
         const auto word = std::ranges::find(model::kRs485, value);
-        if (word == model::kRs485.end())
-            return wrong_word(std::string("rs485=").append(value), key, value, model::kRs485);
+        if (word == model::kRs485.end()) return wrong_word("rs485=", value, {}, key, model::kRs485);
         target.rs485 = static_cast<model::Rs485>(word - model::kRs485.begin());
     } else if (key == "unit") {
         return wrong(std::string("unit=").append(value), std::string("--unit ").append(value));
     } else {
-        return wrong_word(key, {}, key, kKeys);
+        return wrong_word({}, key, std::string("=").append(value), {}, model::kPortKeys);
     }
     return {};
 }
@@ -190,10 +167,10 @@ Result<Target> parse_serial_target(Target target, std::string_view rest) {
     auto query = rest.substr(question);
     const std::string scheme = target.framing == wire::Framing::rtu ? "rtu://" : "ascii://";
     if (path.empty()) return wrong(scheme, scheme + std::string(kPort));
-    if (!path.starts_with('/')) return wrong(path, port_of(scheme, path));
-    if (const auto at = find_parameter(path); at < path.size())
-        return wrong(path.substr(at - 1),
-                     scheme + std::string(path.substr(0, at - 1)) + query_of(path.substr(at)));
+    const auto meant = model::port_settings(path);
+    if (!path.starts_with('/'))
+        return wrong(path, meant ? port_of(scheme, meant->port, query_of(*meant)) : port_of(scheme, path));
+    if (meant) return wrong(path.substr(meant->port.size()), scheme + meant->port + query_of(*meant));
     if (path.find('\0') != std::string_view::npos) return wrong(path);
     target.port = path;
     target.format.data_bits = target.framing == wire::Framing::ascii ? 7 : 8;
@@ -204,7 +181,10 @@ Result<Target> parse_serial_target(Target target, std::string_view rest) {
         const auto parameter = query.substr(0, end);
         query.remove_prefix(std::min(end + 1, query.size()));
         const auto equals = parameter.find('=');
-        if (equals == std::string_view::npos) return wrong(parameter, list(kKeys));
+        if (equals == std::string_view::npos) {
+            const auto whole = model::port_settings(rest);
+            return wrong(parameter, whole ? scheme + whole->port + query_of(*whole) : list(model::kPortKeys));
+        }
         TAKT_CHECK(apply_parameter(target, parameter.substr(0, equals), parameter.substr(equals + 1)));
     }
     return target;
@@ -229,13 +209,34 @@ Result<Target> parse_network_target(Target target, std::string_view scheme, std:
     return target;
 }
 
-// The probable meaning of a text without a scheme.
+std::string suggestion(std::string_view text);
+
+// The target that "tcp//plc", "tcp:/plc" or "rtu:/dev/ttyUSB0" means; empty: there is no scheme.
+std::string with_scheme(std::string_view text) {
+    for (const auto& scheme : kSchemes) {
+        if (!text.starts_with(scheme.name)) continue;
+        const auto rest = text.substr(scheme.name.size());
+        const auto begin = std::min(rest.find_first_not_of(":;/\\"), rest.size());
+        if (begin == 0 || all_digits(rest.substr(begin))) continue;
+        if (scheme.transport != model::Transport::serial)
+            return std::string(scheme.name).append("://").append(rest.substr(begin));
+        const auto port = suggestion(rest.substr(rest[begin - 1] == '/' ? begin - 1 : begin));
+        if (port.starts_with("rtu://")) return std::string(scheme.name).append(port.substr(3));
+    }
+    return {};
+}
+
+// The probable meaning of a text without "://".
 std::string suggestion(std::string_view text) {
-    if (text.starts_with('/')) return std::string("rtu://").append(text);
+    if (auto meant = with_scheme(text); !meant.empty()) return meant;
+    const bool only_settings = text.find('=') < text.find('/');
+    const auto settings =
+        model::port_settings(only_settings ? std::string(kPort).append("?").append(text) : std::string(text));
+    const auto query = settings ? query_of(*settings) : std::string();
+    if (settings) text = settings->port;
+    if (text.starts_with('/')) return std::string("rtu://").append(text).append(query);
     if (text.starts_with("dev/")) return std::string("rtu:///").append(text);
-    if (text.starts_with("tty") || com_number(text) > 0) return port_of("rtu://", text);
-    if (const auto at = find_parameter(text); at < text.size())
-        return std::string("rtu://").append(kPort).append(query_of(text.substr(at)));
+    if (text.starts_with("tty") || com_number(text) > 0) return port_of("rtu://", text, query);
     const auto address = split_host_port(text, 1);
     if (address && is_host(address->host)) return std::string("tcp://").append(text);
     if (is_ipv6(text)) return std::string("tcp://[").append(text).append("]");
@@ -262,7 +263,7 @@ Result<Target> parse_target(std::string_view url) {
     if (colon == std::string_view::npos) return wrong(url, suggestion(url));
     const auto scheme = std::ranges::find(kSchemes, url.substr(0, colon), &Scheme::name);
     if (scheme == kSchemes.end())
-        return wrong_word(url.substr(0, colon), {}, url.substr(0, colon), kSchemeNames);
+        return wrong_word({}, url.substr(0, colon), url.substr(colon), {}, kSchemeNames);
     Target target;
     target.transport = scheme->transport;
     target.framing = scheme->framing;

@@ -222,16 +222,13 @@ std::string detail(Language language, const Error& error) {
     return message(language, has(Language::english, key) ? key : "exception.unknown");
 }
 
-// "what is there → what would be right" (value::beside_allowed), or "what is there → nearest → allowed"
+// "what is there → what would be right" (value::beside_allowed)
 std::string syntax_text(Language language, std::string_view subject) {
     constexpr std::string_view kArrow = " → ";
-    const auto last = subject.rfind(kArrow);
-    const auto first = subject.find(kArrow);
-    const auto nearest = first == last ? std::string_view()
-                                       : subject.substr(first + kArrow.size(), last - first - kArrow.size());
-    return message(language, first == last ? "error.syntax.right" : "error.syntax.nearest",
-                   std::array{Argument{"given", subject.substr(0, first)}, Argument{"nearest", nearest},
-                              Argument{"right", subject.substr(last + kArrow.size())}});
+    const auto arrow = subject.rfind(kArrow);
+    return message(language, "error.syntax.right",
+                   std::array{Argument{"given", subject.substr(0, arrow)},
+                              Argument{"right", subject.substr(arrow + kArrow.size())}});
 }
 
 }  // namespace

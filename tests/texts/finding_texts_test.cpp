@@ -37,7 +37,9 @@ std::vector<std::string> bad_projects() {
         "turnaround: 20ms, response_timeout: 10ms, "
         "variables: [{name: V, type: int, register: 0, scale: \"0,1\"}, {name: W, type: int, read: 3, "
         "register: \"1,000\"}]}]}\n",
-        "takt: 1\nlines:\n- {name: N, host: 10.0.0.5/24, port: 502, parity: E, devices: []}\n",
+        "takt: 1\nlines:\n- {name: N, host: 10.0.0.5/24, port: 502, parity: E, devices: []}\n"
+        "- {name: O, port: \"/dev/ttyS0,9600\", devices: [{name: D, address: 1, fc16: true, poll_period: "
+        "\"1,000ms\", variables: [{name: V, type: int, register: 0, write: 0x16}]}]}\n",
         "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, offers: [5..9], "
         "variables: [{name: A, type: float, register: 9, read: 3}]}]}\n",
         "takt: 1\nlines:\n- {name: N, port: /dev/ttyS0, devices: [{name: D, address: 1, offers: {coil: [5]}, "

@@ -6,6 +6,7 @@
 
 #include "servers/interpretation.hpp"
 #include "takt/base/ascii.hpp"
+#include "takt/model/target_url.hpp"
 
 namespace takt::model {
 namespace {
@@ -93,6 +94,9 @@ void register_port(Interpretation& state, Reader& reader, const std::string& por
     constexpr std::string_view kKey = "port";
     if (port.empty()) return;
     if (all_digits(port)) return report_port_number(reader, port);
+    if (const auto meant = port_settings(port))
+        return reader.report(Rule::line_port_settings, kKey, {},
+                             {{"port", meant->port}, {"settings", meant->joined(": ", ", ")}});
     const auto [first, is_new] = state.ports.try_emplace(port, reader, kKey);
     if (!is_new) reader.report(Rule::line_port_twice, kKey, {}, {{"first", state.describe(first->second)}});
 }

@@ -1,6 +1,12 @@
 #include "takt/model/target_url.hpp"
 
+#include <algorithm>
+#include <charconv>
+#include <span>
+
+#include "takt/base/ascii.hpp"
 #include "takt/model/fields.hpp"
+#include "takt/model/synonyms.hpp"
 
 namespace takt::model {
 namespace {
@@ -17,6 +23,60 @@ std::string_view scheme_of(const Line& line) {
 
 char parity_letter(wire::Parity parity) {
     return parity == wire::Parity::none ? 'N' : parity == wire::Parity::even ? 'E' : 'O';
+}
+
+/// A device file, or its name: "ttyUSB0", "COM3".
+bool is_port(std::string_view text) {
+    const auto begins_with = [&](std::string_view name) {
+        return text.size() > name.size() &&
+               std::ranges::equal(text.substr(0, name.size()), name, {}, lower_case);
+    };
+    return begins_with("/") || begins_with("com") || begins_with("tty");
+}
+
+constexpr std::string_view kSeparators = ",;?&@: ";
+
+/// Appends the settings of one part: "parity=E", "9600", "8E1", "E", "8". False: it has no known meaning.
+bool take_part(PortSettings& taken, std::string_view part) {
+    auto& settings = taken.settings;
+    const auto meant_parity = [](std::string_view text) { return value_synonym("parity", kParities, text); };
+    if (const auto equals = part.find('='); equals != std::string_view::npos) {
+        const auto* const key = std::ranges::find(kPortKeys, part.substr(0, equals));
+        if (key == kPortKeys.end()) return false;
+        const auto value = part.substr(equals + 1);
+        const auto meant = *key == "parity" ? meant_parity(value) : std::string_view();
+        settings.emplace_back(*key, meant.empty() ? value : meant);
+        return true;
+    }
+    if (all_digits(part) && part.size() > 2) {
+        settings.emplace_back("baud", part);
+        return true;
+    }
+    const auto take_bits = [&](std::string_view key, char bits, char least) {
+        if (bits < least || bits > least + 1) return false;
+        settings.emplace_back(key, std::string(1, bits));
+        return true;
+    };
+    const auto take_parity = [&](std::string_view letter) {
+        const auto meant = meant_parity(letter);
+        if (!meant.empty()) settings.emplace_back("parity", meant);
+        return !meant.empty();
+    };
+    if (part.size() == 1)
+        return take_parity(part) || take_bits("data_bits", part[0], '7') ||
+               take_bits("stop_bits", part[0], '1');
+    return part.size() == 3 && take_bits("data_bits", part[0], '7') && take_parity(part.substr(1, 1)) &&
+           take_bits("stop_bits", part[2], '1');
+}
+
+/// The settings behind the port, which are parts with separators between them.
+bool take_parts(PortSettings& taken, std::string_view parts) {
+    while (!parts.empty()) {
+        const auto end = std::min(parts.find_first_of(kSeparators), parts.size());
+        if (end > 0 && !take_part(taken, parts.substr(0, end))) return false;
+        parts.remove_prefix(std::min(end + 1, parts.size()));
+    }
+    return true;
 }
 
 }  // namespace
@@ -47,6 +107,32 @@ std::string settings_text(const Line& line) {
     auto text = std::to_string(format.baud).append(" ").append(std::to_string(format.data_bits));
     text.push_back(parity_letter(format.parity));
     return text.append(std::to_string(format.stop_bits));
+}
+
+std::string PortSettings::joined(std::string_view equals, std::string_view separator) const {
+    std::string text;
+    for (const auto& [key, value] : settings)
+        text.append(text.empty() ? "" : separator).append(key).append(equals).append(value);
+    return text;
+}
+
+std::optional<PortSettings> port_settings(std::string_view text) {
+    bool scheme = false;
+    for (const std::string_view prefix : {"rtu://", "ascii://"})
+        if (text.starts_with(prefix)) {
+            scheme = true;
+            text.remove_prefix(prefix.size());
+        }
+    if (text.find("://") != std::string_view::npos) return std::nullopt;
+    // The port may have separators of its own: "/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0".
+    for (std::size_t at = 0; at <= text.size(); ++at) {
+        if (at < text.size() && kSeparators.find(text[at]) == std::string_view::npos) continue;
+        PortSettings taken{.port = std::string(text.substr(0, at)), .settings = {}};
+        if (!take_parts(taken, text.substr(at))) continue;
+        const bool found = (scheme || !taken.settings.empty()) && is_port(taken.port);
+        return found ? std::optional(std::move(taken)) : std::nullopt;
+    }
+    return std::nullopt;
 }
 
 }  // namespace takt::model

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <string>
 
 #include "takt/base/ascii.hpp"
 
@@ -61,9 +62,12 @@ std::string_view nearest(std::string_view text, std::span<const std::string_view
 }
 
 bool is_unlike(std::string_view text, std::string_view guess) {
-    const bool part =
-        guess.find(text) != std::string_view::npos || text.find(guess) != std::string_view::npos;
-    return !part && typing_distance(text, guess) > std::max(text.size(), guess.size());
+    std::string small(text);
+    std::ranges::transform(small, small.begin(), lower_case);
+    std::string other(guess);
+    std::ranges::transform(other, other.begin(), lower_case);
+    const bool part = other.find(small) != std::string::npos || small.find(other) != std::string::npos;
+    return !part && typing_distance(small, other) > std::max(small.size(), other.size());
 }
 
 }  // namespace takt::model

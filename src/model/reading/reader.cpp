@@ -106,7 +106,7 @@ std::string with_point(std::string_view text) {
 std::string without_thousands(std::string_view text) {
     constexpr std::size_t kGroup = 3;
     const auto comma = text.find(',');
-    if (comma > kGroup || !all_digits(text.substr(0, comma))) return {};
+    if (comma > kGroup || text.starts_with('0') || !all_digits(text.substr(0, comma))) return {};
     std::string meant(text.substr(0, comma));
     for (auto rest = text.substr(comma); !rest.empty(); rest.remove_prefix(kGroup + 1)) {
         const auto group = rest.substr(1, kGroup);
@@ -116,12 +116,21 @@ std::string without_thousands(std::string_view text) {
     return meant;
 }
 
-/// The finding about a number with commas, and the number that is meant; empty: it has none.
-std::pair<Rule, std::string> comma_finding(const Field* field, std::string_view text) {
-    if (field != nullptr && field->kind == Kind::integer)
-        if (auto meant = without_thousands(text); !meant.empty())
-            return {Rule::number_thousands, std::move(meant)};
-    return {Rule::number_comma, with_point(text)};
+/// The finding about a number or a duration with commas.
+std::optional<std::pair<Rule, Arguments>> comma_finding(const Field* field, std::string_view text) {
+    const bool duration = field != nullptr && field->kind == Kind::duration;
+    const auto number = duration ? text.substr(0, text.find_first_not_of("0123456789,")) : text;
+    const std::string unit(text.substr(number.size()));
+    const auto point = with_point(number);
+    const auto whole = without_thousands(number);
+    const bool integer = field != nullptr && field->kind == Kind::integer;
+    const auto& meant = !whole.empty() && (integer || point.empty()) ? whole : point;
+    if (meant.empty() || (duration && !parse_duration(meant + unit))) return std::nullopt;
+    if (&meant == &whole) return {{Rule::number_thousands, {{"meant", whole + unit}}}};
+    Arguments arguments{{"meant", point + unit}};
+    if (!whole.empty())
+        arguments.insert(arguments.end(), {{"variant", "two_meanings"}, {"other", whole + unit}});
+    return {{Rule::number_comma, std::move(arguments)}};
 }
 
 /// `4ms, 4us`: at most two durations of the range that a number without unit may mean.
@@ -142,13 +151,22 @@ bool begins_with_letter(std::string_view text) {
     return !text.empty() && ((text[0] >= 'a' && text[0] <= 'z') || (text[0] >= 'A' && text[0] <= 'Z'));
 }
 
-/// `0,5s` as `0.5s`; empty for anything but a duration with a decimal comma.
-std::string duration_with_point(std::string_view text) {
-    std::string meant(text);
-    const auto comma = meant.find(',');
-    if (comma == std::string::npos) return {};
-    meant[comma] = '.';
-    return parse_duration(meant) ? meant : std::string();
+/// The arguments of a key that is the number of a function, such as `fc16`; empty: it is none.
+Arguments function_arguments(std::string_view key) {
+    std::string number;
+    for (const char c : key)
+        if (c != '_' && c != '-') number += lower_case(c);
+    if (!number.starts_with("fc")) return {};
+    number.erase(0, number.find_first_not_of('0', 2));
+    for (const auto& [name, words] :
+         {std::pair{"read: ", std::span<const std::string_view>(kReadFunctions)},
+          std::pair{"write: ", std::span<const std::string_view>(kWriteFunctions)}})
+        for (const auto word : words.subspan(1))
+            if (std::to_string(parse_integer(word)->magnitude) == number)
+                return {{"variant", "function"},
+                        {"function", std::string(name).append(word)},
+                        {"number", number}};
+    return {};
 }
 
 }  // namespace
@@ -201,9 +219,13 @@ void Reader::check_key(const Node& key) {
         return;
     }
     if (check_slip(key) || check_password(key)) return;
+    auto list = keys_of(object_);
+    if (object_ == Object::device || object_ == Object::variable)
+        if (auto arguments = function_arguments(key.text); !arguments.empty())
+            return findings_.add(Rule::key_unlike, key.location, path_of(key.text), key.text, std::move(list),
+                                 std::move(arguments));
     std::vector<std::string_view> known;
     for (const auto& field : fields(object_)) known.push_back(field.key);
-    auto list = keys_of(object_);
     constexpr std::size_t kSurelyATypo = 2;
     const auto near = nearest(key.text, known);
     const bool own = typing_distance(key.text, near) <= kSurelyATypo;
@@ -255,8 +277,8 @@ bool Reader::check_slip(const Node& key) {
     if (at == node_.entries.begin() || !divided_by_comma(std::prev(at)->key.text)) return false;
     const auto& [owner, whole] = *std::prev(at);
     const auto text = whole.text + ',' + key.text;
-    auto [rule, meant] = comma_finding(find_field(object_, owner.text), text);
-    findings_.add(rule, whole.location, path_of(owner.text), text, {}, {{"meant", std::move(meant)}});
+    auto [rule, arguments] = *comma_finding(find_field(object_, owner.text), text);
+    findings_.add(rule, whole.location, path_of(owner.text), text, {}, std::move(arguments));
     return true;
 }
 
@@ -334,16 +356,16 @@ bool Reader::divided_by_comma(std::string_view key) const {
         std::ranges::find_if(node_.entries, [&](const Node::Entry& entry) { return entry.key.text == key; });
     if (at == node_.entries.end() || std::next(at) == node_.entries.end()) return false;
     const auto& [rest, nothing] = *std::next(at);
-    return at->value.kind == Node::Kind::scalar && all_digits(at->value.text) &&
-           nothing.kind == Node::Kind::null && all_digits(rest.text) && !is_cell(rest);
+    return at->value.kind == Node::Kind::scalar && nothing.kind == Node::Kind::null && !is_cell(rest) &&
+           comma_finding(find_field(object_, key), at->value.text + ',' + rest.text);
 }
 
 const Node* Reader::number_scalar(std::string_view key) {
     const Node* const found = scalar(key);
     if (found == nullptr) return found;
     if (divided_by_comma(key)) return nullptr;  // reported with its second part
-    if (auto [rule, meant] = comma_finding(&field(key), found->text); !meant.empty()) {
-        report(rule, key, allowed_text(key), {{"meant", std::move(meant)}});
+    if (auto finding = comma_finding(&field(key), found->text)) {
+        report(finding->first, key, allowed_text(key), std::move(finding->second));
         return nullptr;
     }
     if (!is_quoted(*found)) return found;
@@ -413,8 +435,9 @@ std::optional<Duration> Reader::duration(std::string_view key) {
         report_unknown_word(field, found->text);
         return std::nullopt;
     }
-    if (auto meant = parsed ? std::string() : duration_with_point(found->text); !meant.empty()) {
-        report(Rule::number_comma, key, allowed_text(key), {{"meant", std::move(meant)}});
+    if (divided_by_comma(key)) return std::nullopt;  // reported with its second part
+    if (auto finding = comma_finding(&field, found->text)) {
+        report(finding->first, key, allowed_text(key), std::move(finding->second));
         return std::nullopt;
     }
     if (!parsed) {
@@ -466,11 +489,9 @@ std::optional<std::string> Reader::text(std::string_view key) {
 }
 
 void Reader::report_unknown_word(const Field& field, std::string_view text) {
-    const auto meant = value_synonym(field.key, field.words, text);
-    const auto guess = meant.empty() ? nearest(text, field.words) : meant;
-    if (meant.empty() && is_unlike(text, guess))
-        return report(Rule::field_unlike_word, field.key, allowed(field, context_));
-    report(Rule::field_unknown_word, field.key, allowed(field, context_), {{"nearest", std::string(guess)}});
+    const auto meant = meant_word(field.key, field.words, text);
+    if (meant.empty()) return report(Rule::field_unlike_word, field.key, allowed(field, context_));
+    report(Rule::field_unknown_word, field.key, allowed(field, context_), {{"nearest", std::string(meant)}});
 }
 
 std::optional<std::size_t> Reader::word_index(std::string_view key) {
@@ -512,7 +533,13 @@ std::optional<FunctionChoice> Reader::function(std::string_view key) {
         for (const auto word : field.words.subspan(1))
             if (parse_integer(word)->magnitude == parsed->magnitude)
                 return FunctionChoice{static_cast<wire::Function>(parsed->magnitude)};
-    report(Rule::function_not_allowed, key, allowed(field, context_));
+    const auto number = parsed ? parsed->magnitude : 0;
+    constexpr std::uint64_t kMask = 0x16;
+    constexpr std::uint64_t kReadWrite = 0x17;
+    Arguments arguments;
+    if (key == "write" && (number == kMask || number == kReadWrite))
+        arguments = {{"variant", number == kMask ? "mask" : "read_write"}};
+    report(Rule::function_not_allowed, key, allowed(field, context_), std::move(arguments));
     return std::nullopt;
 }
 

@@ -70,6 +70,7 @@ constexpr std::array kRules{
     RuleInfo{Rule::host_no_address, "host.no_address"},
     RuleInfo{Rule::host_malformed, "host.malformed"},
     RuleInfo{Rule::line_port_number, "line.port_number"},
+    RuleInfo{Rule::line_port_settings, "line.port_settings"},
     RuleInfo{Rule::backoff_limit, "backoff.limit"},
     RuleInfo{Rule::round_trip_usual, "round_trip.usual"},
     RuleInfo{Rule::burst_alone, "burst.alone"},

@@ -69,9 +69,10 @@ enum class Rule : std::uint8_t {
     host_with_port,       // {host}, {port}
     host_no_address,
     host_malformed,
-    line_port_number,  // {port}
-    backoff_limit,     // {first}
-    round_trip_usual,  // {longest}
+    line_port_number,    // {port}
+    line_port_settings,  // {port}, {settings}
+    backoff_limit,       // {first}
+    round_trip_usual,    // {longest}
     burst_alone,
     line_tls,
     line_port_missing,    // {key}

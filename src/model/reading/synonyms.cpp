@@ -197,6 +197,9 @@ constexpr ValueSynonym kValueSynonyms[] = {
     {"type", "логический", "bool"},
     {"type", "логічний", "bool"},
     {"type", "s16", "int16"},
+    {"type", "sint", "int16"},
+    {"type", "int8", "int16"},
+    {"type", "uint8", "uint16"},
     {"type", "i16", "int16"},
     {"type", "short", "int16"},
     {"type", "целое", "int16"},
@@ -266,6 +269,16 @@ constexpr ValueSynonym kValueSynonyms[] = {
     {"bad_quality", "drop", "skip"},
     {"bad_quality", "ignore", "skip"},
     {"bad_quality", "send", "publish"},
+    {"option", "duration", "for"},
+    {"option", "time", "for"},
+    {"option", "runtime", "for"},
+    {"option", "seconds", "for"},
+    {"option", "slave", "unit"},
+    {"option", "slave-id", "unit"},
+    {"option", "slave_id", "unit"},
+    {"option", "unit-id", "unit"},
+    {"option", "unit_id", "unit"},
+    {"option", "id", "unit"},
     {"framing", "modbus_rtu", "rtu"},
     {"framing", "modbus_ascii", "ascii"},
     {"framing", "modbus_tcp", "tcp"},
@@ -306,6 +319,13 @@ std::string_view value_synonym(std::string_view key, std::span<const std::string
     for (const auto& [of, other, word] : kValueSynonyms)
         if (of == key && other == wanted && std::ranges::find(words, word) != words.end()) return word;
     return {};
+}
+
+std::string_view meant_word(std::string_view key, std::span<const std::string_view> words,
+                            std::string_view value) {
+    if (const auto meant = value_synonym(key, words, value); !meant.empty() || value.empty()) return meant;
+    const auto near = nearest(value, words);
+    return is_unlike(value, near) ? std::string_view() : near;
 }
 
 }  // namespace takt::model

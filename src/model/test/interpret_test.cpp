@@ -90,6 +90,8 @@ TEST(Interpret, Line) {
         {"{transport: ~, host: plc, port: 502}", "line.port_number port=502"},
         {"{transport: tcp, host: plc, port: 502}", "line.port_number port=502"},
         {"{port: 502}", "line.port_number port=502"},
+        {"{port: \"/dev/ttyUSB0,9600\"}", "line.port_settings port=/dev/ttyUSB0,9600"},
+        {"{port: \"rtu:///dev/ttyUSB0\"}", "line.port_settings port=rtu:///dev/ttyUSB0"},
         {"{transport: simulated, port: 502}", ""},
         {"{transport: ~, ip: plc, port: ~}",
          "key.unknown ip=ip [name, transport, port, host, tcp_port, framing, baud, parity, stop_bits, "

@@ -12,6 +12,51 @@
 namespace takt::model::test {
 namespace interpret_variable_test {
 
+TEST(Interpret, NamesWhatAnotherNotationMeans) {
+    const struct {
+        Changes changes;
+        std::string_view code;
+        std::vector<std::pair<std::string, std::string>> arguments;
+    } cases[] = {
+        {{.device = "{fc16: true}"},
+         "key.unlike",
+         {{"variant", "function"}, {"function", "write: 0x10"}, {"number", "16"}}},
+        {{.device = "{FC_03: true}"},
+         "key.unlike",
+         {{"variant", "function"}, {"function", "read: 0x03"}, {"number", "3"}}},
+        {{.variable = "{fc06: true}"},
+         "key.unlike",
+         {{"variant", "function"}, {"function", "write: 0x06"}, {"number", "6"}}},
+        {{.device = "{fc17: true}"}, "key.unknown", {{"nearest", "fc22"}}},
+        {{.variable = "{write: 0x16}"}, "function.not_allowed", {{"variant", "mask"}}},
+        {{.variable = "{write: 22}"}, "function.not_allowed", {{"variant", "mask"}}},
+        {{.variable = "{write: 0x17}"}, "function.not_allowed", {{"variant", "read_write"}}},
+        {{.variable = "{write: 0x15}"}, "function.not_allowed", {}},
+        {{.device = "{poll_period: \"1,000ms\"}"},
+         "number.comma",
+         {{"meant", "1.000ms"}, {"variant", "two_meanings"}, {"other", "1000ms"}}},
+        {{.variable = "{scale: \"12,500\"}"},
+         "number.comma",
+         {{"meant", "12.500"}, {"variant", "two_meanings"}, {"other", "12500"}}},
+        {{.device = "{poll_period: \"0,500s\"}"}, "number.comma", {{"meant", "0.500s"}}},
+        {{.device = "{poll_period: \"1,00s\"}"}, "number.comma", {{"meant", "1.00s"}}},
+        {{.device = "{poll_period: \"1,000,000us\"}"}, "number.thousands", {{"meant", "1000000us"}}},
+        {{.variable = "{type: INT8}"}, "field.unknown_word", {{"nearest", "int16"}}},
+        {{.variable = "{type: DOBLE}"}, "field.unknown_word", {{"nearest", "double"}}},
+        {{.variable = "{type: SINT}"}, "field.unknown_word", {{"nearest", "int16"}}},
+        {{.variable = "{type: BYT}"}, "field.unlike_word", {}},
+        {{.line = "{port: \"/dev/ttyUSB0,9600,8N1\"}"},
+         "line.port_settings",
+         {{"port", "/dev/ttyUSB0"}, {"settings", "baud: 9600, data_bits: 8, parity: none, stop_bits: 1"}}},
+    };
+    for (const auto& [changes, code, arguments] : cases) {
+        const auto findings = interpret(document(changes)).findings;
+        ASSERT_FALSE(findings.empty()) << code;
+        EXPECT_EQ(findings[0].code, code) << findings[0].value;
+        EXPECT_EQ(findings[0].arguments, arguments) << findings[0].value;
+    }
+}
+
 TEST(Interpret, Variable) {
     const Case cases[] = {
         {"{name: ~}", "field.missing name="},

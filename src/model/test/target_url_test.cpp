@@ -56,5 +56,36 @@ TEST(TargetUrl, HostsWithTheirPort) {
     EXPECT_EQ(host_and_port("fe80::1%eth0", 502), "[fe80::1%eth0]:502");
 }
 
+TEST(TargetUrl, SettingsBehindAPort) {
+    const struct {
+        const char* text;
+        const char* expected;
+    } cases[] = {
+        {"/dev/ttyUSB0,9600", "/dev/ttyUSB0?baud=9600"},
+        {"/dev/ttyUSB0:9600,8E1", "/dev/ttyUSB0?baud=9600&data_bits=8&parity=even&stop_bits=1"},
+        {"/dev/ttyUSB0 9600 8n2", "/dev/ttyUSB0?baud=9600&data_bits=8&parity=none&stop_bits=2"},
+        {"/dev/ttyUSB0,9600,E,8", "/dev/ttyUSB0?baud=9600&parity=even&data_bits=8"},
+        {"/dev/ttyUSB0@115200", "/dev/ttyUSB0?baud=115200"},
+        {"/dev/ttyUSB0?baud=9600&parity=O", "/dev/ttyUSB0?baud=9600&parity=odd"},
+        {"/dev/ttyUSB0,parity=чет", "/dev/ttyUSB0?parity=even"},
+        {"rtu:///dev/ttyUSB0", "/dev/ttyUSB0?"},
+        {"ascii:///dev/ttyUSB0?9600", "/dev/ttyUSB0?baud=9600"},
+        {"COM3,9600", "COM3?baud=9600"},
+        {"/dev/ttyUSB0", ""},
+        {"/dev/ttyUSB0,", ""},
+        {"/dev/ttyUSB0,fast", ""},
+        {"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0", ""},
+        {"/dev/serial/by-id/usb-FTDI_FT232R_A9 600", "/dev/serial/by-id/usb-FTDI_FT232R_A9?baud=600"},
+        {"/tmp/my port", ""},
+        {"10.0.0.5:502", ""},
+        {"tcp://plc:502", ""},
+        {"", ""},
+    };
+    for (const auto& [text, expected] : cases) {
+        const auto found = port_settings(text);
+        EXPECT_EQ(found ? found->port + '?' + found->joined("=", "&") : "", expected) << text;
+    }
+}
+
 }  // namespace target_url_test
 }  // namespace takt::model

@@ -17,7 +17,8 @@ inline constexpr std::size_t kNamesToCompare = 500;
 /// the text, or is contained in it, counts as two mistakes: "timeout" is near to "response_timeout".
 std::string_view nearest(std::string_view text, std::span<const std::string_view> candidates);
 
-/// More than half of the text would have to be typed anew, and neither contains the other.
+/// More than half of the text would have to be typed anew, and neither contains the other. The case of
+/// letters does not count.
 bool is_unlike(std::string_view text, std::string_view guess);
 
 }  // namespace takt::model

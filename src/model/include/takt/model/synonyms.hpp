@@ -22,4 +22,9 @@ namespace takt::model {
 [[nodiscard]] std::string_view value_synonym(std::string_view key, std::span<const std::string_view> words,
                                              std::string_view value);
 
+/// The word of `words` that a value means: its value_synonym(), else the nearest() one that is not
+/// is_unlike(). Empty if none is near.
+[[nodiscard]] std::string_view meant_word(std::string_view key, std::span<const std::string_view> words,
+                                          std::string_view value);
+
 }  // namespace takt::model

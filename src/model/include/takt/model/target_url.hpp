@@ -1,9 +1,13 @@
 // The URL of a line, as targets are named on the command line.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "takt/model/line.hpp"
 
@@ -18,5 +22,22 @@ namespace takt::model {
 
 /// The character settings of a serial line: "19200 8E1"; empty for a network line.
 [[nodiscard]] std::string settings_text(const Line& line);
+
+/// The keys of a serial port, in a URL and in a project.
+inline constexpr std::array<std::string_view, 5> kPortKeys{"baud", "parity", "stop_bits", "data_bits",
+                                                           "rs485"};
+
+struct PortSettings {
+    std::string port;
+    std::vector<std::pair<std::string_view, std::string>> settings;
+
+    /// "baud=9600&parity=even" with "=" and "&".
+    [[nodiscard]] std::string joined(std::string_view equals, std::string_view separator) const;
+};
+
+/// A serial port with its settings in the notation of other tools: "/dev/ttyUSB0,9600,8E1",
+/// "/dev/ttyUSB0:9600", "/dev/ttyUSB0?baud=9600", "rtu:///dev/ttyUSB0". Nothing if there is only a port, or a
+/// part that has no known meaning.
+[[nodiscard]] std::optional<PortSettings> port_settings(std::string_view text);
 
 }  // namespace takt::model
