@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "takt/model/fields.hpp"
-#include "takt/model/nearest.hpp"
 #include "takt/model/synonyms.hpp"
 
 namespace takt::app {
@@ -73,16 +72,11 @@ OptionError word_error(std::string_view option, std::string_view value, std::str
         rest.remove_prefix(std::min(comma + 2, rest.size()));
     }
     const auto key = option.substr(std::min(option.find_first_not_of('-'), option.size()));
-    auto nearest = model::value_synonym(key, words, value);
-    if (nearest.empty()) {
-        nearest = model::nearest(value, words);
-        if (model::is_unlike(value, nearest)) nearest = {};
-    }
-    const bool meant = !value.empty() && !nearest.empty();
+    const auto nearest = model::meant_word(key, words, value);
     OptionError error{
-        meant ? "app.option.word.nearest" : "app.option.word",
+        nearest.empty() ? "app.option.word" : "app.option.word.nearest",
         {{"option", std::string(option)}, {"value", std::string(value)}, {"allowed", std::string(allowed)}}};
-    if (meant) error.arguments.emplace_back("nearest", nearest);
+    if (!nearest.empty()) error.arguments.emplace_back("nearest", nearest);
     return error;
 }
 
@@ -92,8 +86,8 @@ OptionError unknown_option(const std::string& name, std::span<const std::string_
     };
     std::vector<std::string_view> words;
     for (const auto option : options) words.push_back(word_of(option));
-    const auto nearest = model::nearest(word_of(name), words);
-    if (!model::is_unlike(word_of(name), nearest))
+    const auto nearest = model::meant_word("option", words, word_of(name));
+    if (!nearest.empty())
         return {"app.option.unknown", {{"value", name}, {"nearest", "--" + std::string(nearest)}}};
     std::string key(word_of(name));
     std::ranges::replace(key, '-', '_');

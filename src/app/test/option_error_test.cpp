@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <string_view>
+#include <utility>
+
 namespace takt::app {
 namespace option_error_test {
 
@@ -21,6 +25,20 @@ TEST(OptionError, ATargetIsNamedWithTheReason) {
     const Error scheme{Code::syntax, "h:502 → tcp://h:502", {}};
     EXPECT_EQ(option_error_text(Texts(text::Language::english), target_error("--target", "h:502", scheme)),
               "--target h:502: 'h:502' is not valid, correct form: tcp://h:502");
+}
+
+TEST(OptionError, AnOptionOfOtherToolsIsNamed) {
+    constexpr std::array<std::string_view, 4> kOptions{"--version", "--for", "--unit", "--realtime"};
+    for (const auto& [name, meant] : {std::pair{"--duration", "--for"},
+                                      {"--time", "--for"},
+                                      {"--slave", "--unit"},
+                                      {"--slave-id", "--unit"},
+                                      {"--Unit-ID", "--unit"},
+                                      {"--versoin", "--version"}})
+        EXPECT_EQ(unknown_option(name, kOptions),
+                  (OptionError{"app.option.unknown", {{"value", name}, {"nearest", meant}}}));
+    constexpr std::array<std::string_view, 1> kOthers{"--version"};
+    EXPECT_EQ(unknown_option("--seconds", kOthers).code, "app.option.unknown.unlike");
 }
 
 TEST(OptionError, OtherWordsAreKept) {
