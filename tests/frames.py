@@ -45,7 +45,7 @@ class Frame:
 
 
 INCIDENT = re.compile(r"^\[[^]]+\] TRA : .*?::(?:.*?:)?\(.*?\) (?:connected|disconnected"
-                      r"|no response within \d+ ms|late response: late by \d+ ms"
+                      r"|no response within [\d.]+ m?s|late response: late by [\d.]+ m?s"
                       r"|surplus response(?:: .+ was asked)?)$")
 
 

@@ -10,6 +10,7 @@
 #include "takt/base/time.hpp"
 #include "takt/console/traffic_log.hpp"
 #include "takt/line/loop.hpp"
+#include "texts.hpp"
 
 namespace takt::app {
 
@@ -22,12 +23,12 @@ public:
 
     /// @param traffic  file for the frames; "-": stderr; empty: none
     /// @param reload   what SIGHUP asks for; empty: it stops as the other signals do
-    /// @param reports  of the file for the frames
+    /// @param texts    of the file for the frames
     /// @returns what Loop::create(), Loop::on_signals() and TrafficLog::open() return
     [[nodiscard]] Result<void> begin(const std::string& traffic, std::function<void()> reload,
-                                     console::FileReports reports);
+                                     const Texts& texts);
     /// Without a file for frames.
-    [[nodiscard]] Result<void> begin() { return begin({}, {}, {}); }
+    [[nodiscard]] Result<void> begin(std::function<void()> reload = {});
 
     /// @param limit  nothing: until stopped
     void work(std::optional<Duration> limit);

@@ -9,7 +9,9 @@
 #include "takt/console/clock_text.hpp"
 #include "takt/os/open.hpp"
 #include "takt/os/rotating_file.hpp"
+#include "takt/report/traffic_text.hpp"
 #include "takt/text/escape.hpp"
+#include "takt/text/frame_text.hpp"
 #include "takt/wire/frame_words.hpp"
 
 namespace takt::console {
@@ -37,16 +39,20 @@ Result<std::unique_ptr<os::Sink>> sink_of(const std::string& path, std::size_t f
 }  // namespace
 
 Result<std::unique_ptr<TrafficLog>> TrafficLog::open(const std::string& path, FileReports reports,
-                                                     std::size_t file_bytes) {
-    if (path == "-") return std::make_unique<TrafficLog>(std::make_unique<os::DescriptorSink>(STDERR_FILENO));
+                                                     std::size_t file_bytes, text::Language language) {
+    if (path == "-")
+        return std::make_unique<TrafficLog>(std::make_unique<os::DescriptorSink>(STDERR_FILENO), language);
     TAKT_TRY(auto sink, sink_of(path, file_bytes, std::move(reports.on_not_rotated)));
-    return std::unique_ptr<TrafficLog>(new TrafficLog(std::move(sink), path, std::move(reports)));
+    return std::unique_ptr<TrafficLog>(new TrafficLog(std::move(sink), path, std::move(reports), language));
 }
 
-TrafficLog::TrafficLog(std::unique_ptr<os::Sink> sink) : TrafficLog(std::move(sink), {}, {}) {}
+TrafficLog::TrafficLog(std::unique_ptr<os::Sink> sink, text::Language language)
+    : TrafficLog(std::move(sink), {}, {}, language) {}
 
-TrafficLog::TrafficLog(std::unique_ptr<os::Sink> sink, std::string path, FileReports reports)
-    : path_(std::move(path)),
+TrafficLog::TrafficLog(std::unique_ptr<os::Sink> sink, std::string path, FileReports reports,
+                       text::Language language)
+    : texts_(language),
+      path_(std::move(path)),
       reports_(std::move(reports)),
       output_(std::move(sink), {.gap_line = gap_line, .on_failure = [this](int error) {
                                     if (!reports_.on_failed) return;
@@ -82,16 +88,20 @@ void LineTraffic::on_frame(Instant t, wire::Direction direction, UnitId unit, By
     const std::string bytes =
         ascii_ ? std::string(raw.begin(), raw.end() - (raw.size() > 2 ? 2 : 0)) : wire::hex(raw);
     log_.put(fmt::format("[{}] TRA : {}::{}:({}) {}: [{:04}] {} | {}", iso_time(t), line_, name_of(unit),
-                         port_, sent ? "Tx" : "Rx", raw.size(), bytes, words));
+                         port_, sent ? "Tx" : "Rx", raw.size(), bytes,
+                         text::frame_text(log_.texts().language(), words)));
 }
 
 std::string LineTraffic::name_of(UnitId unit) const {
     const auto& name = devices_[unit.value];
-    return name.empty() ? fmt::format("unit {}", unit.value) : name;
+    return name.empty() ? text::frame_text(log_.texts().language(), fmt::format("unit {}", unit.value))
+                        : name;
 }
 
 void LineTraffic::on_fault(Instant t, wire::FrameFault fault, Bytes /*raw*/) {
-    log_.put(fmt::format("[{}] TRA : {}::({}) dropped: {}", iso_time(t), line_, port_, wire::name(fault)));
+    const auto& texts = log_.texts();
+    log_.put(fmt::format("[{}] TRA : {}::({}) {}", iso_time(t), line_, port_,
+                         texts("fault.dropped", {{"reason", report::fault_text(texts, fault)}})));
 }
 
 void LineTraffic::on_incident(Instant t, UnitId unit, wire::Incident incident, Duration after,
@@ -99,7 +109,7 @@ void LineTraffic::on_incident(Instant t, UnitId unit, wire::Incident incident, D
     const bool of_line = incident == wire::Incident::connected || incident == wire::Incident::disconnected;
     log_.put(fmt::format("[{}] TRA : {}::{}({}) {}", iso_time(t), line_,
                          of_line ? std::string() : name_of(unit) + ':', port_,
-                         wire::describe_incident(incident, after, instead)));
+                         report::incident_text(log_.texts(), incident, after, instead)));
 }
 
 line::TrafficFactory traffic_factory(TrafficLog* log, LineTraffic::Side side) {

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <span>
 
@@ -229,17 +228,6 @@ void add_unread(std::string& out, const Error& error, Bytes pdu) {
     add_data(out, pdu);
 }
 
-// As error.misdirected of the messages.
-std::string mismatch_words(const Mismatch& mismatch) {
-    constexpr std::array<fmt::format_string<unsigned, unsigned>, 3> kWords{
-        "a response of unit {} came, unit {} was asked",
-        "a response to function {} came, function {} was asked",
-        "a response with transaction id {} came, {} was asked",
-    };
-    return fmt::format(kWords[static_cast<std::size_t>(mismatch.part)], unsigned{mismatch.came},
-                       unsigned{mismatch.asked});
-}
-
 // Only an MBAP header is seven bytes longer than the PDU behind it: RTU has three more, ASCII twice as many.
 std::uint16_t transaction_id(Bytes pdu, Bytes raw) {
     constexpr std::size_t kMbapHeader = 7;
@@ -300,20 +288,6 @@ std::string FrameWords::response(UnitId unit, Bytes pdu, Bytes raw) const {
     const bool answers =
         found != requests_.end() && (decode_response(found->request, pdu) || !decode_response(pdu));
     return describe_response(unit, pdu, answers ? &found->request : nullptr);
-}
-
-std::string describe_incident(Incident incident, Duration after, const std::optional<Mismatch>& instead) {
-    switch (incident) {
-        case Incident::no_response:
-            return fmt::format("no response within {} ms", after / std::chrono::milliseconds(1));
-        case Incident::late_response:
-            return fmt::format("late response: late by {} ms", after / std::chrono::milliseconds(1));
-        case Incident::surplus_response:
-            return "surplus response" + (instead ? ": " + mismatch_words(*instead) : std::string());
-        case Incident::connected: return "connected";
-        case Incident::disconnected: return "disconnected";
-    }
-    return std::string(name(incident));
 }
 
 std::string hex(Bytes bytes) {

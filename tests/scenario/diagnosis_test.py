@@ -139,7 +139,7 @@ def test_what_did_not_come_is_in_the_traffic_log(project, tmp_path):
         return tcp_answer(adu[:6] + b"\x09" + adu[7:], ANSWER)
 
     log = tmp_path / "traffic.log"
-    wanted = [r"Node1:\(.*\) no response within 200 ms", r"Node1:\(.*\) late response: late by \d+ ms",
+    wanted = [r"Node1:\(.*\) no response within 200 ms", r"Node1:\(.*\) late response: late by [\d.]+ ms",
               r"unit 9:\(.*\) surplus response: a response of unit 9 came, unit 2 was asked",
               r"::\(.*\) connected"]
     with TcpSlave(answers) as slave:

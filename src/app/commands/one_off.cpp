@@ -27,7 +27,7 @@ void report_lengths_off(const Texts& texts, const client::Client& device) {
 Result<std::unique_ptr<OneOff>> OneOff::open(const Texts& texts, const ClientOptions& options) {
     TAKT_CHECK(line::parse_target(options.target));  // a bad target makes no traffic log
     auto one_off = std::make_unique<OneOff>(texts);
-    TAKT_CHECK(one_off->loop_.begin(options.traffic, {}, file_reports(texts)));
+    TAKT_CHECK(one_off->loop_.begin(options.traffic, {}, texts));
     auto& loop = one_off->loop_;
     client::Options patient = options;
     if (!options.reconnect) patient.late_wait = std::clamp(options.timeout, kLeastLateWait, kLongestLateWait);

@@ -11,6 +11,7 @@
 #include "output.hpp"
 #include "takt/client/raw_request.hpp"
 #include "takt/report/all_types_report.hpp"
+#include "takt/text/frame_text.hpp"
 #include "takt/wire/frame_words.hpp"
 
 namespace takt::app {
@@ -106,13 +107,15 @@ ExitCode raw(const CommonOptions& common, const RawOptions& options) {
     auto& device = (*one_off)->device();
     const UnitId unit{options.unit};
     const auto decoded = wire::decode_request(pdu->span());
-    print_status(wire::describe_request(unit, pdu->span(), decoded) + "\n");
+    const auto print_words = [&](const std::string& words) {
+        print_status(text::frame_text(texts.language(), words) + "\n");
+    };
+    print_words(wire::describe_request(unit, pdu->span(), decoded));
     const auto answer = device.transact(*pdu, false);
     run.interrupted = device.interrupted();
     if (!answer) return failed(answer.error());
     const Bytes response = answer->pdu();
-    if (!answer->empty())
-        print_status(wire::describe_response(unit, response, decoded ? &*decoded : nullptr) + "\n");
+    if (!answer->empty()) print_words(wire::describe_response(unit, response, decoded ? &*decoded : nullptr));
     print(options.json ? report::raw_json(texts, run, pdu->span(), response).dump() + '\n'
                        : wire::hex(response) + '\n');
     return !answer->empty() && wire::is_exception(response[0]) ? ExitCode::exception : ExitCode::ok;

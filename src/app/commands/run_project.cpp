@@ -46,7 +46,7 @@ public:
     /// @param token  of the page's API; empty: none
     Result<void> begin(const model::Project& project, const plan::Plan& plan, const PrepareDevices& prepare,
                        const std::string& token) {
-        TAKT_CHECK(work_loop_.begin(options_.traffic, [this] { reload(); }, file_reports(texts_)));
+        TAKT_CHECK(work_loop_.begin(options_.traffic, [this] { reload(); }, texts_));
         std::optional<console::CaptureFile> capture;  // a file that cannot be written starts no line
         if (!options_.capture.path.empty()) {
             TAKT_TRY(capture, console::CaptureFile::open(options_.capture));

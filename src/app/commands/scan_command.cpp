@@ -89,7 +89,7 @@ private:
         }
         TAKT_TRY(const auto choices, choices_of(options_));
         TAKT_TRY(auto targets, client::scan_targets(options_.targets, choices));
-        TAKT_CHECK(work_loop_.begin(options_.traffic, {}, file_reports(texts_)));
+        TAKT_CHECK(work_loop_.begin(options_.traffic, {}, texts_));
         auto& loop = work_loop_.loop();
         discover::ScanObserver& observer = *this;
         scans_.emplace(loop, observer);

@@ -50,7 +50,7 @@ public:
                 if (has_rules) return reload_rules();
                 print_status(texts_("app.serve.no_rules") + '\n');
             },
-            file_reports(texts_)));
+            texts_));
         TAKT_CHECK(begin_taps());
         auto& loop = work_loop_.loop();
         const auto devices = std::make_shared<console::ServedDevices>();

@@ -89,8 +89,17 @@ TEST_F(TrafficLogTest, AsciiFramesAreTextWithoutTheirEnd) {
 TEST_F(TrafficLogTest, DroppedBytesHaveAReason) {
     LineTraffic traffic(*log, line_named(wire::Framing::rtu), LineTraffic::Side::master);
     traffic.on_fault(Instant{2s}, wire::FrameFault::checksum, {});
-    EXPECT_EQ(written(), stamp("main::(/dev/ttyS1) dropped: ") +
-                             std::string(wire::name(wire::FrameFault::checksum)) + "\n");
+    EXPECT_EQ(written(), stamp("main::(/dev/ttyS1) dropped: checksum wrong\n"));
+}
+
+TEST_F(TrafficLogTest, TheWordsAreInTheLanguageOfTheReader) {
+    log = std::make_unique<TrafficLog>(memory.sink(), text::Language::russian);
+    LineTraffic traffic(*log, line_named(wire::Framing::rtu), LineTraffic::Side::master);
+    traffic.on_frame(Instant{2s}, wire::Direction::sent, UnitId{1}, kRequest, kRequestFrame);
+    traffic.on_incident(Instant{2s}, UnitId{16}, wire::Incident::no_response, 200ms, {});
+    EXPECT_EQ(written(), stamp("main::адрес 1:(/dev/ttyS1) Tx: [0008] 10 03 00 07 00 01 AA BB | "
+                               "адрес 1 чтение регистров хранения 7\n") +
+                             stamp("main::Boiler:(/dev/ttyS1) нет ответа в течение 200 мс\n"));
 }
 
 TEST_F(TrafficLogTest, WhatDidNotComeHasALine) {

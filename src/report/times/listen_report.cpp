@@ -8,6 +8,7 @@
 #include "takt/model/target_url.hpp"
 #include "takt/report/formatting.hpp"
 #include "takt/report/text_table.hpp"
+#include "takt/text/frame_text.hpp"
 #include "takt/wire/frame_words.hpp"
 
 namespace takt::report {
@@ -202,7 +203,9 @@ std::string line_setting_text(const model::Line& connection, bool has_settings) 
 
 std::string exchange_line(const Texts& texts, const HeardNames& names, const std::string& time,
                           const Exchange& exchange) {
-    auto line = time + "  " + with_device_name(names, exchange.request.unit, words_of(exchange)) +
+    auto line = time + "  " +
+                with_device_name(names, exchange.request.unit,
+                                 text::frame_text(texts.language(), words_of(exchange))) +
                 exchange_remarks(texts, exchange);
     std::string separator = "; ";
     for (const auto& value : names.values(exchange)) {
@@ -214,7 +217,8 @@ std::string exchange_line(const Texts& texts, const HeardNames& names, const std
 
 std::string stray_line(const Texts& texts, const HeardNames& names, const std::string& time,
                        const listen::LineFrame& frame) {
-    const auto words = wire::describe_response(UnitId{frame.unit}, frame.pdu);
+    const auto words =
+        text::frame_text(texts.language(), wire::describe_response(UnitId{frame.unit}, frame.pdu));
     return time + "  " + with_device_name(names, frame.unit, words) + "; " + texts("app.listen.stray");
 }
 

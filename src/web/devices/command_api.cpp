@@ -12,6 +12,7 @@
 #include "takt/report/command_report.hpp"
 #include "takt/report/event_report.hpp"
 #include "takt/report/value_json.hpp"
+#include "takt/text/frame_text.hpp"
 #include "takt/value/codec.hpp"
 #include "takt/value/text.hpp"
 #include "takt/wire/frame_words.hpp"
@@ -206,7 +207,7 @@ ApiResponse preview_response(const HostAccess& host, const ApiRequest& request) 
     for (const auto& frame : shown->frames) {
         auto object = file::Json::object();
         object.set("raw", wire::hex(frame.raw));
-        object.set("words", frame.words);
+        object.set("words", text::frame_text(request.texts.language(), frame.words));
         object.set("bus_time_us", std::chrono::ceil<std::chrono::microseconds>(frame.bus_time).count());
         frames.push_back(std::move(object));
     }

@@ -156,7 +156,8 @@ struct WebFace::Impl {
     std::vector<StreamRoute> streams() {
         return {
             {"/stream", [this](const ApiRequest& request) { return live->open(request.texts.language()); }},
-            {"/traffic", [this](const ApiRequest&) { return traffic->open(); }}};
+            {"/traffic",
+             [this](const ApiRequest& request) { return traffic->open(request.texts.language()); }}};
     }
 
     // The hubs poke the server, and the server's threads use the hubs: their threads end before anything is

@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <utility>
+#include <vector>
 
 #include "takt/line/loop.hpp"
 #include "takt/os/thread_name.hpp"
@@ -24,17 +25,19 @@ std::string missed_event(std::uint64_t count) {
 class TrafficHub::Stream final : public StreamSource {
 public:
     /// @param shared  locked
-    explicit Stream(std::shared_ptr<Shared> shared)
-        : shared_(std::move(shared)), cursor_(shared_->frames.end()) {}
+    Stream(std::shared_ptr<Shared> shared, text::Language language)
+        : shared_(std::move(shared)), language_(language), cursor_(shared_->frames.end()) {
+        ++streams();
+    }
     ~Stream() override {
         const std::lock_guard lock(shared_->mutex);
-        --shared_->streams;
+        --streams();
     }
 
     bool take(std::string& out) override {
         const std::lock_guard lock(shared_->mutex);
         if (shared_->ended) return false;
-        if (shared_->frames.read(cursor_, text::Language::english, out)) return true;
+        if (shared_->frames.read(cursor_, language_, out)) return true;
         const auto& begin = shared_->frames.begin();
         out += missed_event(begin.items - cursor_.items);
         cursor_ = begin;
@@ -42,7 +45,10 @@ public:
     }
 
 private:
+    [[nodiscard]] std::size_t& streams() { return shared_->streams[static_cast<std::size_t>(language_)]; }
+
     std::shared_ptr<Shared> shared_;
+    text::Language language_;
     EventFrames::Cursor cursor_;
 };
 
@@ -62,13 +68,12 @@ void TrafficHub::end() {
     if (thread_.joinable()) thread_.join();
 }
 
-std::unique_ptr<StreamSource> TrafficHub::open() {
+std::unique_ptr<StreamSource> TrafficHub::open(text::Language language) {
     std::unique_ptr<StreamSource> stream;
     {
         const std::lock_guard lock(shared_->mutex);
-        if (shared_->ended || shared_->streams >= kMostStreams) return nullptr;
-        ++shared_->streams;
-        stream = std::make_unique<Stream>(shared_);
+        if (shared_->ended || shared_->open_streams() >= kMostStreams) return nullptr;
+        stream = std::make_unique<Stream>(shared_, language);
     }
     shared_->changed.notify_all();
     return stream;
@@ -113,40 +118,51 @@ void TrafficHub::connect() {
     missed_ = 0;
 }
 
+template <class Text>
+void TrafficHub::push(Text text, std::size_t items) {
+    last_frame_ = line::now();
+    const std::lock_guard lock(shared_->mutex);
+    shared_->frames.push(std::move(text), items);
+}
+
 void TrafficHub::tick() {
     const WallTime clock;
-    file::Json::Array frames;
+    std::vector<TrafficFrame> frames;
     std::uint64_t left_out = 0;
+    std::array<std::size_t, text::kLanguages.size()> streams{};
     bool streamed = false;
     {
         const std::lock_guard lock(shared_->mutex);
-        streamed = shared_->streams > 0;
+        streams = shared_->streams;
+        streamed = shared_->open_streams() > 0;
     }
     for (int count = 0; count < kMostTrafficRecords; ++count) {
-        const auto frame = reader_->next();
+        auto frame = reader_->next();
         if (!frame) break;
         {
             const std::lock_guard lock(shared_->mutex);
             shared_->registers.take(*frame);
         }
         if (streamed && frames.size() < kMostFrames)
-            frames.push_back(frame->json(clock));
+            frames.push_back(*std::move(frame));
         else
             ++left_out;
     }
     if (!streamed) left_out = 0;
     left_out += reader_->missed() - std::exchange(missed_, reader_->missed());
-    const auto items = frames.size();
-    if (items > 0) push(event_text("frames", file::Json(std::move(frames)).dump()), items);
+    FrameTexts events;
+    for (const auto language : text::kLanguages) {
+        const auto index = static_cast<std::size_t>(language);
+        if (streams[index] == 0) continue;
+        file::Json::Array list;
+        for (const auto& frame : frames) list.push_back(frame.json(clock, report::Texts(language)));
+        events[index] =
+            std::make_shared<const std::string>(event_text("frames", file::Json(std::move(list)).dump()));
+    }
+    if (!frames.empty()) push(std::move(events), frames.size());
     if (left_out > 0) push(missed_event(left_out), 0);
-    if (line::now() - last_frame_ >= kKeepAliveInterval) push(": keep-alive\n\n", 0);
+    if (line::now() - last_frame_ >= kKeepAliveInterval) push(std::string(": keep-alive\n\n"), 0);
     poke_();
-}
-
-void TrafficHub::push(std::string text, std::size_t items) {
-    last_frame_ = line::now();
-    const std::lock_guard lock(shared_->mutex);
-    shared_->frames.push(std::move(text), items);
 }
 
 Result<std::string> TrafficHub::capture() const {

@@ -1,12 +1,14 @@
 // The frames on the lines for all browsers.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <thread>
@@ -39,7 +41,7 @@ public:
     TrafficHub& operator=(const TrafficHub&) = delete;
 
     /// Any thread. @returns nullptr: kMostStreams are open
-    [[nodiscard]] std::unique_ptr<StreamSource> open();
+    [[nodiscard]] std::unique_ptr<StreamSource> open(text::Language language);
 
     /// The last frames that a tap saw, as pcapng. Any thread. @returns the errors of open_session
     [[nodiscard]] Result<std::string> capture() const;
@@ -55,13 +57,16 @@ private:
         std::mutex mutex;
         std::condition_variable changed;
         EventFrames frames{256, std::size_t{8} << 20};
-        std::size_t streams = 0;
+        std::array<std::size_t, text::kLanguages.size()> streams{};  ///< in each language
         bool ended = false;
         std::chrono::steady_clock::time_point registers_until;  ///< the tap stays open until then
         WireRegisters registers;
 
+        [[nodiscard]] std::size_t open_streams() const {
+            return std::accumulate(streams.begin(), streams.end(), std::size_t{0});
+        }
         [[nodiscard]] bool wanted() const {
-            return streams > 0 || std::chrono::steady_clock::now() < registers_until;
+            return open_streams() > 0 || std::chrono::steady_clock::now() < registers_until;
         }
     };
 
@@ -69,7 +74,8 @@ private:
     bool wait_for_stream();
     void connect();
     void tick();
-    void push(std::string text, std::size_t items);
+    template <class Text>
+    void push(Text text, std::size_t items);
 
     HostAccess host_;
     std::function<void()> poke_;

@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "takt/report/traffic_text.hpp"
 #include "takt/text/escape.hpp"
+#include "takt/text/frame_text.hpp"
 #include "takt/wire/frame_words.hpp"
 
 namespace takt::web {
@@ -40,25 +42,18 @@ std::optional<TrafficFrame> TrafficReader::next() {
         const auto unit = frame.record.unit;
         if (const auto device = source->devices.find(unit.value); device != source->devices.end())
             frame.device = device->second;
-        if (frame.record.incident) {
-            frame.words =
-                wire::describe_incident(*frame.record.incident, frame.record.after, frame.record.instead);
-            return frame;
-        }
+        if (frame.record.incident) return frame;
         const bool of_line = frame.record.source.kind == host::TrafficSource::Kind::line;
         frame.request = of_line == (frame.record.direction == wire::Direction::sent);
-        if (frame.record.fault) {
-            frame.words = wire::name(*frame.record.fault);
-        } else {
+        if (!frame.record.fault)
             frame.words = frame.request ? source->words.request(unit, frame.record.pdu, frame.record.raw)
                                         : source->words.response(unit, frame.record.pdu, frame.record.raw);
-        }
         return frame;
     }
     return std::nullopt;
 }
 
-file::Json TrafficFrame::json(const WallTime& clock) const {
+file::Json TrafficFrame::json(const WallTime& clock, const report::Texts& texts) const {
     auto object = file::Json::object();
     object.set("t", clock.precise_ms(record.t));
     object.set("line", line);
@@ -75,12 +70,13 @@ file::Json TrafficFrame::json(const WallTime& clock) const {
             instead.set("asked", record.instead->asked);
             object.set("instead", std::move(instead));
         }
-        object.set("words", words);
+        object.set("words", report::incident_text(texts, *record.incident, record.after, record.instead));
         return object;
     }
     object.set("direction", record.direction == wire::Direction::sent ? "tx" : "rx");
     if (!record.pdu.empty()) object.set("function", record.pdu[0] & 0x7F);
-    object.set("words", words);
+    object.set("words", record.fault ? report::fault_text(texts, *record.fault)
+                                     : text::frame_text(texts.language(), words));
     object.set("raw", raw_text(*this));
     const bool exception = !record.pdu.empty() && (record.pdu[0] & 0x80) != 0;
     if (record.fault)

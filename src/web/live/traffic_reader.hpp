@@ -12,6 +12,7 @@
 #include "live/wall_time.hpp"
 #include "takt/file/json.hpp"
 #include "takt/host/session.hpp"
+#include "takt/report/texts.hpp"
 #include "takt/wire/frame_words.hpp"
 #include "takt/wire/pdu.hpp"
 
@@ -24,9 +25,9 @@ struct TrafficFrame {
     bool ascii = false;
     bool mbap = false;  ///< its raw bytes begin with a transaction identifier
     bool request = false;
-    std::string words;
+    std::string words;  ///< of a frame, in English
 
-    [[nodiscard]] file::Json json(const WallTime& clock) const;
+    [[nodiscard]] file::Json json(const WallTime& clock, const report::Texts& texts) const;
 };
 
 /// Reads a session with a tap. A response is described with the request before it. One thread.

@@ -15,7 +15,7 @@ const std::string kProject =
 TEST(TrafficHub, StreamsFramesWithTheirWords) {
     RunningHost running(kProject);
     TrafficHub hub(running.access(), [] {});
-    const auto stream = hub.open();
+    const auto stream = hub.open(text::Language::english);
     ASSERT_TRUE(stream);
     const auto text = take_until(*stream, [](const std::string& its) {
         return its.find("\"rx\"") != std::string::npos && its.find("\"tx\"") != std::string::npos;
@@ -23,13 +23,17 @@ TEST(TrafficHub, StreamsFramesWithTheirWords) {
     EXPECT_NE(text.find("event: frames\ndata: [{\"t\":"), std::string::npos);
     EXPECT_NE(text.find("\"line\":\"plant\",\"device\":\"Boiler\",\"unit\":1"), std::string::npos);
     EXPECT_NE(text.find("read holding registers"), std::string::npos);
+    const auto other = hub.open(text::Language::russian);
+    const auto russian = take_until(*other, [](const std::string& its) { return its.ends_with("\n\n"); });
+    EXPECT_NE(russian.find("чтение регистров хранения"), std::string::npos);
+    EXPECT_EQ(russian.find("read holding"), std::string::npos);
 }
 
 TEST(TrafficHub, CapturesWhatTheTapSaw) {
     RunningHost running(kProject);
     TrafficHub hub(running.access(), [] {});
     {
-        const auto stream = hub.open();
+        const auto stream = hub.open(text::Language::english);
         take_until(*stream, "\"rx\"");
     }
     const auto capture = hub.capture();
@@ -43,8 +47,9 @@ TEST(TrafficHub, AdmitsALimitedNumberOfStreamsAndEndsThem) {
     RunningHost running(kProject);
     TrafficHub hub(running.access(), [] {});
     std::vector<std::unique_ptr<StreamSource>> streams;
-    for (std::size_t i = 0; i < TrafficHub::kMostStreams; ++i) streams.push_back(hub.open());
-    EXPECT_FALSE(hub.open());
+    for (std::size_t i = 0; i < TrafficHub::kMostStreams; ++i)
+        streams.push_back(hub.open(text::Language::english));
+    EXPECT_FALSE(hub.open(text::Language::english));
     hub.end();
     std::string text;
     EXPECT_FALSE(streams[0]->take(text));

@@ -113,24 +113,6 @@ TEST(Words, HexIsUpperCaseAndSeparated) {
     EXPECT_EQ(hex({}), "");
 }
 
-TEST(Words, IncidentsHaveNamesAndWords) {
-    using namespace std::chrono_literals;
-    EXPECT_EQ(name(Incident::no_response), "no_response");
-    EXPECT_EQ(describe_incident(Incident::no_response, 500ms, {}), "no response within 500 ms");
-    EXPECT_EQ(describe_incident(Incident::late_response, 230ms, {}), "late response: late by 230 ms");
-    EXPECT_EQ(describe_incident(Incident::surplus_response, {}, {}), "surplus response");
-    const auto surplus = [](Mismatch::Part part) {
-        return describe_incident(Incident::surplus_response, {}, Mismatch{part, 1, 5});
-    };
-    EXPECT_EQ(surplus(Mismatch::Part::unit), "surplus response: a response of unit 1 came, unit 5 was asked");
-    EXPECT_EQ(surplus(Mismatch::Part::function),
-              "surplus response: a response to function 1 came, function 5 was asked");
-    EXPECT_EQ(surplus(Mismatch::Part::transaction),
-              "surplus response: a response with transaction id 1 came, 5 was asked");
-    EXPECT_EQ(describe_incident(Incident::connected, {}, {}), "connected");
-    EXPECT_EQ(describe_incident(Incident::disconnected, {}, {}), "disconnected");
-}
-
 RC_GTEST_PROP(Words, AnyBytesHaveWords, (ByteVector pdu)) {
     if (!pdu.empty()) pdu[0] = *rc::gen::inRange<std::uint8_t>(0, 0x30);
     RC_ASSERT(describe_request(UnitId{1}, pdu).starts_with("unit 1"));

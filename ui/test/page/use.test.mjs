@@ -330,7 +330,7 @@ lines:
   // A response of another unit, and one that is late, are one red row each, with its bytes.
   for (const words of [
     /Surplus response: a response of unit 1 came, unit 9 was asked/,
-    /Late by [\d.]+ m?s/,
+    /Late response: late by [\d.]+ m?s/,
   ]) {
     await filter.fill(words.source.slice(0, 7));
     const response = page.locator('[role="row"]', { hasText: words }).first();

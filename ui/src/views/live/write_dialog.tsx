@@ -7,7 +7,7 @@ import { Dialog } from '../../shell/dialog';
 import { errorText, toast } from '../../shell/toasts';
 import { exchangeTime } from '../../store/clock';
 import { liveValue, values } from '../../store/live';
-import { translated } from '../traffic/words';
+import { withoutUnit } from '../traffic/words';
 import { endWatch, watchWrite } from './write_watch';
 import { changeText, type Doubt, doubtOf, parsedValue, proofOf, valueText } from './writing';
 
@@ -176,7 +176,7 @@ export function WriteDialog({ value, onClose }: { value: LiveValue; onClose: () 
             <span key={frame.raw} class="frame">
               <code>{frame.raw}</code>
               <span class="muted small">
-                {translated(frame.words)}
+                {withoutUnit(frame.words)}
                 {' · '}
                 {texts.busTime} {formatDuration(frame.bus_time_us / 1000)}
               </span>

@@ -21,6 +21,8 @@
 #include "takt/model/project.hpp"
 #include "takt/os/record_writer.hpp"
 #include "takt/os/sink.hpp"
+#include "takt/report/texts.hpp"
+#include "takt/text/language.hpp"
 #include "takt/wire/frame_words.hpp"
 #include "takt/wire/pdu.hpp"
 #include "takt/wire/traffic.hpp"
@@ -32,15 +34,18 @@ class TrafficLog {
 public:
     static constexpr std::size_t kFileBytes = 50 << 20;  ///< some 400,000 frames
 
+    static constexpr auto kLanguage = text::Language::english;
+
     /// @param path        "-": stderr; an existing file is overwritten, unless another program has it locked
     /// @param file_bytes  a file is rotated at this size (os::RotatingFile), with three old ones; > 0. A FIFO
     ///                    or device is not
     /// @returns as os::open_anew()
     [[nodiscard]] static Result<std::unique_ptr<TrafficLog>> open(const std::string& path,
                                                                   FileReports reports = {},
-                                                                  std::size_t file_bytes = kFileBytes);
+                                                                  std::size_t file_bytes = kFileBytes,
+                                                                  text::Language language = kLanguage);
     /// Writes to any sink.
-    explicit TrafficLog(std::unique_ptr<os::Sink> sink);
+    explicit TrafficLog(std::unique_ptr<os::Sink> sink, text::Language language = kLanguage);
     /// Writes what is left.
     ~TrafficLog();
     TrafficLog(const TrafficLog&) = delete;
@@ -51,9 +56,14 @@ public:
     /// Frames were lost before they came here.
     void put_lost(std::uint64_t count);
 
-private:
-    TrafficLog(std::unique_ptr<os::Sink> sink, std::string path, FileReports reports);
+    /// Of the words.
+    [[nodiscard]] const report::Texts& texts() const { return texts_; }
 
+private:
+    TrafficLog(std::unique_ptr<os::Sink> sink, std::string path, FileReports reports,
+               text::Language language);
+
+    report::Texts texts_;
     std::string path_;  // empty: not a file
     FileReports reports_;
     os::LineWriter output_;

@@ -3,13 +3,10 @@
 
 #include <cstdint>
 #include <deque>
-#include <optional>
 #include <string>
 
-#include "takt/base/engine.hpp"
 #include "takt/wire/frame.hpp"
 #include "takt/wire/pdu.hpp"
-#include "takt/wire/traffic.hpp"
 
 namespace takt::wire {
 
@@ -24,10 +21,6 @@ std::string describe_request(UnitId unit, Bytes pdu, const Result<Request>& requ
 /// "unit 16 read holding registers 500..501 → 2 values: 0 16256". Of many values the first 32. Never fails:
 /// a PDU that cannot be decoded, or does not answer the request, is shown as hex, with the reason.
 std::string describe_response(UnitId unit, Bytes pdu, const Request* request = nullptr);
-
-/// "no response within 500 ms", "late response: late by 12 ms", "surplus response: a response of unit 1 came,
-/// unit 5 was asked".
-std::string describe_incident(Incident incident, Duration after, const std::optional<Mismatch>& instead);
 
 /// Describes the frames of one line: a response with the addresses of its request. That is the one with its
 /// transaction id over TCP, else the last one to its unit. A response that does not answer it has no

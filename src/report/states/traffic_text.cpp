@@ -1,0 +1,19 @@
+#include "takt/report/traffic_text.hpp"
+
+namespace takt::report {
+
+std::string incident_text(const Texts& texts, wire::Incident incident, Duration after,
+                          const std::optional<Mismatch>& instead) {
+    const auto code = std::string("incident.").append(wire::name(incident));
+    if (!instead) return texts(code, {{"time", texts.duration(after)}});
+    const auto what =
+        texts(std::string("error.misdirected.").append(name(instead->part)),
+              {{"came", std::to_string(instead->came)}, {"asked", std::to_string(instead->asked)}});
+    return texts(code + ".instead", {{"what", what}});
+}
+
+std::string fault_text(const Texts& texts, wire::FrameFault fault) {
+    return texts(std::string("fault.").append(wire::name(fault)));
+}
+
+}  // namespace takt::report
