@@ -28,11 +28,11 @@ void log_findings(const std::vector<model::Finding>& findings) {
 }
 
 std::optional<host::LoadedProject> load_to_run(const Texts& texts, const std::string& path,
-                                               std::string* learnt, const std::string& web) {
+                                               std::string* learnt, const std::string& page_address) {
     auto loaded = host::load_project(path);
     for (auto& finding : loaded.findings)
         for (auto& [name, text] : finding.arguments)
-            if (!web.empty() && finding.code == "lines.none" && name == "web") text = web;
+            if (!page_address.empty() && finding.code == "lines.none" && name == "web") text = page_address;
     if (learnt) *learnt = host::recall_learnt(loaded, path);
     print_status(report::findings_text(texts, loaded));
     log_findings(loaded.findings);

@@ -14,11 +14,11 @@
 namespace takt::app {
 
 /// Loads a project that is to be run; nothing when there is an error in it.
-/// @param learnt  nullptr, or becomes host::recall_learnt() of it
-/// @param web     where its page is served; empty: nowhere
+/// @param learnt        nullptr, or becomes host::recall_learnt() of it
+/// @param page_address  of the run, for the advice of an empty project; empty: that of the advice itself
 [[nodiscard]] std::optional<host::LoadedProject> load_to_run(const Texts& texts, const std::string& path,
                                                              std::string* learnt = nullptr,
-                                                             const std::string& web = {});
+                                                             const std::string& page_address = {});
 
 /// Logs warnings and errors: what the project does not do as written, such as variables beyond a limit.
 void log_findings(const std::vector<model::Finding>& findings);

@@ -129,8 +129,8 @@ bool create_project(const Texts& texts, const RunOptions& options) {
     return false;
 }
 
-// A start that failed, as with a port in use, leaves no file behind: `--new` would refuse it.
-void remove_if_empty(const RunOptions& options) {
+// After a start that failed, as with a port in use: the next `--new` would refuse the file.
+void remove_untouched_project(const RunOptions& options) {
     const auto empty = empty_project(options);
     if (const auto text = file::read_file(options.file, empty.size()); text && *text == empty)
         std::filesystem::remove(options.file);
@@ -172,7 +172,7 @@ ExitCode run(const CommonOptions& common, const RunOptions& options) {
         if (line < lines.size() && DemoPlant::fits(lines[line])) plant.show(devices);
     };
     const ExitCode code = run_project(texts, loaded->project, proof.plan, learning, show_plant);
-    if (options.create && code == ExitCode::cannot_open) remove_if_empty(options);
+    if (options.create && code == ExitCode::cannot_open) remove_untouched_project(options);
     return code;
 }
 
