@@ -273,9 +273,21 @@ bool OutstandingResponses::remembers(UnitId unit, const AnswerShape& shape) cons
     return std::ranges::any_of(all(), [&](const auto& entry) { return entry.may_be(unit, shape); });
 }
 
-bool OutstandingResponses::misdirected(UnitId unit, const AnswerShape& shape) const {
-    return std::ranges::any_of(
-        all(), [&](const auto& entry) { return entry.misdirected && entry.may_be(unit, shape); });
+bool OutstandingResponses::doubtful(Instant t, UnitId unit, const AnswerShape& shape) const {
+    const auto misdirected = [&](const auto& entry) {
+        return entry.misdirected && entry.may_be(unit, shape);
+    };
+    return std::ranges::any_of(all(), misdirected) || (remembers(unit, shape) && silent(t, unit));
+}
+
+// `end` is not before the last answer of the unit: of a unit that answers late it is the same in all entries
+// but the newest.
+bool OutstandingResponses::silent(Instant t, UnitId unit) const {
+    const auto owed = [&](const auto& entry) { return entry.phase == Phase::owed && entry.unit == unit; };
+    const auto first = std::ranges::find_if(all(), owed);
+    if (first == all().end() || t < std::max(first->expected_until, first->confirm_until)) return false;
+    const auto later = [&](const auto& entry) { return owed(entry) && entry.end > first->end; };
+    return 1 + std::ranges::count_if(all(), later) >= std::ptrdiff_t{kAlike};
 }
 
 bool OutstandingResponses::remembers(UnitId unit) const {

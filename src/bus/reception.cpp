@@ -209,7 +209,7 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
             take_response(t, *slot, frame);
         return;
     }
-    const bool late = !crossed(frame) &&
+    const bool late = !crossed(t, frame) &&
                       settle_late(t, frame.unit, frame_shape(frame.pdu), frame.transaction) != Lateness::none;
     if (!late) {
         notify(t, frame.unit, wire::Incident::surplus_response, {}, note_foreign(frame));
@@ -237,9 +237,9 @@ void TransactionCore::keep_surplus(Instant t, UnitId unit, Bytes pdu) {
 }
 
 // Two units have swapped their addresses: each response to the one looks like a late one of the other. A
-// frame that no request had asked for was taken instead of that one before.
-bool TransactionCore::crossed(const wire::Frame& frame) const {
-    if (numbered() || !outstanding_.misdirected(frame.unit, frame_shape(frame.pdu))) return false;
+// frame that no request had asked for was taken instead of that one before, or both were dead before.
+bool TransactionCore::crossed(Instant t, const wire::Frame& frame) const {
+    if (numbered() || !outstanding_.doubtful(t, frame.unit, frame_shape(frame.pdu))) return false;
     return std::ranges::any_of(slots_, [&](const Slot& slot) {
         return slot.awaits_response() && !slot.shared && slot.unit != frame.unit &&
                fits_but_for_one(frame, slot.unit, slot.request, slot.content());

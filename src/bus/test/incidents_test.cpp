@@ -130,6 +130,42 @@ TEST(Incidents, OnASerialLineUnitsWithSwappedAddressesAreForeignAndLateOnesAreNo
     }
 }
 
+// Before that both were dead for so long that their responses are not expected any more.
+TEST(Incidents, OnASerialLineUnitsThatWereDeadBeforeTheirAddressesWereSwappedAreForeign) {
+    for (const std::uint8_t dead : {20, 60}) {
+        Rig rig;
+        for (std::uint8_t n = 0; n < dead + 8; ++n) {
+            const auto unit = static_cast<std::uint8_t>(1 + n % 2);
+            rig.submit(rig.now, transaction(n, unit, "03 00 6B 00 01"));
+            while (rig.sent.size() == n) rig.run_until(rig.now + 1ms);
+            rig.run_until(rig.now + 20ms);
+            if (n >= dead) rig.receive(rig.now, rtu(static_cast<std::uint8_t>(3 - unit), "03 02 00 07"));
+            while (rig.outcomes.size() == n) rig.run_until(rig.now + 1ms);
+            EXPECT_EQ(rig.last().foreign.has_value(), n >= dead) << int{n};
+        }
+        EXPECT_EQ(rig.engine.counters().late_answers, 0U);
+    }
+}
+
+// One response of it was lost: as many are missing as of a unit that is dead, but it was heard meanwhile.
+TEST(Incidents, OnASerialLineTheResponsesOfAUnitThatIsAlwaysLateAreLate) {
+    Rig rig;
+    unsigned late = 0;
+    for (std::uint8_t n = 0; n < 60; ++n) {
+        const auto unit = static_cast<std::uint8_t>(1 + n % 2);
+        rig.submit(rig.now, transaction(n, unit, "03 00 6B 00 01"));
+        while (rig.sent.size() == n) rig.run_until(rig.now + 1ms);
+        rig.run_until(rig.now + 20ms);
+        if (unit == 2 && n > 2 && n % 10 != 1) {
+            rig.receive(rig.now, rtu(1, "03 02 00 07"));
+            ++late;
+        }
+        while (rig.outcomes.size() == n) rig.run_until(rig.now + 1ms);
+        rig.run_until(rig.now + 500ms);
+    }
+    EXPECT_EQ(rig.engine.counters().late_answers, late);
+}
+
 // Over TCP a response that comes again has the id of a request that has ended.
 TEST(Incidents, OverTcpARepeatedResponseIsSurplus) {
     Rig rig({.framing = wire::Framing::tcp, .margin = 2ms});

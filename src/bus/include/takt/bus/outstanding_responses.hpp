@@ -193,8 +193,10 @@ public:
 
     /// Whether any response that looks alike is remembered.
     [[nodiscard]] bool remembers(UnitId unit, const AnswerShape& shape) const;
-    /// Whether one of them has OutstandingResponse::misdirected.
-    [[nodiscard]] bool misdirected(UnitId unit, const AnswerShape& shape) const;
+    /// Whether a frame that looks like one of them is rather the response of another unit: one has
+    /// OutstandingResponse::misdirected, or nothing of the unit has come for so many requests, and for so
+    /// long, that it is dead and not late.
+    [[nodiscard]] bool doubtful(Instant t, UnitId unit, const AnswerShape& shape) const;
     /// Whether any response of the unit is remembered.
     [[nodiscard]] bool remembers(UnitId unit) const;
 
@@ -221,6 +223,7 @@ private:
     /// Whether the outstanding responses of the function have the same length.
     [[nodiscard]] bool one_length(UnitId unit, std::uint8_t function) const;
     [[nodiscard]] std::optional<std::size_t> oldest(Phase phase, Instant held_until) const;
+    [[nodiscard]] bool silent(Instant t, UnitId unit) const;
 
     std::span<OutstandingResponse> memory_;
     ResponseMemory* on_demand_;

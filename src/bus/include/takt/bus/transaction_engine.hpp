@@ -253,7 +253,7 @@ private:
     void note_surplus(Instant t, UnitId unit, Bytes pdu);
     void keep_surplus(Instant t, UnitId unit, Bytes pdu);
     void conclude(Instant t, Slot& slot);
-    [[nodiscard]] bool crossed(const wire::Frame& frame) const;
+    [[nodiscard]] bool crossed(Instant t, const wire::Frame& frame) const;
     std::optional<Mismatch> note_foreign(const wire::Frame& frame);
     Lateness settle_late(Instant end, UnitId unit, const AnswerShape& shape, std::uint16_t wire_id);
     void settle_stray(Slot& slot);
