@@ -43,15 +43,11 @@ constexpr int kLongestInterval = 4;  // periods
 constexpr int kKeptPeriods = 10;
 constexpr Duration kKeptTime = std::chrono::seconds(10);
 
-constexpr Duration tolerated(Duration period) {
-    return period + period / 20;
-}
-
 }  // namespace
 
 Instant PeriodMeter::overrun_due() const {
     if (!running_ || overrun_ || period_ == Duration::zero()) return kNever;
-    return after(after(last_, kLongestInterval * tolerated(period_)), Duration(1));
+    return after(after(last_, kLongestInterval * tolerated_period(period_)), Duration(1));
 }
 
 bool PeriodMeter::waiting(Instant t) {
@@ -73,7 +69,7 @@ bool PeriodMeter::started(Instant t) {
     }
     pace_ = pace_ == Duration::zero() ? interval : pace_ + (interval - pace_) / 8;
     if (period_ == Duration::zero()) return false;
-    const Duration longest = tolerated(period_);
+    const Duration longest = tolerated_period(period_);
     long_ones_ = static_cast<std::uint8_t>(long_ones_ << 1 | (interval > longest ? 1 : 0));
     const bool before = overrun_;
     const int long_ones = std::popcount(long_ones_);
@@ -88,7 +84,8 @@ bool PeriodMeter::started(Instant t) {
 }
 
 bool PeriodMeter::is_late() const {
-    return overrun_ && (awaited_ || std::popcount(long_ones_) > 1 || (long_ones_ & 1) != 0);
+    const bool long_ones = std::popcount(long_ones_) > 1 || (long_ones_ & 1) != 0;
+    return overrun_ && (awaited_ || (long_ones && pace_ > tolerated_period(period_)));
 }
 
 void PeriodMeter::answered(Instant start) {

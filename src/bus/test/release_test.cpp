@@ -122,6 +122,16 @@ TEST(PeriodMeter, AnOverrunEndsWhenPeriodsHoldAgainThoughOneIsLateNowAndThen) {
     EXPECT_LT(meter.pace(), 105ms) << "what was before does not count any more";
 }
 
+TEST(PeriodMeter, ALatePeriodNowAndThenIsNotLateWhileTheMeanIsKept) {
+    PeriodMeter meter(100ms);
+    Instant now = at(0ms);
+    for (int i = 0; i < 10; ++i) meter.started(now += 130ms);
+    EXPECT_TRUE(meter.is_late());
+    for (int i = 0; i < 40; ++i) meter.started(now += i % 4 == 0 ? 107ms : 99ms);
+    EXPECT_TRUE(meter.overrun()) << "not yet for 10 s";
+    EXPECT_FALSE(meter.is_late());
+}
+
 // Every second something else is more urgent, for three periods.
 TEST(PeriodMeter, ALineNearItsLimitDoesNotChangeTheStateWithEveryRound) {
     PeriodMeter meter(100ms);

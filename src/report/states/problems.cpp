@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "takt/bus/release.hpp"
 #include "takt/file/json_members.hpp"
 #include "takt/host/event_message.hpp"
 #include "takt/report/event_report.hpp"
@@ -476,11 +477,14 @@ private:
             std::uint64_t{counters.exceptions_by_code[5]} + counters.exceptions_by_code[6];
         if (is_frequent(busy, counters.sent))
             return texts_("problem.advice.late.busy", {{"device", settings().name}});
-        const auto missed = [](const poll::DeviceStatistics& its) { return its.counters.timeouts; };
-        const auto worst = std::ranges::max_element(line().devices, {}, missed);
-        if (is_frequent(worst->counters.timeouts, worst->counters.sent)) {
+        for (const auto& [missed, text] :
+             {std::pair{&bus::TransactionCounters::timeouts, "problem.advice.late.waiting"},
+              {&bus::TransactionCounters::link_lost, "problem.advice.late.connecting"}}) {
+            const auto worst = std::ranges::max_element(
+                line().devices, {}, [&](const auto& its) { return its.counters.*missed; });
+            if (!is_frequent(worst->counters.*missed, worst->counters.sent)) continue;
             const auto index = static_cast<std::size_t>(worst - line().devices.begin());
-            return texts_("problem.advice.late.waiting", {{"device", line_settings().devices[index].name}});
+            return texts_(text, {{"device", line_settings().devices[index].name}});
         }
         return texts_(line_settings().is_serial() ? "problem.advice.late" : "problem.advice.late.network");
     }
@@ -491,7 +495,7 @@ private:
             const auto planned = statistics.period.value_or(Duration{});
             const auto real = host::milliseconds_number(statistics.recent_period);
             const auto period = host::milliseconds_number(planned);
-            if (statistics.recent_period <= planned || real == period) return;  // not late as it is shown
+            if (statistics.recent_period <= bus::tolerated_period(planned)) return;  // as it is shown
             Problem problem = of_device(warning, late);
             problem.request = request_text(request);
             if (statistics.skipped > 0) problem.count = statistics.skipped;

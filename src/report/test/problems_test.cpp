@@ -410,15 +410,18 @@ TEST(Problems, TheWorstComesFirst) {
     expect_contains(advice(), "higher bit rate");
     snapshot.lines[0].devices[0].counters.timeouts = 200;
     expect_contains(advice(), "waits for responses of Котёл");
+    snapshot.lines[0].devices[0].counters.timeouts = 0;
+    snapshot.lines[0].devices[0].counters.link_lost = 200;
+    expect_contains(advice(), "lost during requests to Котёл");
+    snapshot.lines[0].devices[0].counters.link_lost = 0;
     auto& counters = snapshot.lines[0].requests[0].counters;
     counters.sent = 100;
     counters.exceptions_by_code[6] = 30;
     expect_contains(advice(), "busy");
     counters.exceptions_by_code[6] = 0;
-    snapshot.lines[0].devices[0].counters.timeouts = 0;
     snapshot.lines[0].requests[0].recent_period = {};
     EXPECT_FALSE(has_late(problems(snapshot))) << "it was not sent lately";
-    for (const Duration kept : {Duration(499ms), Duration(500ms), Duration(500ms + 300ns)}) {
+    for (const Duration kept : {Duration(499ms), Duration(500ms), Duration(525ms)}) {
         snapshot.lines[0].requests[0].recent_period = kept;
         EXPECT_FALSE(has_late(problems(snapshot))) << "it keeps the period: " << kept.count();
     }

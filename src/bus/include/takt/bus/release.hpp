@@ -52,6 +52,11 @@ private:
     Instant last_;
 };
 
+/// The longest distance of reads that keep the period.
+[[nodiscard]] constexpr Duration tolerated_period(Duration period) {
+    return period + period / 20;
+}
+
 /// Compares the distance of polled reads with the configured period, and measures how often they are
 /// answered.
 class PeriodMeter {
@@ -90,8 +95,8 @@ public:
     /// periods and for 10 s: all that time at most one of the last eight periods was too long, and the latest
     /// is not. So a line near its limit does not change the state with every round.
     [[nodiscard]] bool overrun() const { return overrun_; }
-    /// Whether the period is exceeded now: within an overrun, two of the last eight periods, the latest, or
-    /// the one that is awaited are too long.
+    /// Whether the period is exceeded now: within an overrun, the one that is awaited is too long; or the
+    /// mean, and two of the last eight or the latest, are.
     [[nodiscard]] bool is_late() const;
 
 private:
