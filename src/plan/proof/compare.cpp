@@ -4,6 +4,7 @@
 #include <map>
 
 #include "requests/exact_time.hpp"
+#include "requests/grouping.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/plan/shares.hpp"
 
@@ -12,9 +13,11 @@ namespace {
 
 using model::Strategy;
 
-/// Read and write of a request count as one transaction each.
+/// Read and write of a request count as one transaction each. A write by command only belongs to no plan:
+/// strategy `single` alone has it in a request.
 bool writes_apart(const Request& request) {
-    return request.read && request.write && request.write_quantity == 0;
+    return request.read && request.write && request.write_quantity == 0 &&
+           (request.write_on_change || request.write_trigger);
 }
 
 void add_rates(Cost& cost, const Request& request) {
@@ -36,7 +39,7 @@ Cost cost_of(const model::Line& line, const LinePlan& plan) {
     const BusTimeModel bus_times(line);
     ExactTime bus_time = 0;
     Cost cost;
-    cost.requests = plan.request_count;
+    cost.requests = request_counts(line, plan).grouped;
     cost.cycle = plan.cycle;
     cost.utilization = busy(plan);
     cost.saturated = is_saturated(plan);
@@ -88,6 +91,15 @@ bool asks_for(const model::Line& line, Strategy strategy) {
 }
 
 }  // namespace
+
+RequestCounts request_counts(const model::Line& line, const LinePlan& plan) {
+    RequestCounts counts{plan.request_count, plan.ungrouped_requests};
+    counts.grouped += static_cast<std::size_t>(std::ranges::count_if(plan.requests, writes_apart));
+    for (const auto& device : line.devices)
+        counts.ungrouped += static_cast<std::size_t>(std::ranges::count_if(
+            device.variables, [](const auto& v) { return is_read(v) && is_written(v, Strategy::optimal); }));
+    return counts;
+}
 
 bool Comparison::takes_turns() const {
     return grouped.takes_turns ||

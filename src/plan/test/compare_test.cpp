@@ -115,6 +115,20 @@ TEST(Compare, WeighsMergedWritesAsThoseApart) {
     EXPECT_GT(compared[0].saved.bus_time, 0);
 }
 
+// Bits of a register are written in entries of their own, an int in the entry that reads it: each is two.
+TEST(Compare, CountsWritesOnBothSides) {
+    auto made = project(
+        {16}, {int16(0).read(3).write(6).on_change(), int16(1).read(3).write(6),
+               boolean(2, 0).read(3).write(6).on_change(), boolean(2, 1).read(3).write(6).on_change()});
+    made.lines[0].devices[0].read_modify_write = true;
+    const auto plan = make_plan(made);
+    const auto compared = compare(made, plan).at(0);
+    EXPECT_EQ(plan.lines[0].request_count, 5U) << "two groups that read, three entries that write";
+    EXPECT_EQ(compared.grouped.requests, 5U);
+    EXPECT_EQ(compared.single.requests, 4U + 3);
+    EXPECT_EQ(request_counts(made.lines[0], plan.lines[0]).ungrouped, compared.single.requests);
+}
+
 TEST(Compare, SavesNothingWithoutGrouping) {
     auto made = project({16}, row(3, int16(0).read(3)));
     made.lines.push_back(project({16}, {}).lines[0]);

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "states/byte_order_report.hpp"
+#include "takt/plan/compare.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/shares.hpp"
 #include "takt/report/comparison_report.hpp"
@@ -238,10 +239,11 @@ std::string when_text(const Texts& texts, const model::Project& project, const p
 
 std::string line_heading(const Texts& texts, const model::Project& project, const plan::LinePlan& planned) {
     const auto& line = project.lines[planned.line];
-    auto requests = std::to_string(planned.request_count);
-    if (planned.ungrouped_requests != planned.request_count)
-        requests = texts("app.plan.instead",
-                         {{"requests", requests}, {"ungrouped", std::to_string(planned.ungrouped_requests)}});
+    const auto [grouped, ungrouped] = plan::request_counts(line, planned);
+    auto requests = std::to_string(grouped);
+    if (ungrouped != grouped)
+        requests =
+            texts("app.plan.instead", {{"requests", requests}, {"ungrouped", std::to_string(ungrouped)}});
     return texts("app.plan.line", {{"line", line.name},
                                    {"framing", std::string(wire::name(line.framing)) + baud_text(line)},
                                    {"requests", requests},

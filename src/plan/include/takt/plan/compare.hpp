@@ -14,7 +14,7 @@ namespace takt::plan {
 /// The cost of the requests of one line. With several periods only the figures per second are comparable: a
 /// request of a stream (Request::stream) is sent less often than its period demands.
 struct Cost {
-    std::size_t requests = 0;        ///< counted requests (docs/specification.md, section 4)
+    std::size_t requests = 0;        ///< RequestCounts::grouped
     std::uint64_t bytes = 0;         ///< characters on the line, each read and each write once, both ways
     Duration bus_time{};             ///< of each read and each write once
     Duration cycle{};                ///< of one round of the polled entries alone
@@ -24,6 +24,14 @@ struct Cost {
     double bytes_per_second = 0;     ///< likewise, both ways
     bool takes_turns = false;        ///< several entries share a stream
 };
+
+/// Counted requests (docs/specification.md, section 4). A read and a write that the plan causes count as two,
+/// also in one entry: by some strategies they are two entries.
+struct RequestCounts {
+    std::size_t grouped = 0;
+    std::size_t ungrouped = 0;  ///< with grouping off everywhere
+};
+[[nodiscard]] RequestCounts request_counts(const model::Line& line, const LinePlan& plan);
 
 /// The saving of one cost against another, in percent: 90 for 1 instead of 10, negative if it is greater.
 /// Zero if there was no cost.
