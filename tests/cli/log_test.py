@@ -54,7 +54,7 @@ def test_a_silent_device(tmp_path):
         r"read holding registers 500\.\.501: no response, after \d+(\.\d)? ms, attempt {} of 3$"
     for attempt in (1, 2, 3):
         assert any(re.search(pattern.format(attempt), line) for line in failed), lines
-    assert any(line.endswith("line plant, device Boiler: not answering") for line in lines), lines
+    assert any(line.endswith("line plant, device Boiler: not answering (time-out)") for line in lines), lines
 
 
 def test_repeated_failures_are_one_line_and_a_count(tmp_path):

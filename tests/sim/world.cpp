@@ -92,7 +92,7 @@ public:
     }
 
     void on_sending(Instant t, std::size_t line, const poll::Sending& sending) override;
-    void on_device_state(Instant, std::size_t, std::size_t, poll::DeviceState) override {}
+    void on_device_state(Instant, std::size_t, std::size_t, poll::DeviceState, value::Reason) override {}
     void on_overrun(Instant, std::size_t, std::size_t, Duration, Duration, bool) override {}
     void on_write_waiting(Instant, std::size_t, std::size_t, std::size_t) override {}
 

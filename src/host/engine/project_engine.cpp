@@ -370,9 +370,9 @@ RequestKey ProjectEngine::key_of(std::size_t line, std::size_t request) const {
     return {line, planned.device, planned.read, planned.write, planned.start, planned.quantity};
 }
 
-void ProjectEngine::on_device_state(Instant t, std::size_t line, std::size_t device,
-                                    poll::DeviceState state) {
-    DeviceStateChanged changed{line, device, state};
+void ProjectEngine::on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state,
+                                    value::Reason failure) {
+    DeviceStateChanged changed{line, device, state, failure};
     // Lost links and devices that are switched off have messages of their own; an unknown one is asked at
     // once.
     if (state == poll::DeviceState::answering || state == poll::DeviceState::not_answering) {
@@ -404,6 +404,7 @@ void ProjectEngine::end_changes(Instant t, std::size_t line, std::size_t device,
     using Shown = DeviceStateChanged::Shown;
     if (filter.ended(t, finish))
         publish_state(t, {line, device, master_.line(line).device(device).state,
+                          master_.line(line).device(device).failure,
                           filter.quiet(t) ? Shown::steady : Shown::total, filter.count(), filter.in()});
 }
 

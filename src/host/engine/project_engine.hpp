@@ -141,7 +141,8 @@ private:
         RepeatFilter<LinkFailure> failures{kLinkWindow, 1, kLongestLinkWindow};  // the last reason
     };
 
-    void on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state) override;
+    void on_device_state(Instant t, std::size_t line, std::size_t device, poll::DeviceState state,
+                         value::Reason failure) override;
     void on_overrun(Instant t, std::size_t line, std::size_t request, Duration period, Duration real,
                     bool overrun) override;
     void on_delays(Instant t, std::size_t line, std::size_t device,

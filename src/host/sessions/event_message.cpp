@@ -49,15 +49,23 @@ bool names_items(std::uint8_t function) {
     return wire::properties(wire::Function{function}).most_items > 0;
 }
 
-void append_reason(std::vector<EventMessage::Argument>& arguments, const Outcome& outcome) {
-    if (value::is_exception(outcome.reason)) {
-        const unsigned code = value::status_code(outcome.reason);
+/// @param otherwise  the code of Reason::ok
+void append_reason(std::vector<EventMessage::Argument>& arguments, Reason reason,
+                   const std::string& otherwise) {
+    if (value::is_exception(reason)) {
+        const unsigned code = value::status_code(reason);
         return append_exception_words(arguments, code >= 256 ? code - 256 : code, "why");
     }
-    const auto code = outcome.reason == Reason::ok
-                          ? "app.write.why." + std::string(value::name(outcome.result))
-                          : "app.reason." + std::string(value::name(outcome.reason));
+    const auto code = reason == Reason::ok ? otherwise : "app.reason." + std::string(value::name(reason));
     arguments.push_back({.name = "why", .text = code, .is_code = true});
+}
+
+// As the state of a device is shown in `ctl status` and on the page.
+std::string state_code(const DeviceStateChanged& changed) {
+    const auto state = "app.state." + std::string(poll::name(changed.state));
+    if (changed.state != poll::DeviceState::not_answering || changed.failure == Reason::ok) return state;
+    if (changed.failure == Reason::bad_checksum) return "app.state.damaged";
+    return changed.failure == Reason::unexpected_reply ? "app.state.unfitting" : state + ".why";
 }
 
 // A value of the project file.
@@ -160,8 +168,9 @@ EventMessage event_message(const Configuration& configuration, const DeviceState
     const auto& line = configuration.project().lines[changed.line];
     EventMessage message{.code = "app.device_state",
                          .arguments = owner_arguments(line, line.devices[changed.device])};
-    const auto now = "app.state." + std::string(poll::name(changed.state));
+    const auto now = state_code(changed);
     auto& arguments = message.arguments;
+    if (changed.failure != Reason::ok) append_reason(arguments, changed.failure, {});
     arguments.push_back({.name = "count", .text = std::to_string(changed.changes)});
     arguments.push_back({.name = "seconds", .text = std::to_string(changed.in / std::chrono::seconds(1))});
     arguments.push_back({.name = "now", .text = now, .is_code = true});
@@ -214,7 +223,8 @@ EventMessage event_message(const Configuration& configuration, const Outcome& ou
     arguments.push_back({.name = "cause", .text = cause_code(outcome), .is_code = true});
     const bool with_reason =
         outcome.result == CommandResult::refused || outcome.result == CommandResult::unknown;
-    if (with_reason) append_reason(arguments, outcome);
+    if (with_reason)
+        append_reason(arguments, outcome.reason, "app.write.why." + std::string(value::name(outcome.result)));
     return message;
 }
 

@@ -186,7 +186,7 @@ void fields(Archive& archive, ValueChanged& body) {
 
 template <class Archive>
 void fields(Archive& archive, DeviceStateChanged& body) {
-    all(archive, body.line, body.device, body.state, body.shown, body.changes, body.in);
+    all(archive, body.line, body.device, body.state, body.failure, body.shown, body.changes, body.in);
 }
 
 template <class Archive>

@@ -27,7 +27,9 @@ void LinePoller::Run::set_device_state(Instant t, std::size_t device, DeviceStat
     if (!devices_[device].health.enter(t, state)) return;
     observe_line(t);
     if (state == DeviceState::answering) statuses_.device_back(t, device);
-    if (observer_) observer_->on_device_state(t, plan_->line, device, state);
+    if (observer_)
+        observer_->on_device_state(t, plan_->line, device, state,
+                                   devices_[device].health.condition().failure);
 }
 
 // The line is down when its last device is, and up with the first answer.

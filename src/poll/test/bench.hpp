@@ -198,7 +198,7 @@ struct RecordingObserver : PollObserver {
                           const value::Value& read) override {
         differing.emplace_back(written, read);
     }
-    void on_device_state(Instant t, std::size_t, std::size_t, DeviceState state) override {
+    void on_device_state(Instant t, std::size_t, std::size_t, DeviceState state, value::Reason) override {
         states.emplace_back(t, state);
     }
     void on_overrun(Instant, std::size_t, std::size_t, Duration period, Duration real,

@@ -140,6 +140,8 @@ public:
         object.set("line", line.name);
         object.set("device", line.devices[changed.device].name);
         object.set("state", poll::name(changed.state));
+        if (changed.state == poll::DeviceState::not_answering && changed.failure != value::Reason::ok)
+            object.set("cause", reason_word(changed.failure));
         if (changed.shown == Shown::each) return object;
         object.set("changes_often", changed.shown == Shown::often);
         object.set("changes", changed.changes);

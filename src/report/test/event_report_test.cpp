@@ -125,6 +125,24 @@ TEST(EventReport, StatesOfDevices) {
     }
 }
 
+// In the words of `ctl status` and of the page.
+TEST(EventReport, ADeviceThatDoesNotAnswerHasAReason) {
+    using value::Reason;
+    const std::pair<Reason, const char*> cases[] = {
+        {Reason::timeout, "not answering (time-out)"},
+        {Reason::bad_checksum, "answers are damaged"},
+        {Reason::unexpected_reply, "answers do not fit"},
+        {Reason::closed, "not answering (closed by the peer)"},
+        {value::exception_reason(11), "not answering (exception 11: "},
+    };
+    for (const auto& [failure, text] : cases) {
+        const host::DeviceStateChanged body{.state = poll::DeviceState::not_answering, .failure = failure};
+        expect_contains(text_of(body, english()), std::string(": ") + text);
+        expect_contains(members_of(body, "device"), R"("cause":")");
+        for (const auto language : kLanguages) expect_complete(text_of(body, Texts(language)));
+    }
+}
+
 TEST(EventReport, ADeviceThatChangesOften) {
     using Shown = host::DeviceStateChanged::Shown;
     host::DeviceStateChanged body{

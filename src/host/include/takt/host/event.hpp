@@ -46,6 +46,7 @@ struct DeviceStateChanged {
     std::size_t line = 0;
     std::size_t device = 0;
     poll::DeviceState state = poll::DeviceState::unknown;
+    value::Reason failure = value::Reason::ok;  ///< not_answering: of its last transaction
     /// A device that stops and begins to answer again and again does not fill the lists of events.
     enum class Shown : std::uint8_t {
         each,     ///< the change has a message

@@ -197,7 +197,9 @@ struct SettledGroup {
 /// block and must not call the poller.
 class PollObserver {
 public:
-    virtual void on_device_state(Instant t, std::size_t line, std::size_t device, DeviceState state) = 0;
+    /// @param failure  the reason of its last transaction; ok: it was answered, or there was none
+    virtual void on_device_state(Instant t, std::size_t line, std::size_t device, DeviceState state,
+                                 value::Reason failure) = 0;
     /// The real period of a request is longer than the configured one (`overrun`; also while the read is
     /// awaited for more than four periods), or is no longer: it recovered, or another plan replaced the
     /// request.
