@@ -35,6 +35,7 @@ std::string_view name(Mismatch::Part part) {
     switch (part) {
         case Mismatch::Part::unit: return "unit";
         case Mismatch::Part::function: return "function";
+        case Mismatch::Part::length: return "length";
         case Mismatch::Part::transaction: break;
     }
     return "transaction";

@@ -1,5 +1,7 @@
 // Receiving: removes echoes, assigns frames to transactions, and ends those whose deadline has passed.
 #include <algorithm>
+#include <array>
+#include <charconv>
 
 #include "takt/base/assert.hpp"
 #include "takt/bus/transaction_engine.hpp"
@@ -15,6 +17,36 @@ bool answers_function(const wire::Frame& frame, const wire::RequestShape& reques
     return wire::requested_function(frame.pdu[0]) == wire::requested_function(request.function);
 }
 
+struct FrameHead {
+    UnitId unit;
+    std::uint8_t function = 0;
+    std::uint16_t transaction = 0;
+};
+
+// Of a frame that may be incomplete.
+std::optional<FrameHead> head_of(wire::Framing framing, Bytes begin) {
+    constexpr std::size_t kMbapUnit = 6;
+    const std::size_t unit_at = framing == wire::Framing::tcp ? kMbapUnit : 0;
+    if (framing != wire::Framing::ascii) {
+        if (begin.size() < unit_at + 2) return std::nullopt;
+        const auto transaction = static_cast<std::uint16_t>(begin[0] << 8U | begin[1]);
+        return FrameHead{UnitId{begin[unit_at]}, begin[unit_at + 1], transaction};
+    }
+    if (begin.size() < 5) return std::nullopt;
+    std::array<char, 4> digits{};
+    std::copy_n(begin.begin() + 1, digits.size(), digits.begin());
+    std::uint16_t value = 0;
+    const auto [end, error] = std::from_chars(digits.begin(), digits.end(), value, 16);
+    if (error != std::errc() || end != digits.end()) return std::nullopt;
+    return FrameHead{UnitId{static_cast<std::uint8_t>(value >> 8U)}, static_cast<std::uint8_t>(value)};
+}
+
+// Damaged. A response has its byte count behind unit and function, and a request its address.
+bool is_echo(Bytes bytes, Bytes request) {
+    constexpr std::size_t kHead = 2;
+    return bytes.size() <= kHead || bytes[kHead] == request[kHead];
+}
+
 // Serial line: it would be the response, had it not another unit, or another function.
 bool fits_but_for_one(const wire::Frame& frame, UnitId unit, const wire::RequestShape& request,
                       Bytes content) {
@@ -28,6 +60,13 @@ bool fits_but_for_one(const wire::Frame& frame, UnitId unit, const wire::Request
 }  // namespace
 
 using wire::FrameFault;
+
+Mismatch TransactionSlot::mismatch(const wire::Frame& came) const {
+    const auto came_function = wire::requested_function(came.pdu[0]);
+    if (came.unit != unit) return {Mismatch::Part::unit, came.unit.value, unit.value};
+    if (came_function != request.function) return {Mismatch::Part::function, came_function, request.function};
+    return {Mismatch::Part::transaction, came.transaction, wire_id};
+}
 
 void TransactionCore::on_bytes(Instant t, Bytes bytes) {
     if (!link_up_ || bytes.empty()) return;
@@ -79,10 +118,11 @@ void TransactionCore::notice_deadlines(Instant t) {
             conclude(t, slot);
             continue;
         }
+        const bool cut_short = t >= silence_end() && note_cut_short(framer_.incomplete());
         // A frame that stays incomplete has a wrong length; it would swallow the next responses.
         if (numbered() && bytes_since_gap_ > 0) {
             must_reconnect_ = true;
-            if (framer_.length_is_off()) {
+            if (framer_.length_is_off() && !cut_short) {
                 ++counters_.lengths_off;
                 reject(HeaderFault::off_by_one, framer_.incomplete());
             }
@@ -114,7 +154,7 @@ void TransactionCore::read(Instant t, Bytes bytes) {
             reject(header_fault(header), header, bytes.subspan(header.size() - before));
         }
         bytes = bytes.subspan(step.consumed);
-        more_follows_ = bytes.size() >= kShortestFrame;
+        following_ = bytes.size();
         bytes_since_gap_ += step.consumed;
         if (!anything_sent()) counters_.unsolicited_bytes += step.consumed;
         if (step.consumed == 0 && !step.complete && step.fault == FrameFault::none) return;
@@ -168,7 +208,10 @@ void TransactionCore::on_fault(Instant t, const wire::FramerStep& step) {
     for (auto& slot : slots_) {
         if (slot.state != State::sent || slot.broadcast) continue;
         slot.garbled = true;
-        if (!step.whole || may_be_echo(t, slot, bytes_since_gap_)) continue;
+        const bool echo = may_be_echo(t, slot, bytes_since_gap_);
+        if (!step.whole && !(echo && is_echo(framer_.dropped(), outgoing_.span())))
+            note_cut_short(framer_.dropped());
+        if (!step.whole || echo) continue;
         // It may have been something else. That is not waited for, but remembered.
         if (!step.came) expect_response(t, slot, t);
         finish(t, slot, Status::bad_checksum);
@@ -181,6 +224,28 @@ bool TransactionCore::may_be_echo(Instant t, const Slot& slot, std::size_t bytes
     if (config_.echo == Echo::automatic)
         return t < slot.request_end + config_.frame_time(slot.request.response_length);
     return bytes <= outgoing_.size();
+}
+
+// Of the frame that begins so, if that is the response to the request; else 0, also if its length is unknown.
+std::size_t TransactionCore::whole_length(const Slot& slot, Bytes begin) const {
+    const auto head = head_of(config_.framing, begin);
+    if (!head || head->unit != slot.unit || (numbered() && head->transaction != slot.wire_id)) return 0;
+    if (wire::requested_function(head->function) != wire::requested_function(slot.request.function)) return 0;
+    const std::size_t length = wire::is_exception(head->function) ? kExceptionPdu : slot.shape().pdu_length;
+    return length == 0 ? 0 : wire::frame_length(config_.framing, length);
+}
+
+// @returns whether these bytes are the begin of a response, whose end is missing
+bool TransactionCore::note_cut_short(Bytes begin) {
+    bool noted = false;
+    for (auto& slot : slots_) {
+        const std::size_t whole = slot.awaits_response() ? whole_length(slot, begin) : 0;
+        if (begin.size() >= whole) continue;
+        slot.instead = {Mismatch::Part::length, static_cast<std::uint16_t>(begin.size()),
+                        static_cast<std::uint16_t>(whole)};
+        noted = true;
+    }
+    return noted;
 }
 
 TransactionCore::Slot* TransactionCore::addressee(const wire::Frame& frame) {
@@ -196,10 +261,11 @@ void TransactionCore::on_frame(Instant t, const wire::Frame& frame) {
     if (frame.pdu.empty()) return;
     if (Slot* slot = addressee(frame)) {
         if (framer_.length_is_off()) {
-            ++counters_.lengths_off;
+            const bool cut_short = following_ == 0 && note_cut_short(framer_.raw());
+            if (!cut_short) ++counters_.lengths_off;
             if (!config_.length_tolerance) {  // it is not known where the next frame begins
                 must_reconnect_ = true;
-                reject(HeaderFault::off_by_one, framer_.raw());
+                if (!cut_short) reject(HeaderFault::off_by_one, framer_.raw());
                 return give_up(t, *slot, Status::unexpected_reply);
             }
         }
@@ -256,19 +322,17 @@ std::optional<Mismatch> TransactionCore::note_foreign(const wire::Frame& frame) 
     const bool known_id = std::ranges::any_of(slots_, has_its_id);
     const auto answers = [&](const Slot& slot) {
         if (!slot.awaits_response() || slot.shared) return false;
-        return !numbered() || answers_function(frame, slot.request);
+        return !numbered() || (slot.unit == frame.unit && answers_function(frame, slot.request));
     };
-    const ForeignResponse came{frame.unit, frame.transaction, wire::requested_function(frame.pdu[0])};
     std::optional<Mismatch> instead;
     for (auto& slot : slots_) {
         if (!numbered() && slot.awaits_response() &&
             !fits_but_for_one(frame, slot.unit, slot.request, slot.content())) {
             slot.shared = true;
-            slot.foreign.reset();
+            slot.instead.reset();
         }
         if (!(known_id ? has_its_id(slot) : answers(slot))) continue;
-        slot.foreign = came;
-        instead = wire::mismatch(came, {slot.unit, slot.wire_id, slot.request.function});
+        instead = slot.instead = slot.mismatch(frame);
     }
     return instead;
 }
@@ -322,8 +386,8 @@ void TransactionCore::take_response(Instant t, Slot& slot, const wire::Frame& fr
     } else if (response) {
         if (!confirming) echo_.answered();
         const bool identified = slot.request.repeated;  // the response repeats the request
-        const bool alone =
-            !more_follows_ && ambiguity(t, unit, slot.shape()) == Ambiguity::none && !unusual(t, slot, pdu);
+        const bool alone = following_ < kShortestFrame &&
+                           ambiguity(t, unit, slot.shape()) == Ambiguity::none && !unusual(t, slot, pdu);
         if (confirming || (!numbered() && !identified && !alone)) return confirm(t, slot, pdu);
         if (!numbered() && slot.in_order)
             outstanding_.answered(t, unit, identified ? std::nullopt : std::optional(slot.shape()));
@@ -365,7 +429,7 @@ void TransactionCore::confirm(Instant t, Slot& slot, Bytes pdu) {
     slot.received_at = t;
     outgoing_.assign(pdu);
     slot.deadline = confirmation_end(t, slot);
-    if (slot.deadline <= t && !more_follows_) conclude(t, slot);
+    if (slot.deadline <= t && following_ < kShortestFrame) conclude(t, slot);
 }
 
 // When a response is complete that takes as long as those of the unit usually do. Over a stream its request

@@ -136,7 +136,7 @@ Result<void> TransactionCore::submit(Instant t, const Transaction& transaction) 
     slot.broadcast = broadcast;
     slot.garbled = slot.unordered = slot.shared = false;
     slot.noise = 0;
-    slot.foreign.reset();
+    slot.instead.reset();
     slot.stray.reset();
     slot.submitted_at = t;
     slot.unit_busy_until = Instant::min();
@@ -275,8 +275,10 @@ void TransactionCore::cancel_all(Instant t) {
 void TransactionCore::give_up(Instant t, Slot& slot, Status status) {
     if (slot.in_flight() && !slot.broadcast)
         expect_response(t, slot, std::max(t, slot.deadline) + slot.late_limit);
-    if (status == Status::timeout) notify(t, slot.unit, wire::Incident::no_response, slot.wait);
     finish(t, slot, status);
+    const bool cut_short = slot.explained() && slot.is_cut_short();
+    if (status == Status::timeout || cut_short)
+        notify(t, slot.unit, wire::Incident::no_response, slot.wait, cut_short ? slot.instead : std::nullopt);
 }
 
 // A unit that does not keep the order is expected to answer late as long as it may take without being known.
@@ -297,7 +299,7 @@ void TransactionCore::expect_response(Instant t, const Slot& slot, Instant hold_
         {.unit = slot.unit,
          .wire_id = numbered() ? slot.wire_id : std::uint16_t{0},
          .in_order = slot.in_order,
-         .misdirected = slot.foreign.has_value(),
+         .misdirected = slot.instead && !slot.is_cut_short(),
          .shape = slot.shape(),
          .end = std::max(slot.request_end, slot.unit_busy_until),
          .expired_at = t,
@@ -335,7 +337,7 @@ Outcome TransactionCore::outcome_of(const Slot& slot) {
             .sent = slot.sent_once,
             .out_of_step = slot.out_of_step,
             .wire_id = slot.wire_id,
-            .foreign = slot.foreign,
+            .instead = slot.explained() ? slot.instead : std::nullopt,
             .noise = slot.noise,
             .request = slot.request,
             .wait = slot.wait,

@@ -40,10 +40,7 @@ Error Client::link_lost() const {
 }
 
 Error Client::error_of(const bus::Outcome& outcome) const {
-    if (outcome.status == bus::Status::timeout && outcome.foreign)
-        return misdirected(options_.target,
-                           wire::mismatch(*outcome.foreign, {UnitId{options_.unit}, outcome.wire_id,
-                                                             outcome.request.function}));
+    if (outcome.instead) return misdirected(options_.target, *outcome.instead);
     switch (outcome.status) {
         case bus::Status::bad_checksum: return fail(Code::bad_checksum, options_.target).error();
         case bus::Status::unexpected_reply: return fail(Code::unexpected_reply, options_.target).error();

@@ -155,8 +155,11 @@ std::string advice_key(const Error& error) {
                                                                   : "advice.not_modbus";
         case Code::unexpected_reply: return "advice.unexpected_reply";
         case Code::misdirected:
-            return mismatch_part(error) == Mismatch::Part::unit ? "advice.misdirected.unit"
-                                                                : "advice.misdirected.other";
+            switch (mismatch_part(error)) {
+                case Mismatch::Part::unit: return "advice.misdirected.unit";
+                case Mismatch::Part::length: return "advice.misdirected.length";
+                default: return "advice.misdirected.other";
+            }
         case Code::modbus_exception: return exception_key(error, "advice.exception.");
         default: return {};
     }

@@ -13,11 +13,4 @@ std::string_view name(Incident incident) {
     return "incident";
 }
 
-Mismatch mismatch(const ExchangeKey& came, const ExchangeKey& asked) {
-    using enum Mismatch::Part;
-    if (came.unit != asked.unit) return {unit, came.unit.value, asked.unit.value};
-    if (came.function != asked.function) return {function, came.function, asked.function};
-    return {transaction, came.wire_id, asked.wire_id};
-}
-
 }  // namespace takt::wire

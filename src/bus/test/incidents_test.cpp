@@ -8,6 +8,7 @@ namespace incidents_test {
 
 using test::at;
 using test::frame;
+using test::kLine;
 using test::mbap;
 using test::Rig;
 using test::rtu;
@@ -68,19 +69,69 @@ TEST(Incidents, OverTcpResponsesOfOthersAreSurplus) {
         EXPECT_EQ(rig.last().status, Status::timeout);
         EXPECT_EQ(log.seen[1].incident, Incident::surplus_response);
         EXPECT_EQ(log.seen[1].t, at(30ms));
-        return std::pair(rig.last().foreign, log.seen[1].instead);
+        EXPECT_EQ(rig.last().instead, log.seen[1].instead);
+        return rig.last().instead;
     };
     const std::uint16_t id = wire_id_of(mbap(1, ""));
-    const auto expect = [&](const std::vector<std::uint8_t>& response,
-                            const std::optional<ForeignResponse>& foreign,
-                            const std::optional<Mismatch>& instead) {
-        EXPECT_EQ(answered(response), std::pair(foreign, instead));
+    using enum Mismatch::Part;
+    EXPECT_EQ(answered(mbap(1, "00 05 01 03 02 00 07")), (Mismatch{unit, 1, 5}));
+    EXPECT_EQ(answered(mbap(1, "00 05 05 04 02 00 07")), (Mismatch{function, 4, 3}));
+    EXPECT_EQ(answered(frame(0, "00 05 05 03 02 00 07")), (Mismatch{transaction, 0, id}));
+    EXPECT_EQ(answered(frame(0, "00 05 05 04 02 00 07")), std::nullopt);
+    EXPECT_EQ(answered(frame(0, "00 05 01 03 02 00 07")), std::nullopt) << "noise of a neighbour";
+}
+
+// The incident and the outcome say how many bytes came, also if the silence behind them ends after the
+// deadline.
+TEST(Incidents, AResponseThatIsCutShortIsNoSilence) {
+    const auto after = [](const LineConfig& config, const std::vector<std::uint8_t>& came, Status status) {
+        Log log;
+        Rig rig(config, &log);
+        rig.submit(at(0ms), transaction(1, 5, "03 00 6B 00 02", 20ms));
+        rig.run_until(at(20ms));
+        rig.receive(at(20ms), came);
+        rig.run_until(at(200ms));
+        EXPECT_EQ(rig.last().status, status);
+        EXPECT_EQ(log.seen.size(), 2U);
+        EXPECT_EQ(log.seen.back().incident, Incident::no_response);
+        EXPECT_EQ(log.seen.back().instead, rig.last().instead);
+        EXPECT_FALSE(rig.engine.rejection()) << "no other setting helps";
+        return rig.last().instead;
+    };
+    const auto cut = [](std::vector<std::uint8_t> frame, std::size_t bytes) {
+        frame.resize(frame.size() - bytes);
+        return frame;
     };
     using enum Mismatch::Part;
-    expect(mbap(1, "00 05 01 03 02 00 07"), ForeignResponse{UnitId{1}, id, 3}, Mismatch{unit, 1, 5});
-    expect(mbap(1, "00 05 05 04 02 00 07"), ForeignResponse{UnitId{5}, id, 4}, Mismatch{function, 4, 3});
-    expect(frame(0, "00 05 05 03 02 00 07"), ForeignResponse{UnitId{5}, 0, 3}, Mismatch{transaction, 0, id});
-    expect(frame(0, "00 05 05 04 02 00 07"), std::nullopt, std::nullopt);
+    LineConfig early_silence = kLine;
+    early_silence.frame_silence = 4ms;
+    for (const auto& [serial, status] :
+         {std::pair{kLine, Status::timeout}, {early_silence, Status::bad_checksum}}) {
+        for (const std::uint16_t missing : {1, 3, 6})
+            EXPECT_EQ(after(serial, cut(rtu(5, "03 04 00 07 00 08"), missing), status),
+                      (Mismatch{length, static_cast<std::uint16_t>(9 - missing), 9}));
+        EXPECT_EQ(after(serial, cut(rtu(5, "83 02"), 2), status), (Mismatch{length, 3, 5}));
+    }
+    LineConfig terminal = early_silence;  // the request may be repeated
+    terminal.echo = Echo::untimed;
+    for (const std::uint16_t missing : {1, 3, 6})
+        EXPECT_EQ(after(terminal, cut(rtu(5, "03 04 00 6B 00 02"), missing), Status::bad_checksum),
+                  (Mismatch{length, static_cast<std::uint16_t>(9 - missing), 9}));
+    LineConfig ascii = kLine;
+    ascii.framing = wire::Framing::ascii;
+    const std::string text = ":050304000700";
+    EXPECT_EQ(after(ascii, {text.begin(), text.end()}, Status::timeout), (Mismatch{length, 13, 19}));
+    const LineConfig tcp{.framing = wire::Framing::tcp, .margin = 2ms};
+    LineConfig tolerant = tcp;
+    tolerant.length_tolerance = true;
+    for (const auto& config : {tcp, tolerant}) {
+        EXPECT_EQ(after(config, mbap(1, "00 07 05 03 04 00 07 00"), Status::timeout),
+                  (Mismatch{length, 12, 13}));
+        EXPECT_EQ(after(config, mbap(1, "00 06 05 03 04 00 07 00"),
+                        config.length_tolerance ? Status::timeout : Status::unexpected_reply),
+                  (Mismatch{length, 12, 13}))
+            << "its header has the length that came";
+    }
 }
 
 // A frame that would answer the request, had it not another unit; not the response to another master, which
@@ -96,14 +147,15 @@ TEST(Incidents, OnASerialLineAResponseOfAnotherUnitIsForeign) {
             rig.run_until(t += 5ms);
         }
         rig.run_until(at(200ms));
-        return rig.last().foreign;
+        return rig.last().instead;
     };
+    using enum Mismatch::Part;
     const auto response = rtu(1, "03 02 00 07");
-    EXPECT_EQ(after({response}), (ForeignResponse{UnitId{1}, 0, 3}));
-    EXPECT_EQ(after({rtu(1, "83 02")}), (ForeignResponse{UnitId{1}, 0, 3}));
+    EXPECT_EQ(after({response}), (Mismatch{unit, 1, 5}));
+    EXPECT_EQ(after({rtu(1, "83 02")}), (Mismatch{unit, 1, 5}));
     EXPECT_EQ(after({rtu(1, "03 04 00 07 00 08")}), std::nullopt) << "of two registers";
-    EXPECT_EQ(after({rtu(5, "04 02 00 07")}), (ForeignResponse{UnitId{5}, 0, 4})) << "another function";
-    EXPECT_EQ(after({rtu(5, "84 02")}), (ForeignResponse{UnitId{5}, 0, 4}));
+    EXPECT_EQ(after({rtu(5, "04 02 00 07")}), (Mismatch{function, 4, 3})) << "another function";
+    EXPECT_EQ(after({rtu(5, "84 02")}), (Mismatch{function, 4, 3}));
     EXPECT_EQ(after({rtu(5, "04 00 00 00 01"), rtu(5, "04 02 00 07")}), std::nullopt) << "another master";
     const auto request = rtu(1, "03 00 6B 00 01");
     EXPECT_EQ(after({request, response}), std::nullopt);
@@ -124,7 +176,7 @@ TEST(Incidents, OnASerialLineUnitsWithSwappedAddressesAreForeignAndLateOnesAreNo
             if (swapped || n > 0) rig.receive(rig.now, rtu(other, "03 02 00 07"));
             while (rig.outcomes.size() == n) rig.run_until(rig.now + 1ms);
             ASSERT_EQ(rig.last().status, Status::timeout);
-            EXPECT_EQ(rig.last().foreign.has_value(), swapped) << int{n};
+            EXPECT_EQ(rig.last().instead.has_value(), swapped) << int{n};
         }
         EXPECT_EQ(rig.engine.counters().late_answers, swapped ? 0U : 19U);
     }
@@ -141,7 +193,7 @@ TEST(Incidents, OnASerialLineUnitsThatWereDeadBeforeTheirAddressesWereSwappedAre
             rig.run_until(rig.now + 20ms);
             if (n >= dead) rig.receive(rig.now, rtu(static_cast<std::uint8_t>(3 - unit), "03 02 00 07"));
             while (rig.outcomes.size() == n) rig.run_until(rig.now + 1ms);
-            EXPECT_EQ(rig.last().foreign.has_value(), n >= dead) << int{n};
+            EXPECT_EQ(rig.last().instead.has_value(), n >= dead) << int{n};
         }
         EXPECT_EQ(rig.engine.counters().late_answers, 0U);
     }

@@ -31,7 +31,10 @@ void FailureLog::on_failed(Instant t, std::size_t line, const poll::FailedExchan
     if (!log_.enabled()) return;
     Kind kind{line, failed, {}};
     kind.exchange->took = {};
-    if (kind.exchange->foreign) kind.exchange->foreign->wire_id = 0;  // it differs each time
+    auto& instead = kind.exchange->instead;
+    if (instead && instead->part == Mismatch::Part::transaction)
+        instead->came = instead->asked = 0;  // they
+                                             // differ each time
     if (filter_.admit(t, kind)) write(kind, failed.took, 0);
 }
 
@@ -97,9 +100,9 @@ void FailureLog::write(const Kind& kind, Duration time, std::uint64_t repeated) 
                          failed.request.decoded);
     if (failed.status == bus::Status::exception)
         append_exception_words(words, failed.exception, "why");
-    else if (failed.foreign) {
-        const auto [part, came, asked] =
-            wire::mismatch(*failed.foreign, {failed.unit, 0, failed.request.function});
+    else if (failed.instead) {
+        const auto& [part, came, asked] = *failed.instead;
+        words.push_back({.name = "whole", .text = number(asked)});
         words.push_back({.name = "other", .text = number(came)});
         words.push_back(
             {.name = "why", .text = "log.why.other_" + std::string(takt::name(part)), .is_code = true});

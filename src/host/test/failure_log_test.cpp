@@ -92,13 +92,15 @@ TEST(FailureLog, RepeatedFailuresAreSummarised) {
     EXPECT_EQ(lines.with("where=log.unit attempt=log.attempt.relayed"), 1U) << "another message";
     EXPECT_EQ(lines.with("exception=exception.2"), 2U);
     failed.status = bus::Status::timeout;
-    failed.foreign = {UnitId{5}, 0, failed.request.function};
+    failed.instead = {Mismatch::Part::unit, 5, 1};
     log.on_failed(now, 0, failed);
     EXPECT_EQ(lines.with("other=5 why=log.why.other_unit"), 1U);
-    failed.foreign->unit = failed.unit;
-    for (failed.foreign->wire_id = 1; failed.foreign->wire_id < 9; ++failed.foreign->wire_id)
-        log.on_failed(now, 0, failed);
+    failed.instead->part = Mismatch::Part::transaction;
+    for (; failed.instead->came < 9; ++failed.instead->came) log.on_failed(now, 0, failed);
     EXPECT_EQ(lines.with("why=log.why.other_transaction"), 1U);
+    failed.instead = {Mismatch::Part::length, 6, 9};
+    log.on_failed(now, 0, failed);
+    EXPECT_EQ(lines.with("whole=9 other=6 why=log.why.other_length"), 1U);
 }
 
 // Each outage has its reason once; equal attempts are counted over minutes that double, and at the end.

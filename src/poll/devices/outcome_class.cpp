@@ -8,7 +8,7 @@ using value::CommandResult;
 using value::Reason;
 
 bool misdirected(const bus::Outcome& outcome) {
-    return outcome.status == bus::Status::timeout && outcome.foreign;
+    return outcome.status == bus::Status::timeout && outcome.instead.has_value();
 }
 
 OutcomeClass classify(const bus::Outcome& outcome) {

@@ -84,10 +84,12 @@ void LinePoller::Run::count_outcome(std::size_t index, const bus::Outcome& outco
     if (const auto surplus = std::exchange(undecided_surplus_, std::nullopt);
         surplus && !misdirected(outcome))
         count_surplus(*surplus);
-    if (misdirected(outcome)) {
-        ++statistics.foreign;
-        const wire::ExchangeKey request{outcome.unit, outcome.wire_id, outcome.request.function};
-        statistics.last_foreign = {*outcome.foreign, request};
+    if (outcome.instead && outcome.status == bus::Status::bad_checksum) {
+        ++statistics.cut_short;
+        statistics.last_cut_short = outcome.instead;
+    } else if (outcome.instead) {
+        if (misdirected(outcome)) ++statistics.foreign;
+        statistics.last_foreign = outcome.instead;
     }
     measure_delay(index, outcome, answered);
 }

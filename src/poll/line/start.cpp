@@ -166,7 +166,7 @@ void LinePoller::Run::report_failure(const bus::Outcome& outcome) {
                           .request = outcome.request,
                           .status = outcome.status,
                           .exception = outcome.exception,
-                          .foreign = outcome.status == Status::timeout ? outcome.foreign : std::nullopt,
+                          .instead = outcome.instead,
                           .took = outcome.ended_at - outcome.sent_at};
     if (failed.device) {
         const auto& device = devices_[*failed.device];

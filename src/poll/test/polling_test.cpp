@@ -70,8 +70,7 @@ TEST(Polling, AResponseOfAnotherUnitIsNoSilence) {
     EXPECT_EQ(device.state, DeviceState::not_answering);
     EXPECT_EQ(device.failure, Reason::unexpected_reply);
     EXPECT_EQ(device.foreign, device.counters.timeouts);
-    ASSERT_TRUE(device.last_foreign);
-    EXPECT_EQ(device.last_foreign->response.unit, UnitId{1});
+    EXPECT_EQ(device.last_foreign, (Mismatch{Mismatch::Part::unit, 1, 5}));
 }
 
 TEST(Polling, RoundsByAscendingAddressWaitForThePeriod) {

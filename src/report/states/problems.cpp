@@ -189,10 +189,15 @@ private:
                             advice_on(code_of(reason))};
         };
         switch (reason) {
-            case Reason::bad_checksum: return of_kind(damaged, counters.checksums, "problem.damaged");
+            case Reason::bad_checksum:
+                if (2 * device().cut_short > counters.checksums)
+                    return misfit(damaged, counters.checksums, *device().last_cut_short);
+                return of_kind(damaged, counters.checksums, "problem.damaged");
             case Reason::unexpected_reply:
             case Reason::ambiguous:
-                if (device().last_foreign) return misdirected();
+                if (const auto& last = device().last_foreign)
+                    return misfit(unfitting, counters.unexpected + counters.ambiguous + device().foreign,
+                                  *last);
                 return of_kind(unfitting, counters.unexpected + counters.ambiguous, "problem.unfitting");
             case Reason::link_lost:
             case Reason::closed: return of_kind(unanswered, counters.link_lost, "problem.closed");
@@ -211,13 +216,11 @@ private:
         }
     }
 
-    /// Responses came that do not belong to the requests: what the last one has instead.
-    [[nodiscard]] Failures misdirected() const {
-        const auto& counters = device().counters;
-        const auto mismatch = last_mismatch();
-        const auto error = takt::misdirected(settings().name, mismatch);
-        return {unfitting, counters.unexpected + counters.ambiguous + device().foreign,
-                text::what(texts_.language(), error),
+    /// Other responses came than those to the requests, or parts of them.
+    /// @param mismatch  of the last one
+    [[nodiscard]] Failures misfit(Problem::Kind kind, std::uint64_t count, const Mismatch& mismatch) const {
+        const auto error = misdirected(settings().name, mismatch);
+        return {kind, count, text::what(texts_.language(), error),
                 mismatch.part == Mismatch::Part::unit ? advice_on_unit(mismatch.came)
                                                       : text::advice(texts_.language(), error)};
     }
@@ -230,10 +233,6 @@ private:
         if (owner == devices.end()) return texts_("problem.advice.misdirected.unit", {{"other", unit}});
         return texts_("problem.advice.misdirected.taken",
                       {{"other", unit}, {"owner", owner->name}, {"device", settings().name}});
-    }
-
-    [[nodiscard]] Mismatch last_mismatch() const {
-        return wire::mismatch(device().last_foreign->response, device().last_foreign->request);
     }
 
     [[nodiscard]] std::string advice_on(Code code) const {

@@ -9,7 +9,7 @@ std::string incident_text(const Texts& texts, wire::Incident incident, Duration 
     const auto what =
         texts(std::string("error.misdirected.").append(name(instead->part)),
               {{"came", std::to_string(instead->came)}, {"asked", std::to_string(instead->asked)}});
-    return texts(code + ".instead", {{"what", what}});
+    return texts(code + ".instead", {{"time", texts.duration(after)}, {"what", what}});
 }
 
 std::string fault_text(const Texts& texts, wire::FrameFault fault) {

@@ -188,7 +188,7 @@ TEST(Problems, ADeviceThatAnswersForAnotherOneIsNotSilent) {
     device.failure = Reason::unexpected_reply;
     device.counters.sent = device.counters.timeouts = device.foreign = 24;
     const auto asked = plant()->project().lines[0].devices[0].address;
-    device.last_foreign = {{UnitId{99}, 7, 3}, {asked, 7, 3}};
+    device.last_foreign = {Mismatch::Part::unit, 99, asked.value};
     const auto text = [&] {
         const auto found = problems(snapshot);
         EXPECT_EQ(found.size(), 1U);
@@ -199,21 +199,36 @@ TEST(Problems, ADeviceThatAnswersForAnotherOneIsNotSilent) {
     };
     expect_contains(text(), "a response of unit 99 came, unit " + std::to_string(asked.value) + " was asked");
     expect_contains(text(), "Set `address: 99`");
-    device.last_foreign = {{UnitId{99}, 0, 3}, {asked, 0, 3}};  // on a serial line
-    expect_contains(text(), "a response of unit 99 came");
     auto project = plant()->project();
     auto& other = project.lines[0].devices.emplace_back();
     other.name = "Pump";
     other.address = UnitId{99};
     snapshot.configuration = configuration_of(project);
     expect_contains(text(), "99 is the address of Pump: two devices may have the same address");
-    device.last_foreign = {{asked, 7, 3}, {asked, 7, 3}};
-    device.last_foreign->response.function = 4;
+    device.last_foreign = {Mismatch::Part::function, 4, 3};
     expect_contains(text(), "a response to function 4 came, function 3 was asked");
-    device.last_foreign->response.function = 3;
-    device.last_foreign->response.wire_id = 0;
+    device.last_foreign = {Mismatch::Part::transaction, 0, 7};
     expect_contains(text(), "a response with transaction id 0 came, 7 was asked");
+    device.last_foreign = {Mismatch::Part::length, 12, 13};  // over TCP
+    expect_contains(text(), "12 of 13 bytes of the response came. The end of the response is missing");
     EXPECT_EQ(device_state_text(english(), device), "answers do not fit");
+}
+
+TEST(Problems, ResponsesThatAreCutShortAreNotDamaged) {
+    auto snapshot = healthy();
+    auto& device = snapshot.lines[0].devices[0];
+    device.state = poll::DeviceState::not_answering;
+    device.failure = Reason::bad_checksum;
+    device.counters.sent = device.counters.checksums = 24;
+    device.cut_short = 12;
+    device.last_cut_short = {Mismatch::Part::length, 6, 9};
+    expect_contains(problems(snapshot)[0].text, "the responses of");  // half of them only
+    device.cut_short = 13;
+    const auto found = problems(snapshot);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].count, 24U);
+    expect_contains(found[0].text, "6 of 9 bytes of the response came");
+    expect_contains(found[0].advice, "The end of the response is missing");
 }
 
 // While it stops and begins to answer again, there is one problem, and its time is that of the first
@@ -261,8 +276,7 @@ TEST(Problems, ADeviceThatIsOftenLateIsNotUnanswering) {
     expect_late();
     device.late = 13;
     device.foreign = 490;
-    const auto asked = plant()->project().lines[0].devices[0].address;
-    device.last_foreign = {{asked, 49403, 3}, {asked, 38435, 3}};
+    device.last_foreign = {Mismatch::Part::transaction, 49403, 38435};
     expect_late();
 }
 

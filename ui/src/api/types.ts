@@ -226,9 +226,9 @@ export interface Frame {
   incident?: 'no_response' | 'late_response' | 'surplus_response' | 'connected' | 'disconnected';
   /** Of no_response: how long the response was awaited; of late_response: how long after that it came */
   after_ms?: number;
-  /** surplus_response: what came, and what was asked. */
+  /** no_response, surplus_response: what came, and what was asked; `length`: bytes */
   instead?: {
-    part: 'unit' | 'function' | 'transaction';
+    part: 'unit' | 'function' | 'transaction' | 'length';
     came: number;
     asked: number;
   };

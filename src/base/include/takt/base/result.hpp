@@ -50,15 +50,20 @@ enum class HeaderFault : std::uint8_t {
     off_by_one,  ///< the length differs by one from that of the response
 };
 
-/// In what a response differs from the request that waits for one.
+/// In what a response differs from the one that its request waits for.
 struct Mismatch {
-    enum class Part : std::uint8_t { unit, function, transaction };
+    enum class Part : std::uint8_t {
+        unit,
+        function,
+        transaction,
+        length,  ///< bytes of the frame: its end is missing
+    };
     Part part = Part::unit;
     std::uint16_t came = 0;
     std::uint16_t asked = 0;
     friend bool operator==(const Mismatch&, const Mismatch&) = default;
 };
-/// "unit", "function", "transaction"
+/// "unit", "function", "transaction", "length"
 std::string_view name(Mismatch::Part part);
 
 /// The stable name of a code, as in "out_of_range": key of its text, and what --json shows.

@@ -98,9 +98,6 @@ enum class Status : std::uint8_t {
 };
 std::string_view name(Status status);
 
-/// A response that does not belong to the request it was received after.
-using ForeignResponse = wire::ExchangeKey;
-
 /// How a transaction ended. Every accepted transaction has exactly one.
 struct Outcome {
     TransactionId id = 0;
@@ -111,10 +108,11 @@ struct Outcome {
     /// Framing::tcp: the connection ends with it: it is not known where the next response begins.
     bool out_of_step = false;
     std::uint16_t wire_id = 0;  ///< Framing::tcp: its transaction id on the wire, if it was sent; else 0
-    /// Was received instead. Serial line: of another unit, and would answer this request; none where another
-    /// master sent a request meanwhile. Framing::tcp: with this transaction id, or to a request of this
-    /// function.
-    std::optional<ForeignResponse> foreign;
+    /// What was received instead of the response, and is why there is none. Status::timeout: the response of
+    /// another unit or function that would answer this request (serial line: none where another master sent
+    /// a request meanwhile; Framing::tcp: also one with another transaction id). Or Mismatch::Part::length:
+    /// only the begin of the response came.
+    std::optional<Mismatch> instead;
     /// Bytes of noise that were received between the request and its response.
     std::uint32_t noise = 0;
     wire::RequestShape request;

@@ -44,11 +44,11 @@ class TransactionSlot {
         Instant end;
     };
     std::optional<StrayFrame> stray;
-    bool unordered = false;                  // State::confirming: the last frame need not be the response
-    bool shared = false;                     // serial line: a frame of another master was received meanwhile
-    std::uint32_t noise = 0;                 // bytes of noise before the response
-    std::optional<ForeignResponse> foreign;  // that was received meanwhile
-    std::uint16_t wire_id = 0;               // transaction id of the MBAP header
+    bool unordered = false;           // State::confirming: the last frame need not be the response
+    bool shared = false;              // serial line: a frame of another master was received meanwhile
+    std::uint32_t noise = 0;          // bytes of noise before the response
+    std::optional<Mismatch> instead;  // that was received meanwhile
+    std::uint16_t wire_id = 0;        // transaction id of the MBAP header
     std::uint16_t pdu_size = 0;
     std::uint8_t* pdu = nullptr;  // the bytes of the request; once it has ended, of the response
     TransactionId id = 0;
@@ -72,6 +72,15 @@ class TransactionSlot {
     [[nodiscard]] bool open() const { return state != State::empty && state != State::ended; }
     [[nodiscard]] bool in_flight() const { return state == State::sent || state == State::confirming; }
     [[nodiscard]] bool awaits_response() const { return state == State::sent && !broadcast; }
+    [[nodiscard]] bool is_cut_short() const { return instead && instead->part == Mismatch::Part::length; }
+    /// Has ended, and because of `instead`.
+    [[nodiscard]] bool explained() const {
+        return status == Status::timeout ||
+               (is_cut_short() && (status == Status::bad_checksum || status == Status::unexpected_reply));
+    }
+    /// The first part in which a frame of another request differs; without a transaction id: unit or
+    /// function.
+    [[nodiscard]] Mismatch mismatch(const wire::Frame& came) const;
     [[nodiscard]] Bytes content() const { return {pdu, pdu_size}; }
     [[nodiscard]] AnswerShape shape() const { return answer_shape(request); }
     void fill(Bytes bytes) {
@@ -255,6 +264,8 @@ private:
     void conclude(Instant t, Slot& slot);
     [[nodiscard]] bool crossed(Instant t, const wire::Frame& frame) const;
     std::optional<Mismatch> note_foreign(const wire::Frame& frame);
+    [[nodiscard]] std::size_t whole_length(const Slot& slot, Bytes begin) const;
+    bool note_cut_short(Bytes begin);
     Lateness settle_late(Instant end, UnitId unit, const AnswerShape& shape, std::uint16_t wire_id);
     void settle_stray(Slot& slot);
     void note_late(Instant t, UnitId unit, Lateness lateness);
@@ -283,7 +294,8 @@ private:
     std::span<Slot> slots_;
     std::size_t longest_pdu_;
     BoundedVector<std::uint8_t> outgoing_;  // State::confirming: the PDU of the last response
-    bool more_follows_ = false;  // bytes were received together with the frame that is handled, and after it
+    std::size_t following_ =
+        0;  // bytes that were received together with the frame that is handled, and after it
     std::uint64_t last_order_ = 0;
     TransactionIds ids_;
     bool link_up_ = false;

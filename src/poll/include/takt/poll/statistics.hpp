@@ -94,12 +94,11 @@ struct DeviceTraffic {
     std::uint64_t surplus = 0;
     bool shifted = false;  ///< one of them was no repetition: others may have answered earlier requests
     /// A response came that does not belong to the request, and none that does.
-    struct Misdirected {
-        bus::ForeignResponse response;
-        wire::ExchangeKey request;
-    };
     std::uint64_t foreign = 0;  ///< of the time-outs of `counters`
-    std::optional<Misdirected> last_foreign;
+    std::optional<Mismatch> last_foreign;
+    /// Only the begin of the response came.
+    std::uint64_t cut_short = 0;  ///< of the checksums of `counters`
+    std::optional<Mismatch> last_cut_short;
     /// Whether it answers often with exceptions: requests that it has answered otherwise, too.
     FailureShare refusals{FailureShare::Of::refusal};
     std::uint64_t verified = 0;  ///< writes that were read back as written
@@ -174,8 +173,8 @@ struct FailedExchange {
     wire::RequestShape request;
     bus::Status status = bus::Status::timeout;
     std::uint8_t exception = 0;
-    std::optional<bus::ForeignResponse> foreign;  ///< without a response: was received instead
-    Duration took{};                              ///< from the start of the request
+    std::optional<Mismatch> instead;  ///< bus::Outcome::instead
+    Duration took{};                  ///< from the start of the request
     std::uint16_t attempt = 1;   ///< failures of the device in a row, this one included; at most `attempts`
     std::uint16_t attempts = 1;  ///< after so many the device counts as not answering
     friend bool operator==(const FailedExchange&, const FailedExchange&) = default;

@@ -25,16 +25,6 @@ enum class Incident : std::uint8_t {
 };
 std::string_view name(Incident incident);
 
-/// By what a response belongs to its request.
-struct ExchangeKey {
-    UnitId unit;
-    std::uint16_t wire_id = 0;  ///< Framing::tcp: the transaction id; else 0
-    std::uint8_t function = 0;  ///< of the request
-    friend bool operator==(const ExchangeKey&, const ExchangeKey&) = default;
-};
-/// The first part in which they differ; without a transaction id: the unit or the function.
-[[nodiscard]] Mismatch mismatch(const ExchangeKey& came, const ExchangeKey& asked);
-
 /// Notified of every frame that an engine sends, and of every good frame that it receives (on a serial line
 /// also those of other units). Called on the engine's thread from inside its members: must not block and must
 /// not call the engine.
@@ -52,7 +42,9 @@ public:
     /// Masters only.
     /// @param unit     of a response; 0: of the line
     /// @param after    no_response: the wait of the request; late_response: how late it is; else zero
-    /// @param instead  surplus_response: it came while a request waits for another one
+    /// @param instead  surplus_response: it came while a request waits for another one; no_response: the
+    /// begin of
+    ///                 the response came
     virtual void on_incident(Instant /*t*/, UnitId /*unit*/, Incident /*incident*/, Duration /*after*/,
                              const std::optional<Mismatch>& /*instead*/) {}
 
