@@ -25,11 +25,12 @@ std::string decimal(Duration duration, Duration unit, std::size_t digits) {
     return text.insert(text.size() - digits, 1, '.');
 }
 
-/// With three significant digits below 1000 units.
+/// With three significant digits from 0.1 to 1000 units.
 std::string three_digits(Language language, Duration duration, Duration unit, std::string_view name) {
+    const bool none = duration * 10'000 < unit * 9995;
     const bool one = duration * 1000 < unit * 9995;
     const bool two = duration * 1000 < unit * 99'950;
-    return quantity(language, decimal(duration, unit, one ? 2 : two ? 1 : 0), name);
+    return quantity(language, decimal(duration, unit, none ? 3 : one ? 2 : two ? 1 : 0), name);
 }
 
 std::string whole_parts(Language language, std::int64_t large, std::string_view large_unit,
@@ -59,7 +60,10 @@ Duration rounded_up(Duration duration) {
     if (duration > 1min) return up(1s);
     if (duration > 10s) return up(100ms);
     const Duration unit = duration < 100us ? Duration(1us) : Duration(1ms);
-    return up(duration <= 10 * unit ? unit / 100 : duration <= 100 * unit ? unit / 10 : unit);
+    return up(duration <= unit         ? unit / 1000
+              : duration <= 10 * unit  ? unit / 100
+              : duration <= 100 * unit ? unit / 10
+                                       : unit);
 }
 
 std::string with_local_unit(Language language, std::string_view text) {

@@ -21,6 +21,12 @@ file::Json part_json(const poll::HistogramSnapshot& times) {
     return object;
 }
 
+/// Of a histogram in microseconds, whose first one includes zero.
+std::string within_text(const Texts& texts, Duration percentile, Duration longest) {
+    return texts.duration(
+        std::min<Duration>(std::max<Duration>(percentile, std::chrono::microseconds(1)), longest));
+}
+
 }  // namespace
 
 std::string line_times_text(const Texts& texts, const poll::LineTimes& times) {
@@ -33,8 +39,8 @@ std::string line_times_text(const Texts& texts, const poll::LineTimes& times) {
         if (part.count > 0)
             text += "  " +
                     texts("app.times.part", {{"part", texts(code)},
-                                             {"p50", texts.duration(part.p50)},
-                                             {"p99", texts.duration(part.p99)},
+                                             {"p50", within_text(texts, part.p50, part.longest)},
+                                             {"p99", within_text(texts, part.p99, part.longest)},
                                              {"longest", texts.duration(part.longest)}}) +
                     '\n';
     return text;

@@ -127,7 +127,7 @@ CountTable request_table(const host::Snapshot& snapshot, const Texts& texts, std
                      {left, whole, right, right, right, whole});
     table.add({texts("app.device"), texts("app.request"), texts("app.sent")},
               {texts("app.answered"), texts("app.timeouts"), texts("app.faults"), texts("app.exceptions")},
-              {texts("app.mean"), texts("app.longest"), texts("app.period")});
+              {texts("app.mean"), texts("app.longest"), texts("app.period_answered")});
     for (std::size_t i = 0; i < state.plan->requests.size(); ++i) {
         const auto& request = state.plan->requests[i];
         const auto& statistics = state.requests[i];

@@ -27,6 +27,12 @@ TEST(LineTimesReport, ShowsThePartsThatWereMeasured) {
     EXPECT_EQ(line_times_text(texts, {}), "");
     EXPECT_EQ(line_times_text(texts, {.wire = {}, .turnaround = measured(), .host = {}}),
               "  turnaround of the devices: half within 5.00 ms, 99 % within 7.00 ms, longest 9.00 ms\n");
+    auto short_ones = measured();
+    short_ones.p50 = 0us;
+    short_ones.longest = 520us;
+    EXPECT_EQ(
+        line_times_text(texts, {.wire = {}, .turnaround = {}, .host = short_ones}),
+        "  wake-ups of this program, late by: half within 1.00 µs, 99 % within 0.520 ms, longest 0.520 ms\n");
 }
 
 TEST(LineTimesReport, JsonHasNullForWhatWasNotMeasured) {

@@ -83,9 +83,10 @@ TEST(TrafficText, HasNoEnglishWords) {
              {wire::Incident::no_response, wire::Incident::late_response, wire::Incident::surplus_response,
               wire::Incident::connected, wire::Incident::disconnected})
             EXPECT_EQ(english_word(incident_text(texts, incident, 5ms, {})), "");
-        for (const auto part : {Mismatch::Part::unit, Mismatch::Part::function, Mismatch::Part::transaction})
-            EXPECT_EQ(
-                english_word(incident_text(texts, wire::Incident::surplus_response, {}, {{part, 1, 5}})), "");
+        for (const auto incident : {wire::Incident::no_response, wire::Incident::surplus_response})
+            for (const auto part : {Mismatch::Part::unit, Mismatch::Part::function,
+                                    Mismatch::Part::transaction, Mismatch::Part::length})
+                EXPECT_EQ(english_word(incident_text(texts, incident, 5ms, {{part, 1, 5}})), "");
         for (int fault = 1; fault <= static_cast<int>(wire::FrameFault::too_slow); ++fault)
             EXPECT_EQ(english_word(fault_text(texts, static_cast<wire::FrameFault>(fault))), "") << fault;
     }
@@ -124,6 +125,8 @@ TEST(TrafficText, IncidentsHaveTheirTimes) {
               "late response: late by 230 ms");
     EXPECT_EQ(incident_text(russian, wire::Incident::late_response, 230ms, {}),
               "поздний ответ: опоздал на 230 мс");
+    EXPECT_EQ(incident_text(english, wire::Incident::no_response, 500ms, {{Mismatch::Part::length, 6, 9}}),
+              "no response within 500 ms: 6 of 9 bytes of the response came");
     const auto surplus = [&](Mismatch::Part part) {
         return incident_text(english, wire::Incident::surplus_response, {}, Mismatch{part, 1, 5});
     };

@@ -66,7 +66,7 @@ export function formatDuration(ms: number): string {
   const u = t.value.units;
   const ns = Math.round(ms * 1e6);
   const digits = (unit: number, name: string) =>
-    `${decimal(ns, unit, ns < unit * 9.995 ? 2 : ns < unit * 99.95 ? 1 : 0)} ${name}`;
+    `${decimal(ns, unit, ns < unit * 0.9995 ? 3 : ns < unit * 9.995 ? 2 : ns < unit * 99.95 ? 1 : 0)} ${name}`;
   const parts = (whole: number, large: string, rest: number, small: string) =>
     `${whole} ${large}${rest > 0 ? ` ${rest} ${small}` : ''}`;
   if (ns < 0) return `-${formatDuration(-ms)}`;
@@ -82,7 +82,7 @@ export function formatDuration(ms: number): string {
 export function formatBound(ms: number): string {
   const ns = Math.round(ms * 1e6);
   const unit = ns < 1e5 ? 1e3 : 1e6;
-  const small = ns <= 10 * unit ? unit / 100 : ns <= 100 * unit ? unit / 10 : unit;
+  const small = ns <= unit ? unit / 1000 : ns <= 10 * unit ? unit / 100 : ns <= 100 * unit ? unit / 10 : unit;
   const step = ns > 36e11 ? 6e10 : ns > 6e10 ? 1e9 : ns > 1e10 ? 1e8 : small;
   return formatDuration((Math.ceil(ns / step) * step) / 1e6);
 }
