@@ -79,3 +79,21 @@ test('a late or surplus response is one row with its bytes', async () => {
   assert.equal(rows[1]?.raw, '01 03');
   assert.equal(rows[0] ? frameWords(rows[0]) : '', 'Лишний ответ');
 });
+
+test('the filter of a device keeps what happens on its line', async () => {
+  const traffic = await import('../src/views/traffic/frames');
+  const { device: _, ...dropped } = { ...frame('', 'checksum'), device: '', unit: 0 };
+  const rows = [
+    { ...frame('request'), device: 'Pump' },
+    dropped,
+    { ...dropped, line: 'other' },
+    { ...frame('', 'exception'), device: 'Fan' },
+  ];
+  traffic.frames.value = rows.map((its, number) => ({ ...its, number }));
+  traffic.errorsOnly.value = true;
+  traffic.device.value = 'Pump';
+  assert.deepEqual(
+    traffic.shownFrames.value.map((its) => its.number),
+    [1],
+  );
+});

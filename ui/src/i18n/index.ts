@@ -66,7 +66,7 @@ export function formatDuration(ms: number): string {
   const u = t.value.units;
   const ns = Math.round(ms * 1e6);
   const digits = (unit: number, name: string) =>
-    `${decimal(ns, unit, ns < unit * 0.9995 ? 3 : ns < unit * 9.995 ? 2 : ns < unit * 99.95 ? 1 : 0)} ${name}`;
+    `${decimal(ns, unit, [0.9995, 9.995, 99.95].filter((its) => ns < unit * its).length)} ${name}`;
   const parts = (whole: number, large: string, rest: number, small: string) =>
     `${whole} ${large}${rest > 0 ? ` ${rest} ${small}` : ''}`;
   if (ns < 0) return `-${formatDuration(-ms)}`;

@@ -39,20 +39,20 @@ const text = (its = plant) => readFileSync(its.file, 'utf8');
 test('grouping switched off shows what it costs, and undo takes it back', async () => {
   const page = await open();
   await page.getByRole('treeitem', { name: /Boiler, 16/ }).click();
-  await page.getByText('6 requests instead of 16').waitFor();
+  await page.getByText('6 requests instead of 17').waitFor();
   await page.getByLabel('Group requests').selectOption('false');
-  await page.getByText(/9 requests instead of 16/).waitFor();
+  await page.getByText(/10 requests instead of 17/).waitFor();
   assert.ok(await page.getByLabel('Registers per request').isDisabled());
   // Words of the IDE are explained where they stand, by keyboard too.
   await page.getByLabel('Group requests').press('Tab');
   await page.locator('.hint:focus .tip', { hasText: 'neighbouring variables share a request' }).waitFor();
   await page.keyboard.press('Control+z');
-  await page.getByText('6 requests instead of 16').waitFor();
+  await page.getByText('6 requests instead of 17').waitFor();
 });
 
 test('the formed requests are downloaded as a table, as JSON and as a picture', async () => {
   const page = await open();
-  await page.getByText('6 requests instead of 16').waitFor();
+  await page.getByText('6 requests instead of 17').waitFor();
   const saved = async (name) => {
     const [download] = await Promise.all([
       page.waitForEvent('download'),
@@ -558,7 +558,7 @@ test('the overview opens first, on one screen, and leads to devices, values and 
   await page.getByRole('grid', { name: 'Values' }).waitFor();
   await page.goBack();
   await overview.getByRole('button', { name: 'Requests' }).click();
-  await page.getByText('6 requests instead of 16').waitFor();
+  await page.getByText('6 requests instead of 17').waitFor();
   await page.locator('.utilisation').getByText('34.4 %', { exact: true }).waitFor();
   assert.doesNotMatch(await page.locator('.summary').innerHTML(), /worst case|34\.8/);
   await page.getByRole('tab', { name: 'Ages' }).click();

@@ -3,7 +3,7 @@ import { of } from './plural';
 const CAUSES: Record<string, string> = {
   timeout: 'time-out',
   bad_checksum: 'wrong checksum',
-  unexpected_reply: 'unexpected answer',
+  unexpected_reply: 'answer does not fit',
   closed: 'closed by the peer',
   late: 'after the time-out',
   ambiguous: 'ambiguous answer',

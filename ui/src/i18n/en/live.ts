@@ -52,7 +52,7 @@ export const live = {
   why: 'Why is this value old?',
   whyTitle: (name: string) => `Why is ${name} as old as it is?`,
   whyAge: 'Age now',
-  whyProved: 'Proved at most',
+  whyProved: 'Proved at most, with failures',
   hops: {
     device: 'Device',
     line: 'Line',

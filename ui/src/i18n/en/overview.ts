@@ -7,7 +7,7 @@ export const overview = {
   now: (load: string) => `now ${load}`,
   planned: (load: string) => `planned ${load}`,
   moreLines: (n: number) => `and ${of(n, 'more line')}`,
-  ages: 'Ages and their proof',
+  ages: 'Ages and their proof, with failures',
   agesHint:
     'Of each device the value whose proved age leaves the least time before its deadline. ' +
     'The bar is full where the value is as old as proved; red: older. ' +

@@ -92,7 +92,7 @@ export const requests = {
     period: 'Period',
     reason: 'Why it ends here',
     variable: 'Variable',
-    age: 'Longest age',
+    age: 'Longest age, no failures',
     limit: 'Limit',
     share: 'Of its deadline',
   },
@@ -119,7 +119,7 @@ export const requests = {
     23: 'Read and write registers',
   },
   ages: {
-    label: 'Longest age of each variable',
+    label: 'Longest age of each variable without failures',
     unknown: 'not computed yet',
     unbounded: 'no bound',
     noDeadline: 'no deadline',

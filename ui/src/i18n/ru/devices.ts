@@ -5,7 +5,7 @@ import type { devices as source } from '../en/devices';
 const CAUSES: Record<string, string> = {
   timeout: 'таймаут',
   bad_checksum: 'неверная контрольная сумма',
-  unexpected_reply: 'неожиданный ответ',
+  unexpected_reply: 'ответ не подходит',
   closed: 'закрыто другой стороной',
   late: 'после таймаута',
   ambiguous: 'неоднозначный ответ',

@@ -55,7 +55,7 @@ export const live: Translated<typeof source> = {
   why: 'Почему значение старое?',
   whyTitle: (name: string) => `Почему у ${name} такой возраст?`,
   whyAge: 'Возраст сейчас',
-  whyProved: 'Доказано не более',
+  whyProved: 'Доказано не более, со сбоями',
   hops: {
     device: 'Устройство',
     line: 'Линия',

@@ -93,7 +93,7 @@ export const requests: Translated<typeof source> = {
     period: 'Период',
     reason: 'Почему здесь граница',
     variable: 'Переменная',
-    age: 'Наибольший возраст',
+    age: 'Наибольший возраст без сбоев',
     limit: 'Предел',
     share: 'Доля срока',
   },
@@ -120,7 +120,7 @@ export const requests: Translated<typeof source> = {
     23: 'Чтение и запись регистров',
   },
   ages: {
-    label: 'Наибольший возраст каждой переменной',
+    label: 'Наибольший возраст каждой переменной без сбоев',
     unknown: 'ещё не вычислен',
     unbounded: 'без предела',
     noDeadline: 'без срока',

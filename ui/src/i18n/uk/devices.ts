@@ -5,7 +5,7 @@ import type { devices as source } from '../en/devices';
 const CAUSES: Record<string, string> = {
   timeout: 'таймаут',
   bad_checksum: 'хибна контрольна сума',
-  unexpected_reply: 'неочікувана відповідь',
+  unexpected_reply: 'відповідь не підходить',
   closed: 'закрито іншою стороною',
   late: 'після таймауту',
   ambiguous: 'неоднозначна відповідь',

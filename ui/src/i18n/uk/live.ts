@@ -55,7 +55,7 @@ export const live: Translated<typeof source> = {
   why: 'Чому значення старе?',
   whyTitle: (name: string) => `Чому в ${name} такий вік?`,
   whyAge: 'Вік зараз',
-  whyProved: 'Доведено не більше',
+  whyProved: 'Доведено не більше, зі збоями',
   hops: {
     device: 'Пристрій',
     line: 'Лінія',

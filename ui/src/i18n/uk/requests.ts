@@ -94,7 +94,7 @@ export const requests: Translated<typeof source> = {
     period: 'Період',
     reason: 'Чому тут межа',
     variable: 'Змінна',
-    age: 'Найбільший вік',
+    age: 'Найбільший вік без збоїв',
     limit: 'Межа',
     share: 'Частка строку',
   },
@@ -121,7 +121,7 @@ export const requests: Translated<typeof source> = {
     23: 'Читання та запис регістрів',
   },
   ages: {
-    label: 'Найбільший вік кожної змінної',
+    label: 'Найбільший вік кожної змінної без збоїв',
     unknown: 'ще не обчислено',
     unbounded: 'без межі',
     noDeadline: 'без строку',

@@ -23,7 +23,7 @@ export function Verdict({ line }: { line: PlannedLine }) {
       <p>
         <b>{over ? texts.verdict.cannot_hold_over : texts.verdict[line.verdict]}</b>{' '}
         <span>
-          {texts.summary(line.request_count, line.ungrouped_requests)}
+          {texts.summary(line.compare.grouped.requests, line.compare.ungrouped.requests)}
           {line.cycle_us > 0 && `; ${texts.round(microseconds(line.cycle_us))}`}.
         </span>
       </p>

@@ -154,7 +154,7 @@ export function Timeline({ line }: { line: DrawnLine }) {
                 y={height - 5}
                 text-anchor={x(at) > width - LABEL ? 'end' : 'start'}
               >
-                {formatNumber(at, 3)}
+                {at === marks[0] ? `${formatNumber(at, 3)} ${t.value.units.ms}` : formatNumber(at, 3)}
               </text>
             )}
           </g>

@@ -84,12 +84,18 @@ export const isError = (frame: Frame) =>
   (frame.function ?? 0) >= 0x80 ||
   (frame.incident !== undefined && frame.incident !== 'connected');
 
+/** What happens on a line, as dropped bytes, concerns each of its devices. */
+const isOfDevice = (frame: Frame, lines: Set<string>) =>
+  frame.device === device.value ||
+  (frame.device === undefined && (frame.fault ?? frame.incident) !== undefined && lines.has(frame.line));
+
 export const shownFrames = computed(() => {
   const wanted = text.value.trim().toLowerCase();
+  const lines = new Set(frames.value.filter((its) => its.device === device.value).map((its) => its.line));
   return frames.value
     .filter(
       (frame) =>
-        (device.value === '' || frame.device === device.value) &&
+        (device.value === '' || isOfDevice(frame, lines)) &&
         (functionCode.value === '' || ((frame.function ?? -1) & 0x7f) === Number(functionCode.value)) &&
         (!errorsOnly.value || isError(frame)) &&
         (wanted === '' || `${frameWords(frame)} ${frame.raw ?? ''}`.toLowerCase().includes(wanted)),
