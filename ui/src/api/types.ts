@@ -541,7 +541,8 @@ export interface PlannedRequest {
   ages_us: (number | null)[];
   why: string;
   bridged?: string;
-  byte_orders: string[];
+  /** Of each variable; null: it has none */
+  byte_orders: (string | null)[];
   f_us: number | null;
   response_dead_us: number | null;
   response_fault_us: number | null;
