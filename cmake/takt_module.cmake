@@ -173,6 +173,7 @@ function(takt_module_part module part)
   takt_edges(edges ${module} PART ${part})
   takt_json_list(libraries ${module} parts ${part} libraries)
   string(JSON pure ERROR_VARIABLE missing GET "${TAKT_MODULE_TABLE}" modules ${module} pure)
+  string(JSON hot ERROR_VARIABLE missing GET "${TAKT_MODULE_TABLE}" modules ${module} parts ${part} hot)
   takt_unit(${module}_${part} ${module} ${edges})
 endfunction()
 

@@ -16,8 +16,8 @@
 #include "../working_folder.hpp"
 #include "paired.hpp"
 #include "peers.hpp"
+#include "takt/client/background_load.hpp"
 #include "takt/os/realtime.hpp"
-#include "takt/selftest/background_load.hpp"
 
 namespace takt::bench {
 namespace {
@@ -62,7 +62,7 @@ Measured measure(const Condition& condition, std::size_t pairs) {
     const Peer echo = Peer::echo({.cpu = peer_cpu});
     const Peer takt =
         Peer::takt({.cpu = peer_cpu, .spin = condition.spin ? std::optional(kSpin) : std::nullopt});
-    std::optional<selftest::BackgroundLoad> load;
+    std::optional<client::BackgroundLoad> load;
     if (condition.load) load.emplace(1);
     Measured measured;
     std::exception_ptr failure;

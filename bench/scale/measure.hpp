@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "field.hpp"
+#include "takt/base/latency_statistics.hpp"
 #include "takt/base/time.hpp"
-#include "takt/timing/latency_statistics.hpp"
 
 namespace takt::bench {
 
@@ -29,7 +29,7 @@ struct ScaleMeasured {
     std::uint64_t sent = 0;
     std::uint64_t answered = 0;
     std::uint64_t missed = 0;
-    timing::LatencyStatistics lateness;
+    LatencyStatistics lateness;
     double project_bytes = 0;  // a device, in each
     double value_bytes = 0;
     double poller_bytes = 0;

@@ -1,6 +1,6 @@
 #include "connection.hpp"
 
-#include "takt/capture/pdu_shape.hpp"
+#include "pdu_shape.hpp"
 #include "takt/wire/function.hpp"
 
 namespace takt::capture {

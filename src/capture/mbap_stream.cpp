@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "big_endian.hpp"
-#include "takt/capture/pdu_shape.hpp"
+#include "pdu_shape.hpp"
 
 namespace takt::capture {
 namespace {

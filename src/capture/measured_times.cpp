@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "takt/timing/histogram_definitions.hpp"
-#include "takt/timing/latency_statistics_definitions.hpp"
+#include "takt/base/histogram_definitions.hpp"
+#include "takt/base/latency_statistics_definitions.hpp"
 
 namespace takt::capture {
 
@@ -30,9 +30,9 @@ Duration MeasuredTimes::percentile(double percent) const {
 
 }  // namespace takt::capture
 
-namespace takt::timing {
+namespace takt {
 
 template class BasicHistogram<7, 40, 1, capture::BlockCounts>;
 template class BasicLatencyStatistics<capture::BlockHistogram>;
 
-}  // namespace takt::timing
+}  // namespace takt

@@ -1,7 +1,7 @@
-#include "takt/capture/pdu_shape.hpp"
+#include "pdu_shape.hpp"
 
 #include "big_endian.hpp"
-#include "takt/capture/serial_frame.hpp"
+#include "serial_frame.hpp"
 #include "takt/wire/request_view.hpp"
 
 namespace takt::capture {

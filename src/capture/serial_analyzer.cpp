@@ -1,6 +1,6 @@
 #include "takt/capture/serial_analyzer.hpp"
 
-#include "takt/capture/serial_frame.hpp"
+#include "serial_frame.hpp"
 #include "upper_pdu.hpp"
 
 namespace takt::capture {

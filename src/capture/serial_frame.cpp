@@ -1,4 +1,4 @@
-#include "takt/capture/serial_frame.hpp"
+#include "serial_frame.hpp"
 
 #include "takt/base/ascii.hpp"
 #include "takt/wire/frame.hpp"

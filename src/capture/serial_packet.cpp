@@ -4,11 +4,11 @@
 #include <string_view>
 
 #include "mbap_stream.hpp"
+#include "serial_frame.hpp"
 #include "takt/base/ascii.hpp"
 #include "takt/capture/frame_capture.hpp"
 #include "takt/capture/segment.hpp"
 #include "takt/capture/serial_analyzer.hpp"
-#include "takt/capture/serial_frame.hpp"
 #include "upper_pdu.hpp"
 
 namespace takt::capture {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "takt/capture/pdu_shape.hpp"
+#include "pdu_shape.hpp"
 
 namespace takt::capture {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "takt/bus/expected_wait.hpp"
 #include "takt/bus/outcome_status.hpp"
-#include "takt/discover/expected_wait.hpp"
 
 namespace takt::client {
 namespace {
@@ -61,7 +61,7 @@ Error Client::error_of(const bus::Outcome& outcome) const {
 Duration Client::expected_wait() const {
     const bool known = options_.adaptive && responses_ >= kResponsesToKnow &&
                        connection_->engine().counters().late_answers == 0;
-    return known ? discover::expected_wait(slowest_, options_.timeout) : options_.timeout;
+    return known ? bus::expected_wait(slowest_, options_.timeout) : options_.timeout;
 }
 
 void Client::learn(const bus::Outcome& outcome) {

@@ -9,34 +9,34 @@
 namespace takt::client {
 namespace {
 
-using discover::ScanTarget;
+using bus::ScanTarget;
 
 constexpr Duration kLeastConnectLimit = std::chrono::seconds(1);
 
-Result<std::vector<ScanTarget>> targets_of(const std::string& url, const discover::SerialChoices& choices) {
-    TAKT_TRY(const auto range, discover::parse_url_range(url));
+Result<std::vector<ScanTarget>> targets_of(const std::string& url, const bus::SerialChoices& choices) {
+    TAKT_TRY(const auto range, bus::parse_url_range(url));
     TAKT_TRY(const auto target, line::parse_target(range ? range->first_url : url));
     const auto line = target.as_line();
-    if (range) return discover::host_targets(line, range->hosts);
+    if (range) return bus::host_targets(line, range->hosts);
     if (line.transport == model::Transport::serial)
-        return std::vector<ScanTarget>{discover::serial_target(line, url, choices)};
+        return std::vector<ScanTarget>{bus::serial_target(line, url, choices)};
     return std::vector<ScanTarget>{{{line}, false}};
 }
 
 }  // namespace
 
 Result<std::vector<ScanTarget>> scan_targets(std::span<const std::string> urls,
-                                             const discover::SerialChoices& choices) {
+                                             const bus::SerialChoices& choices) {
     std::vector<ScanTarget> targets;
     for (const auto& url : urls) {
         TAKT_TRY(auto named, targets_of(url, choices));
-        TAKT_CHECK(discover::add_targets(targets, std::move(named), url));
+        TAKT_CHECK(bus::add_targets(targets, std::move(named), url));
     }
     return targets;
 }
 
 // The driver may not be destroyed from within its own call, so the next setting begins from the timer.
-PortScan::PortScan(line::Loop& loop, ScanTarget target, Options options, discover::ScanObserver& observer)
+PortScan::PortScan(line::Loop& loop, ScanTarget target, Options options, bus::ScanObserver& observer)
     : loop_(loop),
       options_(std::move(options)),
       scan_(std::move(target),
@@ -92,7 +92,7 @@ void PortScans::begin_more() {
     }
 }
 
-const discover::TargetScan* PortScans::current() const {
+const bus::TargetScan* PortScans::current() const {
     const auto running = std::ranges::find_if(scans_, [](const auto& scan) { return scan->running(); });
     return running == scans_.end() ? nullptr : &(*running)->scan();
 }

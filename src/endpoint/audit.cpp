@@ -82,11 +82,11 @@ bool leaves_open(Bytes exception) {
            code == wire::ExceptionCode::gateway_target_failed_to_respond;
 }
 
-Outcome outcome_of(const relay::Gateway::Reply& reply, bool broadcast) {
+Outcome outcome_of(const serve::Gateway::Reply& reply, bool broadcast) {
     switch (reply.fate) {
-        case relay::Fate::unknown: return Outcome::unknown;
-        case relay::Fate::not_sent: return Outcome::not_sent;
-        case relay::Fate::answered: break;
+        case serve::Fate::unknown: return Outcome::unknown;
+        case serve::Fate::not_sent: return Outcome::not_sent;
+        case serve::Fate::answered: break;
     }
     if (!is_exception(reply.pdu.span())) return broadcast ? Outcome::sent : Outcome::done;
     return leaves_open(reply.pdu.span()) ? Outcome::unknown : Outcome::refused;
@@ -132,7 +132,7 @@ serve::UnitHooks& Audit::watch(serve::Unit& unit) {
 void Audit::set_sink(std::shared_ptr<AuditSink> sink) {
     while (!unanswered_.empty()) on_forget(line::now(), unanswered_.begin()->first);
     while (!on_the_way_.empty())
-        on_relay_forgotten(line::now(), on_the_way_.begin()->first, relay::Fate::unknown);
+        on_relay_forgotten(line::now(), on_the_way_.begin()->first, serve::Fate::unknown);
     sink_ = std::move(sink);
 }
 
@@ -212,7 +212,7 @@ void Audit::on_refused_waiting(const AuditedRequest& request, Decision decision)
     sink_->put(request.context.time, record);
 }
 
-void Audit::on_relayed(Instant t, const relay::Gateway::Reply& reply, Decision decision) {
+void Audit::on_relayed(Instant t, const serve::Gateway::Reply& reply, Decision decision) {
     const auto found = on_the_way_.extract(reply.token);
     if (found.empty() || !sink_) return;
     AuditRecord& record = found.mapped();
@@ -222,11 +222,11 @@ void Audit::on_relayed(Instant t, const relay::Gateway::Reply& reply, Decision d
     sink_->put(t, record);
 }
 
-void Audit::on_relay_forgotten(Instant t, serve::Token token, relay::Fate fate) {
+void Audit::on_relay_forgotten(Instant t, serve::Token token, serve::Fate fate) {
     const auto found = on_the_way_.extract(token);
     if (found.empty() || !sink_) return;
     AuditRecord& record = found.mapped();
-    record.outcome = fate == relay::Fate::not_sent ? Outcome::not_sent : Outcome::unknown;
+    record.outcome = fate == serve::Fate::not_sent ? Outcome::not_sent : Outcome::unknown;
     if (record.outcome == Outcome::not_sent) {
         record.event = AuditRecord::Event::refused;
         record.why = "disconnected";

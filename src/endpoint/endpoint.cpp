@@ -96,7 +96,7 @@ void Endpoint::add_hooks() {
     const auto* const server = std::get_if<ServerUnits>(&spec_.units);
     const auto is_bound = [](const model::ServerUnit& unit) { return !unit.bindings.empty(); };
     if (server && std::ranges::any_of(server->units, is_bound)) {
-        bindings_ = std::make_unique<source::Bindings>(
+        bindings_ = std::make_unique<endpoint::Bindings>(
             server->units, units, [this] { return handler_->pending().put_off_until_called(); });
         for (std::size_t i = 0; i < units.size(); ++i) own_->chains[i].add(bindings_->hooks(i));
     }
@@ -108,7 +108,7 @@ void Endpoint::add_hooks() {
     for (std::size_t i = 0; i < units.size(); ++i) own_->chains[i].add(handler_->audit().watch(units[i]));
 }
 
-Result<void> Endpoint::connect(source::Feeds& feeds, source::ProjectValues& values) {
+Result<void> Endpoint::connect(endpoint::Feeds& feeds, endpoint::ProjectValues& values) {
     if (bindings_) TAKT_CHECK(bindings_->connect(feeds, values));
     return {};
 }
@@ -124,7 +124,7 @@ void Endpoint::enter(const EndpointSpec& spec) {
     handler_->set_access(spec_.access);
 }
 
-Result<void> Endpoint::reconnect(source::Feeds& feeds, source::ProjectValues& values) {
+Result<void> Endpoint::reconnect(endpoint::Feeds& feeds, endpoint::ProjectValues& values) {
     if (bindings_) TAKT_CHECK(bindings_->reconnect(feeds, values));
     return {};
 }

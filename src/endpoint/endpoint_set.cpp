@@ -22,7 +22,7 @@ bool relays_to(const EndpointSpec& spec, std::size_t line) {
 // A reply for an endpoint that was closed is dropped.
 EndpointSet::EndpointSet(std::vector<EndpointSpec> specs, Environment environment)
     : environment_(std::move(environment)),
-      gateways_(environment_.loop, [this](const relay::Gateway::Reply& reply) {
+      gateways_(environment_.loop, [this](const serve::Gateway::Reply& reply) {
           const auto found = std::ranges::find(endpoints_, reply.server, &Endpoint::id);
           if (found != endpoints_.end()) (*found)->handler().on_relayed(reply);
       }) {

@@ -6,7 +6,7 @@
 namespace takt::endpoint {
 namespace {
 
-relay::RequestPolicy policy_of(const model::Relay& relay) {
+serve::RequestPolicy policy_of(const model::Relay& relay) {
     return {.cache = relay.cache,
             .attempts = relay.attempts,
             .max_wait = relay.max_wait,
@@ -14,8 +14,8 @@ relay::RequestPolicy policy_of(const model::Relay& relay) {
 }
 
 /// `map` before `units`, each relay's before the next one's.
-std::vector<relay::Route> routes_of(const std::vector<model::Relay>& relays) {
-    std::vector<relay::Route> routes;
+std::vector<serve::Route> routes_of(const std::vector<model::Relay>& relays) {
+    std::vector<serve::Route> routes;
     for (std::size_t i = 0; i < relays.size(); ++i) {
         for (const auto [from, to] : relays[i].map) routes.push_back({from, to, i});
         for (const auto [first, last] : relays[i].units)
@@ -65,8 +65,8 @@ void GatewaySet::renumber(const model::Continued& before) {
     }
 }
 
-relay::RouteTable GatewaySet::routes(std::uint32_t endpoint, const std::vector<model::Relay>& relays) {
-    std::vector<relay::Upstream> upstreams;
+serve::RouteTable GatewaySet::routes(std::uint32_t endpoint, const std::vector<model::Relay>& relays) {
+    std::vector<serve::Upstream> upstreams;
     for (const auto& relay : relays) {
         Line& line = *lines_[relay.line];
         upstreams.push_back({&line.gateway.gateway(), policy_of(relay),

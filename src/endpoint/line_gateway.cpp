@@ -6,7 +6,7 @@
 
 namespace takt::endpoint {
 
-LineGateway::LineGateway(const relay::GatewayConfig& config, SharedLine& line, Deliver deliver)
+LineGateway::LineGateway(const serve::GatewayConfig& config, SharedLine& line, Deliver deliver)
     : gateway_(config), line_(line), deliver_(std::move(deliver)) {}
 
 void LineGateway::after_line_event(Instant t) {

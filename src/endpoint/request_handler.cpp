@@ -115,7 +115,7 @@ void RequestHandler::set_access(const std::vector<model::AccessRule>& rules) {
     }
 }
 
-void RequestHandler::on_relayed(const relay::Gateway::Reply& reply) {
+void RequestHandler::on_relayed(const serve::Gateway::Reply& reply) {
     if (const auto waiting = relayed_.extract(reply.token))
         audit_.on_relayed(line::now(), reply, waiting.mapped().decision);
     pending_.complete(reply.token, reply.pdu.span());

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "input.hpp"
-#include "takt/source/instrument_engine.hpp"
+#include "takt/endpoint/instrument_engine.hpp"
 
 namespace {
 
@@ -34,7 +34,7 @@ model::AnswerFormat format_of(unsigned what, fuzz::Input& input) {
     return format;
 }
 
-void judge(const source::InstrumentEngine& engine, const model::AnswerFormat& format, Instant t) {
+void judge(const endpoint::InstrumentEngine& engine, const model::AnswerFormat& format, Instant t) {
     for (const auto name : format.names()) {
         const auto& reading = engine.reading(name);
         if (const auto* const real = std::get_if<double>(&reading.value)) fuzz::require(std::isfinite(*real));
@@ -60,7 +60,7 @@ void add_commands(model::Instrument& settings) {
 }
 
 /// Sends all that is due. Nothing is due afterwards.
-void drain(source::InstrumentEngine& engine, Instant t) {
+void drain(endpoint::InstrumentEngine& engine, Instant t) {
     for (int i = 0; !engine.transmit(t).empty(); ++i) fuzz::require(i < 100);
     fuzz::require(engine.next_wakeup() > t);
 }
@@ -68,7 +68,7 @@ void drain(source::InstrumentEngine& engine, Instant t) {
 void run_commands(const model::Instrument& settings, fuzz::Input& input) {
     constexpr unsigned kLink = 126;
     constexpr unsigned kCommand = 127;
-    source::InstrumentEngine engine(settings);
+    endpoint::InstrumentEngine engine(settings);
     Instant t = Instant{} + std::chrono::seconds(1);
     std::vector<int> results;
     engine.on_link(t, true);
@@ -112,7 +112,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         run_commands(settings, input);
         return 0;
     }
-    source::InstrumentEngine engine(settings);
+    endpoint::InstrumentEngine engine(settings);
     Instant t = Instant{} + std::chrono::seconds(1);
     engine.on_link(t, true);
     while (!input.empty()) {

@@ -4,42 +4,42 @@
 // The first byte chooses framing and character time. Then pieces: time since the last one in units of 50 us,
 // length, bytes. A length of 255 is a tick.
 #include "input.hpp"
-#include "takt/listen/heard_project.hpp"
-#include "takt/listen/line_listener.hpp"
+#include "takt/capture/heard_project.hpp"
+#include "takt/capture/line_listener.hpp"
 
 namespace {
 
 using namespace takt;
 
-struct Count final : listen::ListenObserver {
+struct Count final : capture::ListenObserver {
     std::uint64_t exchanges = 0;
     std::uint64_t strays = 0;
     std::uint64_t damaged_bytes = 0;
-    void on_exchange(const listen::Exchange& exchange) override {
+    void on_exchange(const capture::Exchange& exchange) override {
         ++exchanges;
         fuzz::require(exchange.response_time >= Duration::zero());
         fuzz::require(!exchange.request.pdu.empty());
     }
-    void on_stray(const listen::LineFrame& frame) override {
+    void on_stray(const capture::LineFrame& frame) override {
         ++strays;
         fuzz::require(frame.begin <= frame.end);
     }
-    void on_damaged(const listen::DamagedBytes& damaged) override {
+    void on_damaged(const capture::DamagedBytes& damaged) override {
         damaged_bytes += damaged.bytes.size();
         fuzz::require(!damaged.bytes.empty());
     }
 };
 
-void judge(const listen::LineStatistics& statistics, const Count& count) {
+void judge(const capture::LineStatistics& statistics, const Count& count) {
     const auto& counts = statistics.counts();
     fuzz::require(counts.requests == counts.responses + counts.unanswered + counts.broadcasts + counts.open);
     fuzz::require(count.exchanges == counts.requests && count.strays == counts.strays);
     fuzz::require(counts.frames == counts.requests + counts.responses + counts.strays);
     fuzz::require(count.damaged_bytes == counts.damaged_bytes);
-    const auto project = listen::heard_project(statistics, {});
+    const auto project = capture::heard_project(statistics, {});
     fuzz::require(project.line.devices.size() <= 247);
     for (const auto& device : project.line.devices)
-        fuzz::require(device.variables.size() <= listen::kMostVariables);
+        fuzz::require(device.variables.size() <= capture::kMostVariables);
     (void)statistics.masters();
 }
 
@@ -48,12 +48,12 @@ void judge(const listen::LineStatistics& statistics, const Count& count) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::Input input({data, size});
     const auto choice = input.byte();
-    listen::ListenConfig config;
+    capture::ListenConfig config;
     config.frames.framing = (choice & 1) != 0 ? wire::Framing::ascii : wire::Framing::rtu;
     config.frames.character = std::chrono::microseconds((choice >> 1 & 3) * 500);
     config.frames.known_only = (choice & 8) != 0;
     Count count;
-    listen::LineListener listener(config, count);
+    capture::LineListener listener(config, count);
     Instant t{};
     while (!input.empty()) {
         constexpr std::uint8_t kTick = 255;

@@ -331,17 +331,17 @@ public:
             units_[i].extensions = std::span(probes_).subspan(i, 1);
         }
         server_ = serve::Server(units_);
-        std::vector<relay::Upstream> upstreams;
+        std::vector<serve::Upstream> upstreams;
         for (auto& line : lines_) {
             line->engine.on_link(now_, true);
             line->gateway.work(now_);
             upstreams.push_back({&line->gateway.gateway(), {}, {}, {}});
         }
         const auto route = [](int from, int to, std::size_t line) {
-            return relay::Route{UnitId{static_cast<std::uint8_t>(from)},
+            return serve::Route{UnitId{static_cast<std::uint8_t>(from)},
                                 UnitId{static_cast<std::uint8_t>(to)}, line};
         };
-        handler.set_routes(relay::RouteTable(0, std::move(upstreams),
+        handler.set_routes(serve::RouteTable(0, std::move(upstreams),
                                              {route(0, 0, 0), route(5, 5, 0), route(6, 6, 0), route(30, 5, 0),
                                               route(31, 0, 0), route(32, 7, 1), route(33, 0, 1)}));
     }
@@ -409,7 +409,7 @@ private:
         Line(RulesWorld& world, bool rtu)
             : engine(config(rtu)),
               gateway({.broadcast = rtu}, *this,
-                      [&world](const relay::Gateway::Reply& reply) { world.handler.on_relayed(reply); }) {}
+                      [&world](const serve::Gateway::Reply& reply) { world.handler.on_relayed(reply); }) {}
         static bus::LineConfig config(bool rtu) {
             bus::LineConfig config;
             config.framing = rtu ? wire::Framing::rtu : wire::Framing::tcp;

@@ -207,7 +207,7 @@ struct ProbeOptions : ClientOptions {
     std::vector<wire::Area> areas;  ///< empty: all four
     std::uint16_t first = 0;
     std::uint16_t last = 65535;
-    std::optional<std::uint16_t> step;  ///< nothing: discover::step_within() of `max_requests`
+    std::optional<std::uint16_t> step;  ///< nothing: bus::step_within() of `max_requests`
     std::size_t max_requests = 4096;    ///< of each area
     bool yaml = false;
 };
@@ -271,7 +271,7 @@ struct ScanOptions {
     std::string bauds;     ///< empty: the target's, else the usual ones
     std::string parities;  ///< likewise
     std::string stop_bits;
-    std::optional<Duration> timeout;  ///< nothing: as of discover::ScanRequest
+    std::optional<Duration> timeout;  ///< nothing: as of bus::ScanRequest
     bool first = false;               ///< leave a serial port after the first settings that found something
     bool thorough = false;            ///< ask silent units by other functions too
     bool identify = true;

@@ -10,9 +10,9 @@
 #include "output.hpp"
 #include "stoppable_input.hpp"
 #include "takt/capture/capture_reader.hpp"
+#include "takt/capture/line_listener.hpp"
 #include "takt/capture/serial_packet.hpp"
 #include "takt/line/loop.hpp"
-#include "takt/listen/line_listener.hpp"
 #include "takt/report/history_time.hpp"
 #include "takt/report/latency_report.hpp"
 
@@ -50,7 +50,7 @@ struct HeardLine {
     }
 
     ListenOutput::CapturedLine line;
-    listen::LineListener listener;
+    capture::LineListener listener;
     bool is_ascii = false;
     Instant last = Instant::min();
 };

@@ -11,12 +11,12 @@
 
 #include "commands/listen_output.hpp"
 #include "output.hpp"
+#include "takt/capture/line_listener.hpp"
+#include "takt/capture/setting_search.hpp"
 #include "takt/console/clock_text.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/line/serial_port.hpp"
 #include "takt/line/target.hpp"
-#include "takt/listen/line_listener.hpp"
-#include "takt/listen/setting_search.hpp"
 #include "takt/report/latency_report.hpp"
 #include "work_loop.hpp"
 
@@ -28,9 +28,9 @@ using namespace std::chrono_literals;
 constexpr Duration kListenRedrawEvery = 500ms;
 constexpr std::size_t kChunk = 512;
 
-listen::ListenConfig config_of(const ListenOptions& options, const listen::LineSetting& setting,
-                               bool has_settings) {
-    listen::ListenConfig config{.timeout = options.timeout};
+capture::ListenConfig config_of(const ListenOptions& options, const capture::LineSetting& setting,
+                                bool has_settings) {
+    capture::ListenConfig config{.timeout = options.timeout};
     auto& frames = config.frames;
     frames.framing = setting.framing;
     if (has_settings) frames.character = wire::transmission_time(setting.format, 1);
@@ -79,9 +79,9 @@ private:
         TAKT_CHECK(work_loop_.begin());
         has_settings_ = !line::is_pseudo_terminal(connection().port);
         if (choice_.search && has_settings_)
-            search_ = std::make_unique<listen::SettingSearch>();
+            search_ = std::make_unique<capture::SettingSearch>();
         else if (choice_.search)
-            search_ = std::make_unique<listen::SettingSearch>(connection().format);
+            search_ = std::make_unique<capture::SettingSearch>(connection().format);
         TAKT_TRY(port_, line::SerialPort::open({.path = connection().port,
                                                 .format = search_ ? search_->format() : connection().format,
                                                 .rs485 = connection().rs485,
@@ -133,7 +133,7 @@ private:
         return {};
     }
 
-    void begin(const listen::LineSetting& setting) {
+    void begin(const capture::LineSetting& setting) {
         listener_.emplace(config_of(options_, setting, has_settings_), output_);
     }
 
@@ -199,8 +199,8 @@ private:
     WorkLoop work_loop_;
     bool has_settings_ = true;
     std::unique_ptr<line::SerialPort> port_;
-    std::unique_ptr<listen::SettingSearch> search_;  // while the settings are searched
-    std::optional<listen::LineListener> listener_;   // afterwards
+    std::unique_ptr<capture::SettingSearch> search_;  // while the settings are searched
+    std::optional<capture::LineListener> listener_;   // afterwards
     std::unique_ptr<line::Watch> watch_;
     std::unique_ptr<line::Timer> timer_;
     Instant redraw_;

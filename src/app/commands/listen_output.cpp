@@ -68,25 +68,25 @@ void ListenOutput::emit(const std::function<file::Json()>& json, const std::func
     print(object.dump() + '\n');
 }
 
-void ListenOutput::on_exchange(const listen::Exchange& exchange) {
+void ListenOutput::on_exchange(const capture::Exchange& exchange) {
     const auto time = time_text_(exchange.request.begin);
     emit([&] { return report::exchange_json(line_->names, time, exchange); },
          [&] { return report::exchange_line(texts_, line_->names, place_text(time), exchange); });
 }
 
-void ListenOutput::on_stray(const listen::LineFrame& frame) {
+void ListenOutput::on_stray(const capture::LineFrame& frame) {
     const auto time = time_text_(frame.begin);
     emit([&] { return report::stray_json(time, frame); },
          [&] { return report::stray_line(texts_, line_->names, place_text(time), frame); });
 }
 
-void ListenOutput::on_damaged(const listen::DamagedBytes& damaged) {
+void ListenOutput::on_damaged(const capture::DamagedBytes& damaged) {
     const auto time = time_text_(damaged.begin);
     emit([&] { return report::damaged_json(time, damaged); },
          [&] { return report::damaged_line(texts_, place_text(time), damaged); });
 }
 
-ExitCode ListenOutput::finish(const listen::LineStatistics& statistics, const model::Line& connection,
+ExitCode ListenOutput::finish(const capture::LineStatistics& statistics, const model::Line& connection,
                               bool has_settings, std::uint64_t faulty_characters) {
     return finish(std::array{report::ListenRun{.port = port_,
                                                .connection = connection,
@@ -137,7 +137,7 @@ std::string ListenOutput::accepted_project(std::span<const report::ListenRun> ru
 ExitCode ListenOutput::write_project(std::span<const report::ListenRun> runs) const {
     if (options_.write.empty()) return ExitCode::ok;
     if (std::ranges::none_of(runs,
-                             [](const auto& run) { return listen::heard_devices(run.statistics) > 0; })) {
+                             [](const auto& run) { return capture::heard_devices(run.statistics) > 0; })) {
         print_status(texts_("app.listen.no_project", {{"file", options_.write}}) + '\n');
         return ExitCode::ok;
     }

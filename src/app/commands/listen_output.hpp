@@ -8,15 +8,15 @@
 
 #include "commands/commands.hpp"
 #include "progress.hpp"
+#include "takt/capture/heard_exchange.hpp"
 #include "takt/host/project_file.hpp"
-#include "takt/listen/heard_exchange.hpp"
 #include "takt/report/listen_report.hpp"
 #include "texts.hpp"
 
 namespace takt::app {
 
 /// Prints what a listener reports, then the summary; writes the project. One owner, one thread.
-class ListenOutput final : public listen::ListenObserver {
+class ListenOutput final : public capture::ListenObserver {
 public:
     /// @param time_text  the time of an instant, as it is printed
     ListenOutput(const Texts& texts, const ListenOptions& options, std::string port,
@@ -37,13 +37,13 @@ public:
     /// @param several  the texts name the line
     void use_line(const CapturedLine& line, bool several);
 
-    void on_exchange(const listen::Exchange& exchange) override;
-    void on_stray(const listen::LineFrame& frame) override;
-    void on_damaged(const listen::DamagedBytes& damaged) override;
+    void on_exchange(const capture::Exchange& exchange) override;
+    void on_stray(const capture::LineFrame& frame) override;
+    void on_damaged(const capture::DamagedBytes& damaged) override;
 
     /// @param connection  the line without devices
     /// @param faulty_characters  that the port reported
-    [[nodiscard]] ExitCode finish(const listen::LineStatistics& statistics, const model::Line& connection,
+    [[nodiscard]] ExitCode finish(const capture::LineStatistics& statistics, const model::Line& connection,
                                   bool has_settings, std::uint64_t faulty_characters);
     /// The same for the lines of a capture: a summary for each, and the project of all.
     [[nodiscard]] ExitCode finish(std::span<const report::ListenRun> runs);

@@ -4,15 +4,15 @@
 #include "commands/one_off.hpp"
 #include "output.hpp"
 #include "progress.hpp"
+#include "takt/bus/device_probe.hpp"
 #include "takt/client/probe_connection.hpp"
-#include "takt/discover/device_probe.hpp"
 #include "takt/report/probe_report.hpp"
 #include "texts.hpp"
 
 namespace takt::app {
 namespace {
 
-void print_findings(const Texts& texts, const ProbeOptions& options, const discover::ProbeFindings& findings,
+void print_findings(const Texts& texts, const ProbeOptions& options, const bus::ProbeFindings& findings,
                     const report::ProbeRun& run) {
     if (options.json) print(report::probe_json(findings, run).dump() + '\n');
     if (options.yaml) print(report::probe_yaml(findings));
@@ -29,9 +29,9 @@ ExitCode probe_target(const Texts& texts, const ProbeOptions& options) {
     auto& device = (*one_off)->device();
     Progress progress(texts, start);
     client::ProbeConnection connection(device);
-    const auto findings = discover::probe_device(
+    const auto findings = bus::probe_device(
         {options.areas, options.first, options.last, options.step, options.max_requests}, connection,
-        [&](const discover::ProbeProgress& at) {
+        [&](const bus::ProbeProgress& at) {
             progress.show(line::now(), {std::min(at.asked, at.expected), at.expected, device.transmissions()},
                           report::probe_progress(at));
         });

@@ -13,9 +13,9 @@
 #include "commands/one_off.hpp"
 #include "output.hpp"
 #include "progress.hpp"
+#include "takt/bus/number_list.hpp"
 #include "takt/client/port_scan.hpp"
 #include "takt/client/probe_connection.hpp"
-#include "takt/discover/number_list.hpp"
 #include "takt/file/write.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/model/target_url.hpp"
@@ -28,7 +28,7 @@ namespace takt::app {
 namespace {
 
 using namespace std::chrono_literals;
-using discover::ScanOutcome;
+using bus::ScanOutcome;
 
 constexpr Duration kScanRedrawEvery = 100ms;
 
@@ -44,24 +44,24 @@ Result<T> of_option(Result<T> read, std::string_view option, std::string_view ex
     return std::unexpected(error);
 }
 
-Result<discover::SerialChoices> choices_of(const ScanOptions& options) {
-    discover::SerialChoices choices;
+Result<bus::SerialChoices> choices_of(const ScanOptions& options) {
+    bus::SerialChoices choices;
     if (!options.bauds.empty()) {
         TAKT_TRY(choices.bauds,
-                 of_option(discover::parse_numbers(options.bauds, 50, 4'000'000), "--bauds", "9600,19200"));
+                 of_option(bus::parse_numbers(options.bauds, 50, 4'000'000), "--bauds", "9600,19200"));
     }
     if (!options.parities.empty()) {
         TAKT_TRY(choices.parities,
-                 of_option(discover::parse_parities(options.parities), "--parities", "none,even,odd"));
+                 of_option(bus::parse_parities(options.parities), "--parities", "none,even,odd"));
     }
     if (!options.stop_bits.empty()) {
         TAKT_TRY(choices.stop_bits,
-                 of_option(discover::parse_numbers(options.stop_bits, 1, 2), "--stop-bits", "1,2"));
+                 of_option(bus::parse_numbers(options.stop_bits, 1, 2), "--stop-bits", "1,2"));
     }
     return choices;
 }
 
-class Scan final : private discover::ScanObserver {
+class Scan final : private bus::ScanObserver {
 public:
     Scan(const Texts& texts, const ScanOptions& options)
         : texts_(texts), options_(options), progress_(texts, line::now()), start_(line::now()) {}
@@ -82,26 +82,26 @@ public:
 
 private:
     Result<void> prepare() {
-        discover::ScanRequest request{{}, options_.timeout, options_.identify, options_.thorough};
+        bus::ScanRequest request{{}, options_.timeout, options_.identify, options_.thorough};
         if (!options_.units.empty()) {
             TAKT_TRY(request.units,
-                     of_option(discover::parse_numbers(options_.units, 0, 255), "--units", "1-10,16"));
+                     of_option(bus::parse_numbers(options_.units, 0, 255), "--units", "1-10,16"));
         }
         TAKT_TRY(const auto choices, choices_of(options_));
         TAKT_TRY(auto targets, client::scan_targets(options_.targets, choices));
         TAKT_CHECK(work_loop_.begin(options_.traffic, {}, texts_));
         auto& loop = work_loop_.loop();
-        discover::ScanObserver& observer = *this;
+        bus::ScanObserver& observer = *this;
         scans_.emplace(loop, observer);
         for (auto& target : targets) TAKT_CHECK(add_scan(request, std::move(target)));
         redraw_ = std::make_unique<line::Timer>(loop, [this](Instant t) { redraw(t); });
         return {};
     }
 
-    Result<void> add_scan(const discover::ScanRequest& request, discover::ScanTarget target) {
+    Result<void> add_scan(const bus::ScanRequest& request, bus::ScanTarget target) {
         client::PortScan::Options options{
             .traffic = console::traffic_factory(work_loop_.traffic(), console::LineTraffic::Side::master)};
-        TAKT_TRY(options.scan.scan, of_option(discover::scan_config(request, target), "--units"));
+        TAKT_TRY(options.scan.scan, of_option(bus::scan_config(request, target), "--units"));
         options.scan.first_only = options_.first;
         scans_->add(std::move(target), std::move(options));
         return {};
@@ -115,14 +115,14 @@ private:
         redraw_->set(after(t, kScanRedrawEvery));
     }
 
-    // discover::ScanObserver
-    void on_device(const discover::FoundDevice& device) override {
+    // bus::ScanObserver
+    void on_device(const bus::FoundDevice& device) override {
         findings_.devices.push_back(device);
         if (options_.json) return;
         progress_.clear();
         print(report::device_line(texts_, device) + '\n');
     }
-    void on_trouble(const discover::ScanTrouble& trouble) override {
+    void on_trouble(const bus::ScanTrouble& trouble) override {
         findings_.troubles.push_back(trouble);
         progress_.clear();
         print_error(report::trouble_line(texts_, trouble));
@@ -142,7 +142,7 @@ private:
     void probe_devices() {
         redraw_.reset();
         scans_.reset();
-        const auto project = discover::found_project(findings_);
+        const auto project = bus::found_project(findings_);
         for (const auto& line : project.lines)
             for (const auto* device : line.found) {
                 if (!work_loop_.loop().stopped()) probe_device(*device);
@@ -150,7 +150,7 @@ private:
             }
     }
 
-    void probe_device(const discover::FoundDevice& found) {
+    void probe_device(const bus::FoundDevice& found) {
         client::Options options{.target = model::url_of(found.line), .unit = found.unit.unit.value};
         options.timeout = options_.timeout.value_or(options.timeout);
         options.attempts = 2;
@@ -162,7 +162,7 @@ private:
         if (!opened) return probe_failed(opened.error());
         auto& device = **opened;
         client::ProbeConnection connection(device);
-        auto findings = discover::probe_device({}, connection, [&](const discover::ProbeProgress& at) {
+        auto findings = bus::probe_device({}, connection, [&](const bus::ProbeProgress& at) {
             progress_.show(line::now(),
                            {std::min(at.asked, at.expected), at.expected, device.transmissions()},
                            report::probe_progress(at));
@@ -202,10 +202,10 @@ private:
     }
 
     [[nodiscard]] ExitCode code() const {
-        switch (discover::outcome_of(findings_)) {
+        switch (bus::outcome_of(findings_)) {
             case ScanOutcome::found: return ExitCode::ok;
             case ScanOutcome::nothing: return ExitCode::no;
-            case ScanOutcome::failed: return exit_code(*discover::first_failure(findings_));
+            case ScanOutcome::failed: return exit_code(*bus::first_failure(findings_));
             case ScanOutcome::partly: break;
         }
         return ExitCode::partly;
@@ -215,8 +215,8 @@ private:
     const ScanOptions& options_;
     Progress progress_;
     Instant start_;
-    discover::ScanFindings findings_;
-    discover::DeviceProbes probes_;
+    bus::ScanFindings findings_;
+    bus::DeviceProbes probes_;
     WorkLoop work_loop_;
     std::optional<client::PortScans> scans_;
     std::unique_ptr<line::Timer> redraw_;

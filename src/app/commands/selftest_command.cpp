@@ -12,9 +12,9 @@
 
 #include "output.hpp"
 #include "progress.hpp"
+#include "takt/client/background_load.hpp"
+#include "takt/client/measure.hpp"
 #include "takt/report/selftest_report.hpp"
-#include "takt/selftest/background_load.hpp"
-#include "takt/selftest/measure.hpp"
 #include "texts.hpp"
 #include "work_loop.hpp"
 
@@ -49,7 +49,7 @@ private:
                 work_loop_.loop().stop();
             });
         } catch (const std::system_error& error) {
-            return selftest::no_thread(error);
+            return client::no_thread(error);
         }
         work_loop_.work(std::nullopt);
         stop_ = true;
@@ -61,17 +61,17 @@ private:
         TAKT_CHECK(measure_into(report_.idle));
         if (stop_) return {};
         try {
-            const selftest::BackgroundLoad load(report_.load_threads);
+            const client::BackgroundLoad load(report_.load_threads);
             return measure_into(report_.loaded);
         } catch (const std::system_error& error) {
-            return selftest::no_thread(error);
+            return client::no_thread(error);
         }
     }
 
     // A measurement that was stopped is left out: it is shorter than the others.
     Result<void> measure_into(report::SelftestRun& run) {
-        for (const auto subject : selftest::kSubjects) {
-            TAKT_TRY(const auto measured, selftest::measure(subject, settings()));
+        for (const auto subject : client::kSubjects) {
+            TAKT_TRY(const auto measured, client::measure(subject, settings()));
             if (stop_) return {};
             run[static_cast<std::size_t>(subject)] = measured;
             ++ended_;
@@ -79,7 +79,7 @@ private:
         return {};
     }
 
-    selftest::MeasureOptions settings() {
+    client::MeasureOptions settings() {
         return {.time = options_.time,
                 .begin_thread =
                     [this](line::Loop& loop) {
@@ -98,7 +98,7 @@ private:
     void show_progress(Duration since) {
         const auto length = static_cast<std::size_t>(options_.time.count());
         const auto now = ended_ * length + static_cast<std::size_t>(since.count());
-        work_loop_.loop().post([this, now, all = 2 * selftest::kSubjects.size() * length] {
+        work_loop_.loop().post([this, now, all = 2 * client::kSubjects.size() * length] {
             progress_.show(line::now(), {.done = now, .total = all}, texts_("selftest.progress"));
         });
     }

@@ -12,12 +12,12 @@ namespace port_scan_test {
 
 using namespace std::chrono_literals;
 
-struct Recorder final : discover::ScanObserver {
-    void on_device(const discover::FoundDevice& device) override { devices.push_back(device); }
-    void on_trouble(const discover::ScanTrouble& trouble) override { troubles.push_back(trouble); }
+struct Recorder final : bus::ScanObserver {
+    void on_device(const bus::FoundDevice& device) override { devices.push_back(device); }
+    void on_trouble(const bus::ScanTrouble& trouble) override { troubles.push_back(trouble); }
     void on_absent_host() override { ++absent_hosts; }
-    std::vector<discover::FoundDevice> devices;
-    std::vector<discover::ScanTrouble> troubles;
+    std::vector<bus::FoundDevice> devices;
+    std::vector<bus::ScanTrouble> troubles;
     int absent_hosts = 0;
 };
 

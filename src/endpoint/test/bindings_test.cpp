@@ -1,5 +1,5 @@
 // Reads and writes of bound variables, with values and outcomes moved by hand.
-#include "takt/source/bindings.hpp"
+#include "takt/endpoint/bindings.hpp"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ std::vector<value::SlotInfo> slots() {
             {.name = "Q", .type = DataType::int16}};
 }
 
-class Values final : public source::ProjectValues {
+class Values final : public endpoint::ProjectValues {
 public:
     explicit Values(std::vector<value::SlotInfo> made = slots()) : store_(std::move(made)) {}
 
@@ -161,8 +161,8 @@ struct Bench {
     PendingAnswers pending;
     UnitHookChain hooks;
     Keeping keeping{pending};
-    std::optional<source::Feeds> feeds;
-    std::optional<source::Bindings> bound;
+    std::optional<endpoint::Feeds> feeds;
+    std::optional<endpoint::Bindings> bound;
     Instant now = line::now();
     serve::Token token = 0;
 };
@@ -200,7 +200,7 @@ TEST(Feeds, InstrumentsThatContinueAreNotOpenedAnew) {
     };
     auto first = std::make_unique<model::Project>(project({"scale", "meter"}, 1s));
     Values values;
-    source::Feeds feeds(*loop, *first, "", values.store());
+    endpoint::Feeds feeds(*loop, *first, "", values.store());
     ASSERT_TRUE(feeds.open());
     const auto* const scale = &feeds.counters(0);
     const auto second = project({"new", "scale"}, 1s);

@@ -20,7 +20,7 @@ constexpr Instant kNow{1h};
 
 struct Bench {
     Bench()
-        : gateway({}, line, [this](const relay::Gateway::Reply& reply) {
+        : gateway({}, line, [this](const serve::Gateway::Reply& reply) {
               replies.push_back(std::to_string(reply.token) + ": " + to_hex(reply.pdu.span()));
               if (on_reply) on_reply();
           }) {

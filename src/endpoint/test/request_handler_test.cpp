@@ -34,7 +34,7 @@ struct Bench {
         }
         server = serve::Server(units);
         gateway.on_link(true);
-        handler.set_routes(relay::RouteTable(0, {{&gateway, {}, {}}}, {{UnitId{7}, UnitId{17}, 0}}));
+        handler.set_routes(serve::RouteTable(0, {{&gateway, {}, {}}}, {{UnitId{7}, UnitId{17}, 0}}));
         handler.pending().add(answers);
     }
 
@@ -65,9 +65,9 @@ struct Bench {
     }
     /// Unit 7 is unit 17 of the line, unit 8 all its units, and unit 0 too if `all`.
     void route_broadcasts(bool all) {
-        std::vector<relay::Route> routes{{UnitId{7}, UnitId{17}, 0}, {UnitId{8}, UnitId{0}, 0}};
+        std::vector<serve::Route> routes{{UnitId{7}, UnitId{17}, 0}, {UnitId{8}, UnitId{0}, 0}};
         if (all) routes.push_back({UnitId{0}, UnitId{0}, 0});
-        handler.set_routes(relay::RouteTable(0, {{&gateway, {}, {}, {}}}, routes));
+        handler.set_routes(serve::RouteTable(0, {{&gateway, {}, {}, {}}}, routes));
     }
     /// The audit log: "write 1", "refused 7 rule 1"; of a relayed write "write 7 done at 17"; where the own
     /// unit is another one "write 255 by 1".
@@ -90,7 +90,7 @@ struct Bench {
     std::array<std::array<std::uint16_t, 10>, 2> registers{};
     std::array<serve::Unit, 2> units;
     serve::Server server{{}};
-    relay::Gateway gateway;
+    serve::Gateway gateway;
     test::Answers answers;
     std::shared_ptr<test::Records> records = std::make_shared<test::Records>();
     RequestHandler handler;
@@ -119,7 +119,7 @@ wire::ResponseView response_to(const bus::Transaction& sent, const wire::Pdu& pd
 
 TEST(RequestHandler, AnOwnUnitGoesBeforeARoute) {
     Bench bench;
-    bench.handler.set_routes(relay::RouteTable(0, {{&bench.gateway, {}, {}}},
+    bench.handler.set_routes(serve::RouteTable(0, {{&bench.gateway, {}, {}}},
                                                {{UnitId{1}, UnitId{9}, 0}, {UnitId{7}, UnitId{17}, 0}}));
     EXPECT_EQ(bench.ask(1, "06 00 00 00 05"), "06 00 00 00 05");
     EXPECT_EQ(bench.registers[0][0], 5);
@@ -159,7 +159,7 @@ TEST(RequestHandler, ABroadcastGoesToAllOwnUnitsAndAlongTheRouteOfUnit0) {
     EXPECT_EQ(bench.registers[0][0], 5);
     EXPECT_EQ(bench.registers[1][0], 5);
     EXPECT_FALSE(bench.gateway.has_next());
-    bench.handler.set_routes(relay::RouteTable(0, {{&bench.gateway, {}, {}}}, {{UnitId{0}, UnitId{0}, 0}}));
+    bench.handler.set_routes(serve::RouteTable(0, {{&bench.gateway, {}, {}}}, {{UnitId{0}, UnitId{0}, 0}}));
     EXPECT_EQ(bench.ask(0, "06 00 00 00 06", true), "");
     EXPECT_EQ(bench.registers[0][0], 6);
     EXPECT_TRUE(bench.gateway.has_next());
@@ -223,10 +223,10 @@ TEST(RequestHandler, ABroadcastThatNoLineGetsIsOfTheOwnUnits) {
 
 TEST(RequestHandler, ADeniedClientGetsNoSharedAndNoCachedAnswer) {
     Bench bench;
-    relay::RequestPolicy policy;
+    serve::RequestPolicy policy;
     policy.cache = 1min;
     bench.handler.set_routes(
-        relay::RouteTable(0, {{&bench.gateway, policy, {}, {}}}, {{UnitId{7}, UnitId{17}, 0}}));
+        serve::RouteTable(0, {{&bench.gateway, policy, {}, {}}}, {{UnitId{7}, UnitId{17}, 0}}));
     auto only_one = allow();
     only_one.every_peer = false;
     only_one.networks = {*parse_network("192.0.2.1")};
@@ -291,9 +291,9 @@ TEST(RequestHandler, WhatTheLineDidNotSendYetIsTakenBack) {
     test::FakeLine line;
     line.sent = false;
     LineGateway gateway({}, line,
-                        [&](const relay::Gateway::Reply& reply) { bench.handler.on_relayed(reply); });
+                        [&](const serve::Gateway::Reply& reply) { bench.handler.on_relayed(reply); });
     gateway.work(kNow);
-    bench.handler.set_routes(relay::RouteTable(0, {{&gateway.gateway(), {}, {}, [&] { gateway.withdraw(); }}},
+    bench.handler.set_routes(serve::RouteTable(0, {{&gateway.gateway(), {}, {}, [&] { gateway.withdraw(); }}},
                                                {{UnitId{7}, UnitId{17}, 0}}));
     const auto work = [&] { gateway.work(kNow); };
     bench.record();

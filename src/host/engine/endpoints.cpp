@@ -38,7 +38,7 @@ private:
 };
 
 /// The values of the project for what is bound to them.
-class Endpoints::Values final : public source::ProjectValues {
+class Endpoints::Values final : public endpoint::ProjectValues {
 public:
     explicit Values(Endpoints& endpoints) : endpoints_(endpoints) {}
 

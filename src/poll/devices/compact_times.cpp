@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "takt/timing/histogram_definitions.hpp"
-#include "takt/timing/latency_statistics_definitions.hpp"
+#include "takt/base/histogram_definitions.hpp"
+#include "takt/base/latency_statistics_definitions.hpp"
 
 namespace takt::poll {
 
@@ -68,9 +68,9 @@ HistogramSnapshot snapshot_of(const HeapOptional<CompactLatencyStatistics>& opti
 
 }  // namespace takt::poll
 
-namespace takt::timing {
+namespace takt {
 
 template class BasicHistogram<3, 26, 1000, poll::CountRange>;
 template class BasicLatencyStatistics<poll::CompactHistogram>;
 
-}  // namespace takt::timing
+}  // namespace takt

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "line/heap_optional.hpp"
+#include "takt/base/latency_statistics.hpp"
 #include "takt/poll/statistics.hpp"
-#include "takt/timing/latency_statistics.hpp"
 
 namespace takt::poll {
 
@@ -40,17 +40,17 @@ private:
 
 /// Within 1/8 (12.5 %) from 1 us to 67 s. It takes 32 bytes for each power of two between the least and the
 /// greatest sample.
-using CompactHistogram = timing::BasicHistogram<3, 26, 1000, CountRange>;
-using CompactLatencyStatistics = timing::BasicLatencyStatistics<CompactHistogram>;
+using CompactHistogram = BasicHistogram<3, 26, 1000, CountRange>;
+using CompactLatencyStatistics = BasicLatencyStatistics<CompactHistogram>;
 
 /// The percentiles and the buckets with a count.
 [[nodiscard]] HistogramSnapshot snapshot_of(const HeapOptional<CompactLatencyStatistics>& times);
 
 }  // namespace takt::poll
 
-namespace takt::timing {
+namespace takt {
 
 extern template class BasicHistogram<3, 26, 1000, poll::CountRange>;
 extern template class BasicLatencyStatistics<poll::CompactHistogram>;
 
-}  // namespace takt::timing
+}  // namespace takt

@@ -14,12 +14,11 @@ using namespace std::chrono_literals;
 
 // Every order of magnitude gets its share.
 rc::Gen<Duration> durations() {
-    return rc::gen::map(rc::gen::pair(rc::gen::inRange(0, timing::Histogram::kLimitBits),
-                                      rc::gen::arbitrary<std::uint64_t>()),
-                        [](std::pair<int, std::uint64_t> v) {
-                            return Duration(static_cast<std::int64_t>(
-                                v.second >> (64 - timing::Histogram::kLimitBits + v.first)));
-                        });
+    return rc::gen::map(
+        rc::gen::pair(rc::gen::inRange(0, Histogram::kLimitBits), rc::gen::arbitrary<std::uint64_t>()),
+        [](std::pair<int, std::uint64_t> v) {
+            return Duration(static_cast<std::int64_t>(v.second >> (64 - Histogram::kLimitBits + v.first)));
+        });
 }
 
 TEST(CompactHistogram, CoversAllDurationsInNarrowBuckets) {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "takt/discover/found_project.hpp"
+#include "takt/bus/found_project.hpp"
 #include "takt/file/convert.hpp"
 #include "takt/file/project_nodes.hpp"
 #include "takt/report/formatting.hpp"
@@ -14,9 +14,9 @@
 namespace takt::report {
 namespace {
 
-using discover::AreaProbe;
-using discover::ProbeEnd;
-using discover::ProbeFindings;
+using bus::AreaProbe;
+using bus::ProbeEnd;
+using bus::ProbeFindings;
 using file::Json;
 
 std::string_view probe_end_word(ProbeEnd end) {
@@ -38,9 +38,9 @@ std::string ranges_text(const std::vector<model::ItemRange>& ranges) {
 }
 
 /// The exception code of a refused item.
-int exception_of(discover::ProbeReply reply) {
-    const auto code = reply == discover::ProbeReply::bad_value ? wire::ExceptionCode::illegal_data_value
-                                                               : wire::ExceptionCode::server_device_failure;
+int exception_of(bus::ProbeReply reply) {
+    const auto code = reply == bus::ProbeReply::bad_value ? wire::ExceptionCode::illegal_data_value
+                                                          : wire::ExceptionCode::server_device_failure;
     return static_cast<int>(code);
 }
 
@@ -122,7 +122,7 @@ Json area_probe_json(const AreaProbe& area) {
 
 }  // namespace
 
-std::string probe_progress(const discover::ProbeProgress& progress) {
+std::string probe_progress(const bus::ProbeProgress& progress) {
     return fmt::format("{} {}", wire::name(progress.area), progress.start);
 }
 
@@ -141,7 +141,7 @@ std::string probe_text(const ProbeFindings& findings) {
 model::Node probe_keys(const ProbeFindings& findings) {
     if (!findings.any_readable()) return {};
     model::Device device{.group_requests = true};
-    discover::set_ranges(device, findings);
+    bus::set_ranges(device, findings);
     return file::range_keys(device, file::Ranges::all);
 }
 

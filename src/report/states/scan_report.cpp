@@ -19,9 +19,9 @@
 namespace takt::report {
 namespace {
 
-using discover::FoundDevice;
-using discover::ScanFindings;
-using discover::ScanTrouble;
+using bus::FoundDevice;
+using bus::ScanFindings;
+using bus::ScanTrouble;
 
 constexpr std::array<const char*, 7> kObjects{"vendor",       "product", "revision",   "url",
                                               "product_name", "model",   "application"};
@@ -47,12 +47,12 @@ std::string server_name(const std::vector<std::uint8_t>& data) {
     return best.size() < kLeastName ? wire::hex(Bytes(data.data(), data.size())) : printable(best);
 }
 
-std::string proof_text(const Texts& texts, const discover::FoundUnit& unit) {
+std::string proof_text(const Texts& texts, const bus::FoundUnit& unit) {
     return unit.exception == 0 ? std::string()
                                : texts("app.scan.exception", {{"code", std::to_string(unit.exception)}});
 }
 
-std::string found_unit_remarks(const Texts& texts, const discover::FoundUnit& unit) {
+std::string found_unit_remarks(const Texts& texts, const bus::FoundUnit& unit) {
     std::string text;
     for (const auto& [applies, code] :
          {std::pair{unit.doubled, "app.scan.doubled"}, std::pair{unit.garbled, "app.scan.some_garbled"},
@@ -104,7 +104,7 @@ std::string_view kind_name(ScanTrouble::Kind kind) {
 
 }  // namespace
 
-std::string identity_text(const discover::UnitIdentity& identity) {
+std::string identity_text(const bus::UnitIdentity& identity) {
     std::string text;
     constexpr std::array<std::uint8_t, 5> kShownObjects{0, 4, 5, 1, 2};
     for (const auto id : kShownObjects) {
@@ -163,8 +163,8 @@ file::Json scan_json(const Texts& texts, const ScanFindings& findings) {
     return object;
 }
 
-FoundNodes found_nodes(const ScanFindings& findings, const discover::DeviceProbes& probes) {
-    FoundNodes found{.project = discover::found_project(findings, probes), .lines = {}};
+FoundNodes found_nodes(const ScanFindings& findings, const bus::DeviceProbes& probes) {
+    FoundNodes found{.project = bus::found_project(findings, probes), .lines = {}};
     for (auto& [line, devices] : found.project.lines) {
         auto& node = found.lines.emplace_back(file::line_node(line));
         for (std::size_t i = 0; i < devices.size(); ++i) {
@@ -175,8 +175,7 @@ FoundNodes found_nodes(const ScanFindings& findings, const discover::DeviceProbe
     return found;
 }
 
-std::string scan_project(const Texts& texts, const ScanFindings& findings,
-                         const discover::DeviceProbes& probes) {
+std::string scan_project(const Texts& texts, const ScanFindings& findings, const bus::DeviceProbes& probes) {
     auto found = found_nodes(findings, probes);
     auto text = fmt::format("# {}\n", texts("app.scan.project_head")) +
                 file::write_project(file::project_node(std::move(found.lines)));
@@ -201,8 +200,7 @@ std::string scan_summary(const Texts& texts, const ScanFindings& findings) {
     return text;
 }
 
-std::string scan_progress(const Texts& texts, const discover::TargetScan& scan,
-                          const ScanFindings& findings) {
+std::string scan_progress(const Texts& texts, const bus::TargetScan& scan, const ScanFindings& findings) {
     const auto& line = scan.line();
     auto text = line.transport == model::Transport::serial
                     ? fmt::format("{} {}", line.port, model::settings_text(line))

@@ -12,8 +12,7 @@
 namespace takt::report {
 namespace {
 
-using selftest::Subject;
-using timing::LatencyStatistics;
+using client::Subject;
 
 /// Counts in rows that end at 1, 2, 5, 10 µs and so on.
 struct HistogramRow {
@@ -28,7 +27,7 @@ Duration next_end(Duration end) {
 std::vector<HistogramRow> histogram_rows(const LatencyStatistics& statistics) {
     std::vector<HistogramRow> rows{{std::chrono::microseconds(1), 0}};
     const auto& histogram = statistics.histogram();
-    for (std::size_t i = 0; i < timing::Histogram::kBuckets; ++i) {
+    for (std::size_t i = 0; i < Histogram::kBuckets; ++i) {
         const auto bucket = histogram.bucket(i);
         if (bucket.count == 0) continue;
         while (bucket.lower >= rows.back().upper) rows.push_back({next_end(rows.back().upper), 0});
@@ -58,7 +57,7 @@ std::string histogram_text(const Texts& texts, const LatencyStatistics& statisti
 }
 
 void add_rows(TextTable& table, const Texts& texts, const SelftestRun& run) {
-    for (const auto subject : selftest::kSubjects) {
+    for (const auto subject : client::kSubjects) {
         const auto& measured = run[static_cast<std::size_t>(subject)];
         if (!measured) continue;
         const bool any = measured->count() > 0;
@@ -73,15 +72,15 @@ bool is_whole(const SelftestRun& run) {
     return std::ranges::all_of(run, [](const auto& measured) { return measured && measured->count() > 0; });
 }
 
-selftest::HostBudget budget_of(const SelftestRun& run) {
-    return selftest::budget_of(*run[0], *run[1], *run[2]);
+client::HostBudget budget_of(const SelftestRun& run) {
+    return client::budget_of(*run[0], *run[1], *run[2]);
 }
 
 std::string project_time(Duration time) {
     return std::to_string(std::chrono::duration_cast<std::chrono::microseconds>(time).count()) + "us";
 }
 
-std::string host_line(const selftest::HostBudget& budget) {
+std::string host_line(const client::HostBudget& budget) {
     return "host: {jitter: " + project_time(budget.jitter) + ", overhead: " + project_time(budget.overhead) +
            "}";
 }
@@ -108,7 +107,7 @@ file::Json statistics_json(const LatencyStatistics& statistics) {
 
 file::Json run_json(const SelftestRun& run) {
     auto object = file::Json::object();
-    for (const auto subject : selftest::kSubjects) {
+    for (const auto subject : client::kSubjects) {
         const auto& measured = run[static_cast<std::size_t>(subject)];
         object.set(name(subject), measured ? statistics_json(*measured) : file::Json());
     }
@@ -141,7 +140,7 @@ std::string selftest_text(const Texts& texts, const SelftestReport& report) {
     table.add({texts("selftest.loaded", {{"count", std::to_string(report.load_threads)}})});
     add_rows(table, texts, report.loaded);
     std::string text = table.render();
-    for (const auto subject : selftest::kSubjects) {
+    for (const auto subject : client::kSubjects) {
         const auto& measured = report.loaded[static_cast<std::size_t>(subject)];
         if (!measured || measured->count() == 0) continue;
         text += '\n' +

@@ -101,7 +101,7 @@ Json retained_json(const std::vector<endpoint::RetainedStatistics>& units) {
 using Instrument = endpoint::InstrumentStatistics;
 using NamedCount = std::pair<const char*, std::uint64_t>;
 
-std::array<NamedCount, 12> instrument_counts(const source::InstrumentCounters& counters) {
+std::array<NamedCount, 12> instrument_counts(const endpoint::InstrumentCounters& counters) {
     return {{{"requests", counters.requests},
              {"answers", counters.answers},
              {"timeouts", counters.timeouts},
@@ -119,7 +119,7 @@ std::array<NamedCount, 12> instrument_counts(const source::InstrumentCounters& c
 std::string instrument_text(const Texts& texts, const Instrument& instrument) {
     Texts::Arguments arguments{
         {"instrument", instrument.name},
-        {"state", texts("instrument.state." + std::string(source::name(instrument.state)))}};
+        {"state", texts("instrument.state." + std::string(endpoint::name(instrument.state)))}};
     for (const auto& [name, count] : instrument_counts(instrument.counters))
         arguments.emplace_back(name, std::to_string(count));
     const auto& counters = instrument.counters;
@@ -136,14 +136,14 @@ Json instruments_json(const std::vector<Instrument>& instruments) {
     for (const auto& instrument : instruments) {
         auto object = Json::object();
         object.set("name", instrument.name);
-        object.set("state", source::name(instrument.state));
+        object.set("state", endpoint::name(instrument.state));
         for (const auto& [name, count] : instrument_counts(instrument.counters)) object.set(name, count);
         list.push_back(std::move(object));
     }
     return list;
 }
 
-std::array<NamedCount, 10> gateway_counts(const relay::GatewayCounters& counters) {
+std::array<NamedCount, 10> gateway_counts(const serve::GatewayCounters& counters) {
     return {NamedCount{"asked", counters.asked}, {"sent", counters.sent},
             {"shared", counters.shared},         {"cached", counters.from_cache},
             {"no_answer", counters.no_answer},   {"not_asked", counters.not_asked},

@@ -11,7 +11,7 @@
 namespace takt::report {
 namespace heard_names_test {
 
-using listen::Outcome;
+using capture::Outcome;
 
 constexpr const char* kProject = R"(takt: 1
 lines:
@@ -41,7 +41,7 @@ protected:
     [[nodiscard]] std::string values(std::string_view request, std::string_view response,
                                      Outcome outcome = Outcome::answered) const {
         const HeardNames names(loaded_.project, "/dev/ttyS1");
-        listen::SeenRequest seen{.unit = 1};
+        capture::SeenRequest seen{.unit = 1};
         seen.pdu.assign(takt::test::from_hex(request));
         const auto bytes = takt::test::from_hex(response);
         std::string text;

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "hex.hpp"
+#include "takt/capture/line_listener.hpp"
 #include "takt/host/project_file.hpp"
-#include "takt/listen/line_listener.hpp"
 
 namespace takt::report {
 namespace listen_report_test {
@@ -17,18 +17,18 @@ namespace listen_report_test {
 using namespace std::chrono_literals;
 
 /// Prints each event of a listener.
-class Events final : public listen::ListenObserver {
+class Events final : public capture::ListenObserver {
 public:
-    void on_exchange(const listen::Exchange& exchange) override {
+    void on_exchange(const capture::Exchange& exchange) override {
         if (silent) return;
         text += exchange_line(texts, names, "T", exchange) + '\n';
         json.push_back(exchange_json(names, "T", exchange));
     }
-    void on_stray(const listen::LineFrame& frame) override {
+    void on_stray(const capture::LineFrame& frame) override {
         text += stray_line(texts, names, "T", frame) + '\n';
         json.push_back(stray_json("T", frame));
     }
-    void on_damaged(const listen::DamagedBytes& damaged) override {
+    void on_damaged(const capture::DamagedBytes& damaged) override {
         text += damaged_line(texts, "T", damaged) + '\n';
         json.push_back(damaged_json("T", damaged));
     }
@@ -56,7 +56,7 @@ protected:
                 .names = events.names};
     }
     Events events;
-    listen::LineListener listener{{}, events};
+    capture::LineListener listener{{}, events};
 };
 
 TEST_F(ListenReport, LinesOfEvents) {

@@ -9,9 +9,9 @@ namespace probe_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
-using discover::AreaProbe;
-using discover::ProbeEnd;
-using discover::ProbeFindings;
+using bus::AreaProbe;
+using bus::ProbeEnd;
+using bus::ProbeFindings;
 using wire::Area;
 
 const ProbeRun kRun{"rtu:///dev/ttyS1", 16, 321, 1234ms, false};
@@ -40,7 +40,7 @@ TEST(ProbeReport, ALineForEachRange) {
     EXPECT_EQ(probe_text({}), "");
     ProbeFindings findings;
     findings.areas = {area_probe(Area::coil, {{0, 7}})};
-    findings.areas[0].result.refused = {{{9, 10}, discover::ProbeReply::failure}};
+    findings.areas[0].result.refused = {{{9, 10}, bus::ProbeReply::failure}};
     EXPECT_EQ(probe_text(findings), "coil 0..7\ncoil 9..10 exception 4\n");
 }
 
@@ -90,8 +90,8 @@ TEST(ProbeReport, TheKeysAreReadWithoutFindings) {
 TEST(ProbeReport, JsonOfAreas) {
     auto findings = sample();
     findings.areas[1].result.next = 4000;
-    findings.areas[0].result.refused = {{{300, 301}, discover::ProbeReply::bad_value},
-                                        {{302, 302}, discover::ProbeReply::failure}};
+    findings.areas[0].result.refused = {{{300, 301}, bus::ProbeReply::bad_value},
+                                        {{302, 302}, bus::ProbeReply::failure}};
     findings.areas[0].result.tested = {{0, 999}, {1500, 1501}};
     const auto json = probe_json(findings, kRun);
     EXPECT_EQ(at(json, "areas", 0).dump(),
@@ -179,7 +179,7 @@ TEST(ProbeReport, RemarksOnRefusalsAndAreasNotBegun) {
         const Texts texts(language);
         ProbeFindings findings;
         findings.areas = {area_probe(Area::coil, {{0, 7}})};
-        findings.areas[0].result.refused = {{{9, 10}, discover::ProbeReply::bad_value}};
+        findings.areas[0].result.refused = {{{9, 10}, bus::ProbeReply::bad_value}};
         findings.not_begun = {Area::input_register, Area::discrete_input};
         auto text = probe_summary(texts, findings, kRun);
         expect_complete(text);

@@ -9,9 +9,9 @@ namespace scan_report_test {
 
 using namespace test;
 using namespace std::chrono_literals;
-using discover::FoundDevice;
-using discover::ScanFindings;
-using discover::ScanTrouble;
+using bus::FoundDevice;
+using bus::ScanFindings;
+using bus::ScanTrouble;
 
 model::Line serial_line(std::uint32_t baud = 9600) {
     model::Line line;
@@ -32,8 +32,8 @@ FoundDevice device(model::Line line, std::uint8_t unit) {
     return {std::move(line), {.unit = UnitId{unit}, .function = 3, .response_time = 12345us}};
 }
 
-discover::UnitIdentity identity(std::vector<std::pair<std::uint8_t, std::string>> objects) {
-    discover::UnitIdentity made;
+bus::UnitIdentity identity(std::vector<std::pair<std::uint8_t, std::string>> objects) {
+    bus::UnitIdentity made;
     for (auto& [id, text] : objects) made.objects.push_back({id, std::move(text)});
     return made;
 }
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> bytes(std::string_view text) {
 
 TEST(ScanReport, IdentitiesInAFewWords) {
     const struct {
-        discover::UnitIdentity identity;
+        bus::UnitIdentity identity;
         const char* text;
     } cases[] = {
         {{}, ""},
@@ -171,7 +171,7 @@ TEST(ScanReport, TheProjectIsReadWithoutFindings) {
 TEST(ScanReport, TheProjectHasTheRangesOfTheProbe) {
     ScanFindings findings;
     findings.devices = {device(tcp_line("h"), 1), device(tcp_line("h"), 255)};
-    discover::ProbeFindings probe;
+    bus::ProbeFindings probe;
     probe.areas.resize(2);
     probe.areas[0].result.readable = {{0, 79}, {100, 100}};
     probe.areas[0].result.longest = 80;
@@ -225,15 +225,15 @@ TEST(ScanReport, SummaryAndProgress) {
 }
 
 TEST(ScanReport, ProgressNamesTheLineAndItsSetting) {
-    struct : discover::ScanObserver {
+    struct : bus::ScanObserver {
         void on_device(const FoundDevice&) override {}
         void on_trouble(const ScanTrouble&) override {}
         void on_absent_host() override {}
     } observer;
-    const discover::TargetScan port({{serial_line(), serial_line(19200)}, false}, {}, observer);
+    const bus::TargetScan port({{serial_line(), serial_line(19200)}, false}, {}, observer);
     EXPECT_EQ(scan_progress(english(), port, {}),
               "/dev/ttyUSB0 9600 8N1 (1/2), " + english()("app.scan.found", {{"count", "0"}}));
-    const discover::TargetScan host({{tcp_line("host")}, false}, {}, observer);
+    const bus::TargetScan host({{tcp_line("host")}, false}, {}, observer);
     EXPECT_TRUE(scan_progress(english(), host, {}).starts_with("host:502, "));
 }
 

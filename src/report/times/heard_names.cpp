@@ -40,7 +40,7 @@ std::optional<Items> written_items(const wire::RequestView& request) {
     return items;
 }
 
-std::optional<Items> items_of(const listen::Exchange& exchange, const wire::PreparedRequest& request) {
+std::optional<Items> items_of(const capture::Exchange& exchange, const wire::PreparedRequest& request) {
     const wire::RequestView view(request.pdu());
     if (!view.well_formed() || view.accesses().empty()) return std::nullopt;
     const auto& row = wire::properties(view.function());
@@ -92,10 +92,10 @@ const model::Device* HeardNames::device(std::uint8_t unit) const {
     return found != line_->devices.end() ? &*found : nullptr;
 }
 
-std::vector<NamedValue> HeardNames::values(const listen::Exchange& exchange) const {
+std::vector<NamedValue> HeardNames::values(const capture::Exchange& exchange) const {
     std::vector<NamedValue> values;
     const auto* const found = device(exchange.request.unit);
-    if (found == nullptr || exchange.outcome != listen::Outcome::answered) return values;
+    if (found == nullptr || exchange.outcome != capture::Outcome::answered) return values;
     const wire::PreparedRequest request(exchange.request.pdu.span());
     const auto items = items_of(exchange, request);
     if (!items) return values;

@@ -9,8 +9,8 @@
 namespace takt::report {
 namespace {
 
+using capture::Outcome;
 using file::Json;
-using listen::Outcome;
 
 std::string_view outcome_word(Outcome outcome) {
     switch (outcome) {
@@ -30,13 +30,13 @@ Json event(std::string_view kind, const std::string& time) {
     return object;
 }
 
-void set_poll(Json& object, const listen::PollKey& key) {
+void set_poll(Json& object, const capture::PollKey& key) {
     object.set("function", key.function);
     object.set("start", key.quantity > 0 ? Json(key.start) : Json());
     object.set("quantity", key.quantity > 0 ? Json(key.quantity) : Json());
 }
 
-void set_period(Json& object, std::string_view key, const listen::Poll::Period& period) {
+void set_period(Json& object, std::string_view key, const capture::Poll::Period& period) {
     const bool known = period.median > Duration::zero();
     const std::string name(key);
     object.set(name + "_ms", known ? Json(milliseconds(period.median)) : Json());
@@ -44,7 +44,7 @@ void set_period(Json& object, std::string_view key, const listen::Poll::Period& 
     object.set(name + "_max_ms", known ? Json(milliseconds(period.greatest)) : Json());
 }
 
-Json polls_json(const listen::HeardDevice& device) {
+Json polls_json(const capture::HeardDevice& device) {
     auto polls = Json::array();
     for (const auto& poll : device.polls) {
         auto object = Json::object();
@@ -60,7 +60,7 @@ Json polls_json(const listen::HeardDevice& device) {
     return polls;
 }
 
-Json heard_device_json(const ListenRun& run, std::uint8_t unit, const listen::HeardDevice& device) {
+Json heard_device_json(const ListenRun& run, std::uint8_t unit, const capture::HeardDevice& device) {
     const auto* const known = run.names.device(unit);
     auto object = Json::object();
     object.set("unit", unit);
@@ -87,7 +87,7 @@ Json heard_device_json(const ListenRun& run, std::uint8_t unit, const listen::He
     return object;
 }
 
-Json masters_json(const listen::LineStatistics& statistics) {
+Json masters_json(const capture::LineStatistics& statistics) {
     auto masters = Json::array();
     for (const auto& master : statistics.masters()) {
         auto object = Json::object();
@@ -108,14 +108,14 @@ Json masters_json(const listen::LineStatistics& statistics) {
 
 }  // namespace
 
-Json exchange_json(const HeardNames& names, const std::string& time, const listen::Exchange& exchange) {
+Json exchange_json(const HeardNames& names, const std::string& time, const capture::Exchange& exchange) {
     const auto& request = exchange.request;
     const bool refused = exchange.outcome == Outcome::exception;
     auto object = event("exchange", time);
     object.set("unit", request.unit);
     const auto* const device = names.device(request.unit);
     object.set("device", device != nullptr ? Json(device->name) : Json());
-    set_poll(object, listen::poll_key(request.pdu.span()));
+    set_poll(object, capture::poll_key(request.pdu.span()));
     object.set("outcome", outcome_word(exchange.outcome));
     object.set("exception", refused ? Json(exchange.response[1]) : Json());
     object.set("response_ms",
@@ -130,14 +130,14 @@ Json exchange_json(const HeardNames& names, const std::string& time, const liste
     return object;
 }
 
-Json stray_json(const std::string& time, const listen::LineFrame& frame) {
+Json stray_json(const std::string& time, const capture::LineFrame& frame) {
     auto object = event("stray", time);
     object.set("unit", frame.unit);
     object.set("response", wire::hex(frame.pdu));
     return object;
 }
 
-Json damaged_json(const std::string& time, const listen::DamagedBytes& damaged) {
+Json damaged_json(const std::string& time, const capture::DamagedBytes& damaged) {
     auto object = event("damaged", time);
     object.set("bytes", wire::hex(damaged.bytes));
     return object;

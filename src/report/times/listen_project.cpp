@@ -21,9 +21,9 @@ constexpr std::size_t kMostVariablesOfAll = 20'000;
 /// Variables of each device, so that all lines share the file alike.
 std::size_t most_variables(std::span<const ListenRun> runs) {
     std::size_t devices = 0;
-    for (const auto& run : runs) devices += listen::heard_devices(run.statistics);
-    if (devices == 0) return listen::kMostVariables;
-    return std::clamp<std::size_t>(kMostVariablesOfAll / devices, 1, listen::kMostVariables);
+    for (const auto& run : runs) devices += capture::heard_devices(run.statistics);
+    if (devices == 0) return capture::kMostVariables;
+    return std::clamp<std::size_t>(kMostVariablesOfAll / devices, 1, capture::kMostVariables);
 }
 
 // Names are unique in a project.
@@ -37,7 +37,7 @@ void number_names(model::Line& line, std::size_t number) {
     }
 }
 
-std::string other_units_text(const Texts& texts, const listen::HeardProject& project) {
+std::string other_units_text(const Texts& texts, const capture::HeardProject& project) {
     std::string others;
     for (const auto unit : project.other_units)
         others += fmt::format("{}{}", others.empty() ? "" : ", ", unit);
@@ -54,10 +54,10 @@ std::string listen_project(const Texts& texts, std::span<const ListenRun> runs, 
         text += fmt::format("# {}\n",
                             texts("app.listen.project_stretched", {{"factor", std::to_string(stretch)}}));
     const auto most = most_variables(runs);
-    std::vector<listen::HeardProject> projects;
+    std::vector<capture::HeardProject> projects;
     std::vector<std::string> names;  // of lines of a capture
     for (std::size_t i = 0; i < runs.size(); ++i) {
-        auto project = listen::heard_project(runs[i].statistics, runs[i].connection, stretch, most);
+        auto project = capture::heard_project(runs[i].statistics, runs[i].connection, stretch, most);
         if (project.line.devices.empty()) continue;
         if (runs.size() > 1) number_names(project.line, i + 1);
         names.push_back(runs.size() > 1 ? text::escape_line(runs[i].line) + '\n' : std::string());

@@ -14,10 +14,10 @@
 namespace takt::report {
 namespace {
 
+using capture::Exchange;
+using capture::Outcome;
+using capture::Poll;
 using file::Json;
-using listen::Exchange;
-using listen::Outcome;
-using listen::Poll;
 
 constexpr std::size_t kMostBytesShown = 32;
 constexpr std::size_t kMostPollsShown = 200;  // rows of the table
@@ -58,7 +58,7 @@ std::string bytes_text(Bytes bytes) {
 
 // ---- the summary
 
-std::string poll_text(const listen::PollKey& key) {
+std::string poll_text(const capture::PollKey& key) {
     auto text = function_text(wire::Function{key.function});
     if (key.quantity == 0) return text;
     text += fmt::format(" {}", key.start);
@@ -86,7 +86,7 @@ std::string exception_counts_text(const std::map<std::uint8_t, std::uint64_t>& e
     return text;
 }
 
-std::string device_state(const Texts& texts, const listen::HeardDevice& device) {
+std::string device_state(const Texts& texts, const capture::HeardDevice& device) {
     if (device.requests == 0) return texts("app.listen.not_asked");
     if (!device.silent()) return {};
     return texts(device.answered == 0 ? "app.listen.never_answers" : "app.listen.silent");
@@ -115,7 +115,7 @@ std::string devices_table(const Texts& texts, const ListenRun& run, std::size_t 
 /// The number of the master of each poll, from 1 on.
 using MasterNumbers = std::map<std::pair<std::uint8_t, std::size_t>, std::size_t>;
 
-MasterNumbers master_numbers(const std::vector<listen::HeardMaster>& masters) {
+MasterNumbers master_numbers(const std::vector<capture::HeardMaster>& masters) {
     MasterNumbers numbers;
     for (std::size_t i = 0; i < masters.size(); ++i)
         for (const auto& poll : masters[i].polls) numbers[{poll.unit, poll.poll}] = i + 1;
@@ -152,7 +152,7 @@ std::string polls_table(const Texts& texts, const ListenRun& run, const MasterNu
     return text;
 }
 
-std::string masters_text(const Texts& texts, const std::vector<listen::HeardMaster>& masters) {
+std::string masters_text(const Texts& texts, const std::vector<capture::HeardMaster>& masters) {
     std::string text;
     for (std::size_t i = 0; i < masters.size(); ++i) {
         const auto& master = masters[i];
@@ -166,7 +166,7 @@ std::string masters_text(const Texts& texts, const std::vector<listen::HeardMast
     return text;
 }
 
-double busy_share(const listen::LineCounts& counts) {
+double busy_share(const capture::LineCounts& counts) {
     const auto length = counts.last - counts.first;
     return length <= Duration::zero() ? 0 : std::min(1.0, milliseconds(counts.busy) / milliseconds(length));
 }
@@ -216,13 +216,13 @@ std::string exchange_line(const Texts& texts, const HeardNames& names, const std
 }
 
 std::string stray_line(const Texts& texts, const HeardNames& names, const std::string& time,
-                       const listen::LineFrame& frame) {
+                       const capture::LineFrame& frame) {
     const auto words =
         text::frame_text(texts.language(), wire::describe_response(UnitId{frame.unit}, frame.pdu));
     return time + "  " + with_device_name(names, frame.unit, words) + "; " + texts("app.listen.stray");
 }
 
-std::string damaged_line(const Texts& texts, const std::string& time, const listen::DamagedBytes& damaged) {
+std::string damaged_line(const Texts& texts, const std::string& time, const capture::DamagedBytes& damaged) {
     return time + "  " +
            texts("app.listen.damaged",
                  {{"count", std::to_string(damaged.bytes.size())}, {"bytes", bytes_text(damaged.bytes)}});

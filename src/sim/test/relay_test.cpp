@@ -11,7 +11,7 @@
 #include "support.hpp"
 #include "takt/plan/plan.hpp"
 #include "takt/poll/master.hpp"
-#include "takt/relay/route_table.hpp"
+#include "takt/serve/route_table.hpp"
 #include "takt/serve/tcp_connection.hpp"
 #include "takt/sim/random.hpp"
 #include "takt/sim/simulated_line.hpp"
@@ -131,7 +131,7 @@ private:
 /// A server without units of its own: every request is relayed, and its answer is pending.
 class RelayingServer final : public serve::Responder {
 public:
-    explicit RelayingServer(relay::RouteTable routes) : routes_(std::move(routes)) {}
+    explicit RelayingServer(serve::RouteTable routes) : routes_(std::move(routes)) {}
     [[nodiscard]] bool serves(UnitId unit) const override { return routes_.has(unit); }
     [[nodiscard]] serve::Answer handle(const serve::Context& context,
                                        const wire::RequestView& request) override {
@@ -143,13 +143,13 @@ public:
 
 private:
     serve::Tokens tokens_;
-    relay::RouteTable routes_;
+    serve::RouteTable routes_;
 };
 
 /// The poller with the gateway at it, as a driver sees them.
 class Shared final : public Engine {
 public:
-    Shared(poll::LinePoller& poller, relay::Gateway& gateway) : poller_(poller), gateway_(gateway) {}
+    Shared(poll::LinePoller& poller, serve::Gateway& gateway) : poller_(poller), gateway_(gateway) {}
 
     void on_link(Instant t, bool up) override {
         poller_.on_link(t, up);
@@ -181,7 +181,7 @@ public:
 
 private:
     poll::LinePoller& poller_;
-    relay::Gateway& gateway_;
+    serve::Gateway& gateway_;
 };
 
 struct Plant {
@@ -195,13 +195,13 @@ struct Plant {
           master(described, plan),
           shared(master.line(0), gateway),
           responder(
-              relay::RouteTable(0, {{&gateway, {.attempts = 2, .response_timeout = 60ms}, {}}}, routes())),
+              serve::RouteTable(0, {{&gateway, {.attempts = 2, .response_timeout = 60ms}, {}}}, routes())),
           line(described.lines[0], shared, options(faults)) {
         line.start(Instant{});
     }
 
-    static std::vector<relay::Route> routes() {
-        std::vector<relay::Route> all;
+    static std::vector<serve::Route> routes() {
+        std::vector<serve::Route> all;
         for (std::uint8_t unit = 1; unit < 100; ++unit) all.push_back({UnitId{unit}, UnitId{unit}, 0});
         return all;
     }
@@ -228,7 +228,7 @@ struct Plant {
     model::Project described;
     plan::Plan plan;
     poll::Master master;
-    relay::Gateway gateway;
+    serve::Gateway gateway;
     Shared shared;
     RelayingServer responder;
     SimulatedLine line;

@@ -17,7 +17,7 @@ constexpr Duration kProgressEvery = std::chrono::milliseconds(100);
 }  // namespace
 
 /// Notes what a scan finds.
-class DeviceSearch::Scan final : private discover::ScanObserver {
+class DeviceSearch::Scan final : private bus::ScanObserver {
 public:
     Scan(DeviceSearch& search, line::Loop& loop, ScanOrder order)
         : search_(search), loop_(loop), scans_(loop, *this), progress_(loop, [this](Instant t) {
@@ -56,11 +56,11 @@ private:
         state.requests = totals.requests;
         if (current) state.where = model::url_of(current->line());
     }
-    void on_device(const discover::FoundDevice& device) override {
+    void on_device(const bus::FoundDevice& device) override {
         const std::lock_guard lock(search_.mutex_);
         search_.state_.findings.devices.push_back(device);
     }
-    void on_trouble(const discover::ScanTrouble& trouble) override {
+    void on_trouble(const bus::ScanTrouble& trouble) override {
         const std::lock_guard lock(search_.mutex_);
         search_.state_.findings.troubles.push_back(trouble);
     }
@@ -142,7 +142,7 @@ void DeviceSearch::probe(line::Loop& loop, const ProbeOrder& order) {
     if (!opened) return failed(opened.error());
     client::Client device(*std::move(opened), options);
     client::ProbeConnection connection(device);
-    auto findings = discover::probe_device(order.config, connection, [&](const discover::ProbeProgress& at) {
+    auto findings = bus::probe_device(order.config, connection, [&](const bus::ProbeProgress& at) {
         const std::lock_guard lock(mutex_);
         state_.done = std::min(at.asked, at.expected);
         state_.total = at.expected;

@@ -13,9 +13,9 @@
 
 #include "takt/base/result.hpp"
 #include "takt/base/time.hpp"
+#include "takt/bus/device_probe.hpp"
+#include "takt/bus/scan_findings.hpp"
 #include "takt/client/port_scan.hpp"
-#include "takt/discover/device_probe.hpp"
-#include "takt/discover/scan_findings.hpp"
 #include "takt/line/loop.hpp"
 
 namespace takt::web {
@@ -23,8 +23,8 @@ namespace takt::web {
 /// A scan of ports and hosts.
 struct ScanOrder {
     struct Target {
-        discover::ScanTarget target;
-        discover::ScanConfig config;
+        bus::ScanTarget target;
+        bus::ScanConfig config;
     };
     std::vector<Target> targets;
     /// Opens their lines; empty: as line::open_line().
@@ -36,7 +36,7 @@ struct ScanOrder {
 struct ProbeOrder {
     model::Line line;  ///< without devices
     UnitId unit{1};
-    discover::DeviceProbeConfig config;
+    bus::DeviceProbeConfig config;
     Duration timeout = std::chrono::seconds(1);
     client::OpenLine open = {};     ///< as of a scan
     std::string project_line = {};  ///< likewise
@@ -57,7 +57,7 @@ public:
         model::Line line;
         std::string project_line;
         UnitId unit{1};
-        discover::ProbeFindings findings;
+        bus::ProbeFindings findings;
         std::uint64_t transmissions = 0;
         Duration duration{};
         bool interrupted = false;
@@ -74,9 +74,9 @@ public:
         std::uint64_t requests = 0;
         std::string where;           ///< URL of the line that is being searched; of a probe the next request
         std::optional<Error> error;  ///< of a probe: why there is no result
-        discover::ScanFindings findings;  ///< of the last scan
-        std::string project_line;         ///< the polled line that it went through; empty: none
-        std::vector<Probed> probed;       ///< since that scan
+        bus::ScanFindings findings;  ///< of the last scan
+        std::string project_line;    ///< the polled line that it went through; empty: none
+        std::vector<Probed> probed;  ///< since that scan
     };
 
     DeviceSearch() = default;

@@ -10,7 +10,7 @@
 #include "devices/line_bridge.hpp"
 #include "devices/search_json.hpp"
 #include "live/state_api.hpp"
-#include "takt/discover/number_list.hpp"
+#include "takt/bus/number_list.hpp"
 #include "takt/file/json_members.hpp"
 #include "takt/line/target.hpp"
 #include "takt/model/target_url.hpp"
@@ -59,32 +59,32 @@ std::optional<ApiResponse> line_refusal(const ApiRequest& request, const model::
     return std::nullopt;
 }
 
-Result<discover::SerialChoices> choices_of(const file::Json& body) {
-    discover::SerialChoices choices;
+Result<bus::SerialChoices> choices_of(const file::Json& body) {
+    bus::SerialChoices choices;
     if (const auto bauds = string_member(body, "bauds"); !bauds.empty()) {
-        TAKT_TRY(choices.bauds, discover::parse_numbers(bauds, 50, 4'000'000));
+        TAKT_TRY(choices.bauds, bus::parse_numbers(bauds, 50, 4'000'000));
     }
     if (const auto parities = string_member(body, "parities"); !parities.empty()) {
-        TAKT_TRY(choices.parities, discover::parse_parities(parities));
+        TAKT_TRY(choices.parities, bus::parse_parities(parities));
     }
     if (const auto stop_bits = string_member(body, "stop_bits"); !stop_bits.empty()) {
-        TAKT_TRY(choices.stop_bits, discover::parse_numbers(stop_bits, 1, 2));
+        TAKT_TRY(choices.stop_bits, bus::parse_numbers(stop_bits, 1, 2));
     }
     return choices;
 }
 
 Result<ScanOrder> scan_order(const file::Json& body) {
-    discover::ScanRequest request{.identify = flag_member(body, "identify", true),
-                                  .thorough = flag_member(body, "thorough", false)};
+    bus::ScanRequest request{.identify = flag_member(body, "identify", true),
+                             .thorough = flag_member(body, "thorough", false)};
     TAKT_TRY(request.wait, timeout_of(body));
     if (const auto units = string_member(body, "units"); !units.empty()) {
-        TAKT_TRY(request.units, discover::parse_numbers(units, 0, 255));
+        TAKT_TRY(request.units, bus::parse_numbers(units, 0, 255));
     }
     TAKT_TRY(const auto choices, choices_of(body));
     TAKT_TRY(auto targets, client::scan_targets(strings_member(body, "targets"), choices));
     ScanOrder order;
     for (auto& target : targets) {
-        TAKT_TRY(auto config, discover::scan_config(request, target));
+        TAKT_TRY(auto config, bus::scan_config(request, target));
         order.targets.push_back({std::move(target), std::move(config)});
     }
     return order;
@@ -153,13 +153,13 @@ ApiResponse no_line(const ApiRequest& request, const Error& error, const std::st
 
 /// The units of a serial line, asked in any order; the bridge answers for those that do not.
 Result<ScanOrder> line_scan_order(const file::Json& body, PolledLine polled, const std::string& name) {
-    discover::ScanRequest request{.wait = kLongestScanWait + kLongestTimeout,
-                                  .identify = flag_member(body, "identify", true),
-                                  .thorough = flag_member(body, "thorough", false)};
+    bus::ScanRequest request{.wait = kLongestScanWait + kLongestTimeout,
+                             .identify = flag_member(body, "identify", true),
+                             .thorough = flag_member(body, "thorough", false)};
     const auto units = string_member(body, "units");
-    TAKT_TRY(request.units, discover::parse_numbers(units.empty() ? "1-247" : units, 1, 247));
-    discover::ScanTarget target{.settings = {std::move(polled.line)}};
-    TAKT_TRY(auto config, discover::scan_config(request, target));
+    TAKT_TRY(request.units, bus::parse_numbers(units.empty() ? "1-247" : units, 1, 247));
+    bus::ScanTarget target{.settings = {std::move(polled.line)}};
+    TAKT_TRY(auto config, bus::scan_config(request, target));
     config.adaptive = false;
     config.retry_wait = config.wait;
     ScanOrder order{.open = std::move(polled.open), .project_line = name};
@@ -205,8 +205,8 @@ Result<std::int64_t> number_within(const file::Json& body, std::string_view key,
     return number;
 }
 
-Result<discover::DeviceProbeConfig> probe_config(const file::Json& body) {
-    discover::DeviceProbeConfig config;
+Result<bus::DeviceProbeConfig> probe_config(const file::Json& body) {
+    bus::DeviceProbeConfig config;
     constexpr std::int64_t kLastItem = 65535;
     TAKT_TRY(const auto first, number_within(body, "from", 0, 0, kLastItem));
     TAKT_TRY(const auto last, number_within(body, "to", kLastItem, first, kLastItem));

@@ -5,7 +5,7 @@
 #include <utility>
 #include <variant>
 
-#include "takt/discover/found_project.hpp"
+#include "takt/bus/found_project.hpp"
 #include "takt/file/document_json.hpp"
 #include "takt/file/json_members.hpp"
 #include "takt/model/target_url.hpp"
@@ -45,8 +45,8 @@ struct Nodes {
     file::Json device;
 };
 
-discover::DeviceProbes probes_of(const SearchState& state) {
-    discover::DeviceProbes probes;
+bus::DeviceProbes probes_of(const SearchState& state) {
+    bus::DeviceProbes probes;
     for (const auto& device : state.findings.devices)
         for (const auto& probed : state.probed)
             if (probed.unit == device.unit.unit && is_same(probed.line, device.line))
@@ -54,8 +54,8 @@ discover::DeviceProbes probes_of(const SearchState& state) {
     return probes;
 }
 
-std::map<const discover::FoundDevice*, Nodes> nodes_of(const SearchState& state) {
-    std::map<const discover::FoundDevice*, Nodes> nodes;
+std::map<const bus::FoundDevice*, Nodes> nodes_of(const SearchState& state) {
+    std::map<const bus::FoundDevice*, Nodes> nodes;
     if (state.findings.devices.empty()) return nodes;
     const auto found = report::found_nodes(state.findings, probes_of(state));
     for (std::size_t l = 0; l < found.lines.size(); ++l) {

@@ -17,7 +17,7 @@ inline constexpr std::string_view kLineTarget = "line:";
 [[nodiscard]] const model::Line* line_with_endpoint(const model::Project& project, const model::Line& wanted);
 
 /// The object of GET /search. Its devices have the nodes of the project document that they would be, as
-/// discover::found_project() makes them.
+/// bus::found_project() makes them.
 [[nodiscard]] file::Json search_json(const report::Texts& texts, const DeviceSearch::State& state,
                                      const host::Configuration& configuration);
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "takt/timing/latency_statistics.hpp"
+#include "takt/base/latency_statistics.hpp"
 
 namespace takt::capture {
 
@@ -31,10 +31,10 @@ private:
     std::array<std::unique_ptr<Block>, (buckets + kBlock - 1) / kBlock> blocks_;
 };
 
-/// As timing::Histogram: within 1/128 (0.8 %) from 1 ns to 18 minutes. It takes 1 KiB for each power of two
+/// As Histogram: within 1/128 (0.8 %) from 1 ns to 18 minutes. It takes 1 KiB for each power of two
 /// that has a sample.
-using BlockHistogram = timing::BasicHistogram<7, 40, 1, BlockCounts>;
-using BlockStatistics = timing::BasicLatencyStatistics<BlockHistogram>;
+using BlockHistogram = BasicHistogram<7, 40, 1, BlockCounts>;
+using BlockStatistics = BasicLatencyStatistics<BlockHistogram>;
 
 /// Durations with count, minimum, mean and maximum, all exact. Percentiles are exact up to kExact samples;
 /// beyond they are at most 0.8 % above the exact ones. Allocates. One owner, one thread.
@@ -60,9 +60,9 @@ private:
 
 }  // namespace takt::capture
 
-namespace takt::timing {
+namespace takt {
 
 extern template class BasicHistogram<7, 40, 1, capture::BlockCounts>;
 extern template class BasicLatencyStatistics<capture::BlockHistogram>;
 
-}  // namespace takt::timing
+}  // namespace takt

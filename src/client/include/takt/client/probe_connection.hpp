@@ -1,12 +1,12 @@
 // The connection of a probe to a real device.
 #pragma once
 
+#include "takt/bus/device_probe.hpp"
 #include "takt/client/client.hpp"
-#include "takt/discover/device_probe.hpp"
 
 namespace takt::client {
 
-class ProbeConnection final : public discover::ProbeConnection {
+class ProbeConnection final : public bus::ProbeConnection {
 public:
     /// @param client  outlives it
     explicit ProbeConnection(Client& client) : client_(client) {}

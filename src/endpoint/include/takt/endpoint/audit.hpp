@@ -54,9 +54,9 @@ public:
     void on_refused_waiting(const AuditedRequest& request, serve::AccessControl::Decision decision);
     /// A relayed request has its reply.
     /// @param decision  not allowed: rules that came into force while it waited refused it
-    void on_relayed(Instant t, const relay::Gateway::Reply& reply, serve::AccessControl::Decision decision);
+    void on_relayed(Instant t, const serve::Gateway::Reply& reply, serve::AccessControl::Decision decision);
     /// A relayed request gets no reply: its client is gone.
-    void on_relay_forgotten(Instant t, serve::Token token, relay::Fate fate);
+    void on_relay_forgotten(Instant t, serve::Token token, serve::Fate fate);
 
 private:
     class UnitAudit final : public serve::UnitHooks {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "takt/endpoint/environment.hpp"
+#include "takt/endpoint/feed.hpp"
 #include "takt/endpoint/request_handler.hpp"
 #include "takt/endpoint/spec.hpp"
 #include "takt/endpoint/statistics.hpp"
-#include "takt/source/feed.hpp"
 
 namespace takt::sim {
 class Devices;
@@ -40,15 +40,15 @@ public:
     [[nodiscard]] sim::Devices* devices();
 
     /// Connects bound variables with their sources; before that, reads of them are exception 0x0B.
-    /// @returns as source::Bindings::connect()
-    [[nodiscard]] Result<void> connect(source::Feeds& feeds, source::ProjectValues& values);
+    /// @returns as endpoint::Bindings::connect()
+    [[nodiscard]] Result<void> connect(endpoint::Feeds& feeds, endpoint::ProjectValues& values);
     void disconnect();
     /// Another project runs in which this endpoint continues (model::continued_servers()): takes its access
     /// rules and the numbers of its lines.
     /// @param spec  of this endpoint in that project
     void enter(const EndpointSpec& spec);
-    /// Connects with the values of that project. @returns as source::Bindings::reconnect()
-    [[nodiscard]] Result<void> reconnect(source::Feeds& feeds, source::ProjectValues& values);
+    /// Connects with the values of that project. @returns as endpoint::Bindings::reconnect()
+    [[nodiscard]] Result<void> reconnect(endpoint::Feeds& feeds, endpoint::ProjectValues& values);
     /// Opens the files of retained registers. @returns as RetainedUnit::open()
     [[nodiscard]] Result<void> open_retained();
     /// Begins to answer, and reports where ("endpoint.serving").
@@ -76,7 +76,7 @@ private:
     const Environment& environment_;
     std::unique_ptr<OwnUnits> own_;
     std::unique_ptr<RequestHandler> handler_;
-    std::unique_ptr<source::Bindings> bindings_;  // nullptr: nothing is bound
+    std::unique_ptr<endpoint::Bindings> bindings_;  // nullptr: nothing is bound
     std::vector<std::unique_ptr<RetainedUnit>> retained_;
     std::vector<std::unique_ptr<Listener>> listeners_;
 };

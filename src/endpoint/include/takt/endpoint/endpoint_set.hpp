@@ -82,7 +82,7 @@ private:
     std::uint32_t next_id_ = 0;
     std::vector<std::unique_ptr<Endpoint>> endpoints_;
     std::map<std::string, std::shared_ptr<AuditLog>> audits_;  // by path
-    std::optional<source::Feeds> feeds_;
+    std::optional<endpoint::Feeds> feeds_;
 };
 
 /// Whether any of them has access rules.

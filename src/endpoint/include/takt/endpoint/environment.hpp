@@ -6,20 +6,20 @@
 
 #include "takt/base/log.hpp"
 #include "takt/endpoint/audit_record.hpp"
+#include "takt/endpoint/bindings.hpp"
 #include "takt/endpoint/line_gateway.hpp"
 #include "takt/endpoint/notice.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/line/traffic_factory.hpp"
 #include "takt/model/project.hpp"
 #include "takt/sim/answer_faults.hpp"
-#include "takt/source/bindings.hpp"
 
 namespace takt::endpoint {
 
 /// The project that runs. It outlives the endpoints, or another one replaces it (EndpointSet::enter()).
 struct ServedProject {
     const model::Project* project = nullptr;          ///< with instruments and lines; needed with ServerUnits
-    source::ProjectValues* values = nullptr;          ///< likewise
+    endpoint::ProjectValues* values = nullptr;        ///< likewise
     std::function<SharedLine&(std::size_t)> lines{};  ///< by index; needed with relays
 };
 

@@ -11,7 +11,7 @@
 #include "takt/line/loop.hpp"
 #include "takt/model/continued.hpp"
 #include "takt/model/project.hpp"
-#include "takt/relay/route_table.hpp"
+#include "takt/serve/route_table.hpp"
 
 namespace takt::endpoint {
 
@@ -40,7 +40,7 @@ public:
 
     /// The routes of one endpoint. Their lines were added; they must not outlive this.
     /// @param endpoint  Endpoint::id()
-    [[nodiscard]] relay::RouteTable routes(std::uint32_t endpoint, const std::vector<model::Relay>& relays);
+    [[nodiscard]] serve::RouteTable routes(std::uint32_t endpoint, const std::vector<model::Relay>& relays);
 
     /// Called after each call of a line's engine, before the driver sends. Other lines than those that were
     /// added do not matter.

@@ -6,7 +6,7 @@
 
 #include "takt/base/result.hpp"
 #include "takt/bus/transaction.hpp"
-#include "takt/relay/gateway.hpp"
+#include "takt/serve/gateway.hpp"
 
 namespace takt::endpoint {
 
@@ -38,15 +38,15 @@ public:
 /// calls work() at next_wakeup(), and after_line_event() from inside the line's driver.
 class LineGateway {
 public:
-    using Deliver = std::function<void(const relay::Gateway::Reply&)>;
+    using Deliver = std::function<void(const serve::Gateway::Reply&)>;
 
     /// @param line     outlives it
     /// @param deliver  gets each answer, from inside work() only: a client may send its next request at once
-    LineGateway(const relay::GatewayConfig& config, SharedLine& line, Deliver deliver);
+    LineGateway(const serve::GatewayConfig& config, SharedLine& line, Deliver deliver);
     LineGateway(const LineGateway&) = delete;
     LineGateway& operator=(const LineGateway&) = delete;
 
-    [[nodiscard]] relay::Gateway& gateway() { return gateway_; }
+    [[nodiscard]] serve::Gateway& gateway() { return gateway_; }
 
     /// Called after each call of the line's engine, before the driver sends: the next request goes out with
     /// the end of the one before. Delivers nothing.
@@ -62,7 +62,7 @@ public:
     [[nodiscard]] Instant next_wakeup(Instant t) const;
 
 private:
-    relay::Gateway gateway_;
+    serve::Gateway gateway_;
     SharedLine& line_;
     Deliver deliver_;
     bool up_ = false;

@@ -1,14 +1,14 @@
 // The values of a project that is served and not polled.
 #pragma once
 
+#include "takt/endpoint/bindings.hpp"
 #include "takt/model/project.hpp"
-#include "takt/source/bindings.hpp"
 #include "takt/value/store.hpp"
 
 namespace takt::endpoint {
 
 /// Its locals; variables and service variables were never read and cannot be written.
-class LocalValues final : public source::ProjectValues {
+class LocalValues final : public endpoint::ProjectValues {
 public:
     explicit LocalValues(const model::Project& project);
     [[nodiscard]] const value::Store& store() const override { return store_; }

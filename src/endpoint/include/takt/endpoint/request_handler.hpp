@@ -12,8 +12,8 @@
 #include "takt/endpoint/audit.hpp"
 #include "takt/endpoint/pending_answers.hpp"
 #include "takt/endpoint/request_path.hpp"
-#include "takt/relay/route_table.hpp"
 #include "takt/serve/answer.hpp"
+#include "takt/serve/route_table.hpp"
 #include "takt/sim/answer_faults.hpp"
 
 namespace takt::endpoint {
@@ -41,7 +41,7 @@ public:
     RequestHandler& operator=(const RequestHandler&) = delete;
 
     [[nodiscard]] const std::vector<UnitId>& units() const { return units_; }
-    void set_routes(relay::RouteTable routes) { routes_ = std::move(routes); }
+    void set_routes(serve::RouteTable routes) { routes_ = std::move(routes); }
     /// Puts rules in force. Relayed requests that were not sent yet are decided again.
     void set_access(const std::vector<model::AccessRule>& rules);
     [[nodiscard]] Audit& audit() { return audit_; }
@@ -59,7 +59,7 @@ public:
     void forget(serve::Token token) override;
 
     /// A line has answered a relayed request, or the gateway did.
-    void on_relayed(const relay::Gateway::Reply& reply);
+    void on_relayed(const serve::Gateway::Reply& reply);
     /// The endpoint closes: relayed requests are no longer awaited.
     void forget_relayed();
 
@@ -87,7 +87,7 @@ private:
     std::vector<UnitId> units_;
     std::shared_ptr<sim::AnswerFaults> faults_;
     sim::FaultSite site_;
-    relay::RouteTable routes_;
+    serve::RouteTable routes_;
     AccessRules access_;
     Audit audit_;
     PendingAnswers pending_;

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "takt/base/numbers.hpp"
+#include "takt/endpoint/instrument_engine.hpp"
 #include "takt/line/tcp_server.hpp"
-#include "takt/relay/gateway.hpp"
 #include "takt/serve/counters.hpp"
-#include "takt/source/instrument_engine.hpp"
+#include "takt/serve/gateway.hpp"
 #include "takt/store/register_file.hpp"
 
 namespace takt::endpoint {
@@ -39,14 +39,14 @@ struct RetainedStatistics {
 /// The requests that were relayed to a line.
 struct GatewayStatistics {
     std::size_t line = 0;  ///< index into Project::lines
-    relay::GatewayCounters counters;
+    serve::GatewayCounters counters;
 };
 
 /// An instrument of the project.
 struct InstrumentStatistics {
     std::string name;
-    source::InstrumentState state{};
-    source::InstrumentCounters counters;
+    endpoint::InstrumentState state{};
+    endpoint::InstrumentCounters counters;
 };
 
 /// All endpoints of a set, in their order.

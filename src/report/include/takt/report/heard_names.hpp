@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "takt/listen/heard_exchange.hpp"
+#include "takt/capture/heard_exchange.hpp"
 #include "takt/model/project.hpp"
 
 namespace takt::report {
@@ -31,7 +31,7 @@ public:
     [[nodiscard]] const model::Device* device(std::uint8_t unit) const;
     /// The variables whose items an exchange reads or writes, in the order of the project, at most kMost. An
     /// exchange without a normal response has none.
-    [[nodiscard]] std::vector<NamedValue> values(const listen::Exchange& exchange) const;
+    [[nodiscard]] std::vector<NamedValue> values(const capture::Exchange& exchange) const;
     static constexpr std::size_t kMost = 125;
 
 private:

@@ -5,15 +5,15 @@
 #include <optional>
 #include <string>
 
+#include "takt/base/latency_statistics.hpp"
+#include "takt/client/measure.hpp"
 #include "takt/file/json.hpp"
 #include "takt/report/texts.hpp"
-#include "takt/selftest/measure.hpp"
-#include "takt/timing/latency_statistics.hpp"
 
 namespace takt::report {
 
-/// Of each subject (selftest::Subject, in their order) what was measured; nothing: it was not.
-using SelftestRun = std::array<std::optional<timing::LatencyStatistics>, selftest::kSubjects.size()>;
+/// Of each subject (client::Subject, in their order) what was measured; nothing: it was not.
+using SelftestRun = std::array<std::optional<LatencyStatistics>, client::kSubjects.size()>;
 
 struct SelftestReport {
     SelftestRun idle;
@@ -22,7 +22,7 @@ struct SelftestReport {
 };
 
 /// The word for JSON: "wake_up", "loopback", "pty".
-[[nodiscard]] std::string_view name(selftest::Subject subject);
+[[nodiscard]] std::string_view name(client::Subject subject);
 
 /// A table of both runs, a histogram of each measurement under load, and the `host:` line for a project where
 /// all of them were measured.
