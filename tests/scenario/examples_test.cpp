@@ -73,7 +73,7 @@ TEST(ExampleFiles, AreWrittenAsTheyAreRead) {
         const auto read = file::load_project(entry.path().string());
         ASSERT_TRUE(read.readable) << entry.path();
         EXPECT_TRUE(model::interpret(read.document).findings.empty()) << entry.path();
-        const auto written = file::write_project(read.document);
+        const auto written = file::write_project(read.document.root);
         const auto again = file::load_text("written.yaml", written);
         EXPECT_TRUE(again.findings.empty()) << entry.path() << '\n' << written;
         EXPECT_EQ(shape(again.document.root), shape(read.document.root)) << entry.path() << '\n' << written;

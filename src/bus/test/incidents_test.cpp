@@ -107,14 +107,14 @@ TEST(Incidents, AResponseThatIsCutShortIsNoSilence) {
     early_silence.frame_silence = 4ms;
     for (const auto& [serial, status] :
          {std::pair{kLine, Status::timeout}, {early_silence, Status::bad_checksum}}) {
-        for (const std::uint16_t missing : {1, 3, 6})
+        for (const auto missing : {std::uint16_t{1}, std::uint16_t{3}, std::uint16_t{6}})
             EXPECT_EQ(after(serial, cut(rtu(5, "03 04 00 07 00 08"), missing), status),
                       (Mismatch{length, static_cast<std::uint16_t>(9 - missing), 9}));
         EXPECT_EQ(after(serial, cut(rtu(5, "83 02"), 2), status), (Mismatch{length, 3, 5}));
     }
     LineConfig terminal = early_silence;  // the request may be repeated
     terminal.echo = Echo::untimed;
-    for (const std::uint16_t missing : {1, 3, 6})
+    for (const auto missing : {std::uint16_t{1}, std::uint16_t{3}, std::uint16_t{6}})
         EXPECT_EQ(after(terminal, cut(rtu(5, "03 04 00 6B 00 02"), missing), Status::bad_checksum),
                   (Mismatch{length, static_cast<std::uint16_t>(9 - missing), 9}));
     LineConfig ascii = kLine;
@@ -184,7 +184,7 @@ TEST(Incidents, OnASerialLineUnitsWithSwappedAddressesAreForeignAndLateOnesAreNo
 
 // Before that both were dead for so long that their responses are not expected any more.
 TEST(Incidents, OnASerialLineUnitsThatWereDeadBeforeTheirAddressesWereSwappedAreForeign) {
-    for (const std::uint8_t dead : {20, 60}) {
+    for (const auto dead : {std::uint8_t{20}, std::uint8_t{60}}) {
         Rig rig;
         for (std::uint8_t n = 0; n < dead + 8; ++n) {
             const auto unit = static_cast<std::uint8_t>(1 + n % 2);

@@ -94,7 +94,7 @@ TEST(IdeTables, AreOneProject) {
 TEST(IdeTables, LocalsAloneMakeNoLine) {
     const auto loaded = project_of({{"Стандартные", kStandard}});
     EXPECT_EQ(errors_of(loaded), Findings{});
-    EXPECT_EQ(write_project(loaded.document),
+    EXPECT_EQ(write_project(loaded.document.root),
               "takt: 1\n"
               "lines: []\n"
               "locals:\n"

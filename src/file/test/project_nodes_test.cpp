@@ -80,7 +80,7 @@ TEST(ProjectNodes, AreWrittenAsAProjectFile) {
     line.name = "l";
     line.transport = model::Transport::serial;
     line.port = "/dev/ttyS1";
-    line.format = {.baud = 9600, .parity = wire::Parity::even, .stop_bits = 1, .data_bits = 8};
+    line.format = {.baud = 9600, .data_bits = 8, .parity = wire::Parity::even, .stop_bits = 1};
     auto root = project_node({line_node(line)});
     auto& lines = root.entries.back().value.items;
     auto& devices = lines[0].entries.back().value.items;

@@ -84,8 +84,7 @@ file::Json known_device(const model::Line* line, UnitId unit) {
     return device == line->devices.end() ? file::Json() : file::Json(device->name);
 }
 
-file::Json devices_json(const report::Texts& texts, const SearchState& state, const model::Project& project,
-                        const file::Json& scanned) {
+file::Json devices_json(const SearchState& state, const model::Project& project, const file::Json& scanned) {
     const auto nodes = nodes_of(state);
     const auto& entries = array_member(scanned, "devices");
     auto list = file::Json::array();
@@ -155,7 +154,7 @@ file::Json search_json(const report::Texts& texts, const SearchState& state,
                             ? target_of(state.project_line)
                             : state.where);
     object.set("error", state.error ? file::Json(texts.describe(*state.error)) : file::Json());
-    object.set("devices", devices_json(texts, state, project, scanned));
+    object.set("devices", devices_json(state, project, scanned));
     object.set("troubles", *scanned.find("troubles"));
     object.set("absent_hosts", state.findings.absent_hosts);
     auto probed = file::Json::array();
