@@ -274,10 +274,9 @@ bool OutstandingResponses::remembers(UnitId unit, const AnswerShape& shape) cons
 }
 
 bool OutstandingResponses::doubtful(Instant t, UnitId unit, const AnswerShape& shape) const {
-    const auto misdirected = [&](const auto& entry) {
-        return entry.misdirected && entry.may_be(unit, shape);
-    };
-    return std::ranges::any_of(all(), misdirected) || (remembers(unit, shape) && silent(t, unit));
+    const bool dead = silent(t, unit);
+    return std::ranges::any_of(
+        all(), [&](const auto& entry) { return (dead || entry.misdirected) && entry.may_be(unit, shape); });
 }
 
 // `end` is not before the last answer of the unit: of a unit that answers late it is the same in all entries
@@ -285,9 +284,11 @@ bool OutstandingResponses::doubtful(Instant t, UnitId unit, const AnswerShape& s
 bool OutstandingResponses::silent(Instant t, UnitId unit) const {
     const auto owed = [&](const auto& entry) { return entry.phase == Phase::owed && entry.unit == unit; };
     const auto first = std::ranges::find_if(all(), owed);
-    if (first == all().end() || t < std::max(first->expected_until, first->confirm_until)) return false;
-    const auto later = [&](const auto& entry) { return owed(entry) && entry.end > first->end; };
-    return 1 + std::ranges::count_if(all(), later) >= std::ptrdiff_t{kAlike};
+    if (first == all().end() || t < first->expected_until || t < first->confirm_until) return false;
+    std::size_t later = 0;
+    for (const auto& entry : all())
+        if (owed(entry) && entry.end > first->end) ++later;
+    return later + 1 >= kAlike;
 }
 
 bool OutstandingResponses::remembers(UnitId unit) const {

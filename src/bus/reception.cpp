@@ -1,7 +1,5 @@
 // Receiving: removes echoes, assigns frames to transactions, and ends those whose deadline has passed.
 #include <algorithm>
-#include <array>
-#include <charconv>
 
 #include "takt/base/assert.hpp"
 #include "takt/bus/transaction_engine.hpp"
@@ -17,28 +15,10 @@ bool answers_function(const wire::Frame& frame, const wire::RequestShape& reques
     return wire::requested_function(frame.pdu[0]) == wire::requested_function(request.function);
 }
 
-struct FrameHead {
-    UnitId unit;
-    std::uint8_t function = 0;
-    std::uint16_t transaction = 0;
-};
-
-// Of a frame that may be incomplete.
-std::optional<FrameHead> head_of(wire::Framing framing, Bytes begin) {
-    constexpr std::size_t kMbapUnit = 6;
-    const std::size_t unit_at = framing == wire::Framing::tcp ? kMbapUnit : 0;
-    if (framing != wire::Framing::ascii) {
-        if (begin.size() < unit_at + 2) return std::nullopt;
-        const auto transaction = static_cast<std::uint16_t>(begin[0] << 8U | begin[1]);
-        return FrameHead{UnitId{begin[unit_at]}, begin[unit_at + 1], transaction};
-    }
-    if (begin.size() < 5) return std::nullopt;
-    std::array<char, 4> digits{};
-    std::copy_n(begin.begin() + 1, digits.size(), digits.begin());
-    std::uint16_t value = 0;
-    const auto [end, error] = std::from_chars(digits.begin(), digits.end(), value, 16);
-    if (error != std::errc() || end != digits.end()) return std::nullopt;
-    return FrameHead{UnitId{static_cast<std::uint8_t>(value >> 8U)}, static_cast<std::uint8_t>(value)};
+// The value of two hexadecimal digits. Others give a wrong value.
+std::uint8_t byte_of_digits(std::uint8_t high, std::uint8_t low) {
+    const auto value = [](unsigned c) { return (c & 0x0FU) + 9 * (c >> 6U); };  // letters are above 0x40
+    return static_cast<std::uint8_t>(value(high) << 4U | value(low));
 }
 
 // Damaged. A response has its byte count behind unit and function, and a request its address.
@@ -228,10 +208,20 @@ bool TransactionCore::may_be_echo(Instant t, const Slot& slot, std::size_t bytes
 
 // Of the frame that begins so, if that is the response to the request; else 0, also if its length is unknown.
 std::size_t TransactionCore::whole_length(const Slot& slot, Bytes begin) const {
-    const auto head = head_of(config_.framing, begin);
-    if (!head || head->unit != slot.unit || (numbered() && head->transaction != slot.wire_id)) return 0;
-    if (wire::requested_function(head->function) != wire::requested_function(slot.request.function)) return 0;
-    const std::size_t length = wire::is_exception(head->function) ? kExceptionPdu : slot.shape().pdu_length;
+    constexpr std::size_t kMbapUnit = 6;
+    const bool digits = config_.framing == wire::Framing::ascii;
+    const std::size_t width = digits ? 2 : 1;
+    const std::size_t unit_at = numbered() ? kMbapUnit : digits ? 1 : 0;  // behind the colon
+    if (begin.size() < unit_at + 2 * width) return 0;
+    std::uint8_t unit = begin[unit_at];
+    std::uint8_t function = begin[unit_at + width];
+    if (digits) {
+        unit = byte_of_digits(unit, begin[unit_at + 1]);
+        function = byte_of_digits(function, begin[unit_at + 3]);
+    }
+    if (unit != slot.unit.value || wire::requested_function(function) != slot.request.function) return 0;
+    if (numbered() && (begin[0] << 8U | begin[1]) != slot.wire_id) return 0;
+    const std::size_t length = wire::is_exception(function) ? kExceptionPdu : slot.shape().pdu_length;
     return length == 0 ? 0 : wire::frame_length(config_.framing, length);
 }
 

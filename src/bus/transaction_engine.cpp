@@ -198,11 +198,11 @@ Bytes TransactionCore::send(Instant t, Slot& slot) {
         framer_.expect_response(
             {.unit = unit, .function = slot.request.function, .transaction = slot.wire_id});
     last_start_ = t;
+    noise_ = 0;
     if (config_.framing != Framing::tcp) {
         last_activity_ = request_end;
         activity_since_ = t;
         bytes_since_gap_ = 0;
-        noise_ = 0;
         framer_.reset();
         if (!slot.broadcast)
             framer_.expect_response(
@@ -273,12 +273,11 @@ void TransactionCore::cancel_all(Instant t) {
 }
 
 void TransactionCore::give_up(Instant t, Slot& slot, Status status) {
-    if (slot.in_flight() && !slot.broadcast)
+    if (slot.in_flight() && !slot.broadcast && !slot.is_cut_short())  // else it has come
         expect_response(t, slot, std::max(t, slot.deadline) + slot.late_limit);
     finish(t, slot, status);
-    const bool cut_short = slot.explained() && slot.is_cut_short();
-    if (status == Status::timeout || cut_short)
-        notify(t, slot.unit, wire::Incident::no_response, slot.wait, cut_short ? slot.instead : std::nullopt);
+    if (status == Status::timeout || slot.instead)
+        notify(t, slot.unit, wire::Incident::no_response, slot.wait, slot.instead);
 }
 
 // A unit that does not keep the order is expected to answer late as long as it may take without being known.
@@ -315,6 +314,7 @@ void TransactionCore::expect_response(Instant t, const Slot& slot, Instant hold_
 // The response is copied out of the framer's buffer, which the next bytes overwrite.
 void TransactionCore::finish(Instant t, Slot& slot, Status status, const wire::ResponseView& response) {
     slot.status = status;
+    if (!slot.explained()) slot.instead.reset();
     slot.out_of_step = must_reconnect_;
     slot.ended_at = t;
     if (!slot.sent_once) slot.sent_at = slot.request_end = t;
@@ -337,7 +337,7 @@ Outcome TransactionCore::outcome_of(const Slot& slot) {
             .sent = slot.sent_once,
             .out_of_step = slot.out_of_step,
             .wire_id = slot.wire_id,
-            .instead = slot.explained() ? slot.instead : std::nullopt,
+            .instead = slot.instead,
             .noise = slot.noise,
             .request = slot.request,
             .wait = slot.wait,

@@ -2,12 +2,15 @@
 #include "takt/table/executor.hpp"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "item_words.hpp"
 #include "takt/base/assert.hpp"
 
 namespace takt::table {
+
+using namespace std::string_view_literals;
 namespace {
 
 bool is_run(const View& view, const EntryRecord& entry) {
@@ -66,7 +69,7 @@ Result<void> Executor::can_run(const View& view, std::uint32_t line, const Memor
     TAKT_CHECK(enough(workspace.devices.size(), record.device_count));
     for (std::uint32_t e = 0; e < record.entry_count; ++e)
         if (!is_run(view, view.entry(record.first_entry + e)))
-            return fail(Code::unsupported, "entry", record.first_entry + e);
+            return fail(Code::unsupported, "entry"sv, record.first_entry + e);
     return {};
 }
 

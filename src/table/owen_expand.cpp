@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <initializer_list>
+#include <string_view>
 
 #include "takt/bus/transaction.hpp"
 #include "takt/table/owen_view.hpp"
@@ -11,6 +12,8 @@
 #include "takt/wire/silence.hpp"
 
 namespace takt::table {
+
+using namespace std::string_view_literals;
 namespace {
 
 using namespace std::chrono_literals;
@@ -195,7 +198,7 @@ private:
             const std::uint32_t number = owen.first_entry + i;
             const auto entry = table_.entry(number);
             if (is_usable(entry) && !add_entry(index, owen, entry))
-                return fail(Code::malformed, "entry", std::int64_t{number});
+                return fail(Code::malformed, "entry"sv, std::int64_t{number});
         }
         device.entry_count = entries_ - device.first_entry;
         put(header_.devices, index, device);

@@ -1,11 +1,14 @@
 #include "rules.hpp"
 
 #include <cmath>
+#include <string_view>
 
 #include "takt/wire/broadcast.hpp"
 #include "takt/wire/frame.hpp"
 
 namespace takt::table {
+
+using namespace std::string_view_literals;
 namespace {
 
 using wire::Function;
@@ -51,18 +54,18 @@ bool functions_fit(const EntryRecord& entry) {
 }  // namespace
 
 Result<void> Rules::check() const {
-    const auto all = [this](const char* kind, std::uint32_t count, auto record) -> Result<void> {
+    const auto all = [this](std::string_view kind, std::uint32_t count, auto record) -> Result<void> {
         for (std::uint32_t i = 0; i < count; ++i)
             if (!holds(record(i), i)) return fail(Code::malformed, kind, i);
         return {};
     };
     const std::uint64_t most = std::uint64_t{view_.item_count()} * kLongestString;
     if (view_.header().value_words > most || view_.header().write_words > most)
-        return fail(Code::malformed, "header");
-    TAKT_CHECK(all("item", view_.item_count(), [this](auto i) { return view_.item(i); }));
-    TAKT_CHECK(all("line", view_.line_count(), [this](auto i) { return view_.line(i); }));
-    TAKT_CHECK(all("device", view_.device_count(), [this](auto i) { return view_.device(i); }));
-    return all("entry", view_.entry_count(), [this](auto i) { return view_.entry(i); });
+        return fail(Code::malformed, "header"sv);
+    TAKT_CHECK(all("item"sv, view_.item_count(), [this](auto i) { return view_.item(i); }));
+    TAKT_CHECK(all("line"sv, view_.line_count(), [this](auto i) { return view_.line(i); }));
+    TAKT_CHECK(all("device"sv, view_.device_count(), [this](auto i) { return view_.device(i); }));
+    return all("entry"sv, view_.entry_count(), [this](auto i) { return view_.entry(i); });
 }
 
 bool Rules::is_text(std::uint32_t text) const {

@@ -2,23 +2,26 @@
 #include "takt/table/view.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 #include "rules.hpp"
 
 namespace takt::table {
+
+using namespace std::string_view_literals;
 namespace {
 
 Result<void> check_envelope(Bytes image) {
     const auto there = static_cast<std::int64_t>(image.size());
     if (!std::equal(image.begin(), image.begin() + std::min<std::ptrdiff_t>(kMagicSize, std::ssize(image)),
                     kMagic))
-        return fail(Code::malformed, "magic");
+        return fail(Code::malformed, "magic"sv);
     if (image.size() < kMagicSize + 2)
         return fail(Code::too_short, there, static_cast<std::int64_t>(kHeaderSize));
     std::uint16_t version = 0;
     Take{image.data() + kMagicSize}(version);
-    if (version == 0) return fail(Code::malformed, "version");
-    if (version != kVersion) return fail(Code::unsupported, "version", version, kVersion);
+    if (version == 0) return fail(Code::malformed, "version"sv);
+    if (version != kVersion) return fail(Code::unsupported, "version"sv, version, kVersion);
     if (image.size() < kHeaderSize)
         return fail(Code::too_short, there, static_cast<std::int64_t>(kHeaderSize));
     return {};
@@ -36,12 +39,12 @@ Result<void> check_header(Bytes image, const Header& header) {
     if (image.size() > header.length) return fail(Code::too_long, there, header.length);
     if (header.length > kMaxImage) return fail(Code::too_long, there, static_cast<std::int64_t>(kMaxImage));
     if (image_checksum(image) != header.checksum) return fail(Code::bad_checksum);
-    if (header.header_size != kHeaderSize) return fail(Code::malformed, "header");
+    if (header.header_size != kHeaderSize) return fail(Code::malformed, "header"sv);
     const bool whole =
         inside<LineRecord>(header, header.lines) && inside<DeviceRecord>(header, header.devices) &&
         inside<EntryRecord>(header, header.entries) && inside<std::uint32_t>(header, header.members) &&
         inside<ItemRecord>(header, header.items) && inside<std::uint8_t>(header, header.texts);
-    if (!whole) return fail(Code::malformed, "sections");
+    if (!whole) return fail(Code::malformed, "sections"sv);
     return {};
 }
 

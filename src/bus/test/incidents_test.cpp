@@ -134,6 +134,41 @@ TEST(Incidents, AResponseThatIsCutShortIsNoSilence) {
     }
 }
 
+// It has come, so the next response to the same request is not taken for it.
+TEST(Incidents, AResponseThatWasCutShortIsNotOwed) {
+    Rig rig;
+    const auto whole = rtu(5, "03 04 00 07 00 08");
+    for (std::uint64_t n = 1; n <= 3; ++n) {
+        const auto start = at(0ms) + n * 400ms;
+        rig.run_until(start);
+        rig.submit(start, transaction(n, 5, "03 00 6B 00 02", 20ms));
+        rig.run_until(start + 20ms);
+        rig.receive(start + 20ms, n == 1 ? std::vector(whole.begin(), whole.end() - 2) : whole);
+        rig.run_until(start + 200ms);
+        EXPECT_EQ(rig.last().id, n);
+        EXPECT_EQ(rig.last().status, n == 1 ? Status::timeout : Status::ok) << n;
+    }
+}
+
+// What came before the last request is no noise before its response.
+TEST(Incidents, OverTcpNoiseIsCountedForOneRequest) {
+    Rig rig({.framing = wire::Framing::tcp, .margin = 2ms});
+    rig.submit(at(0ms), transaction(1, 8, "03 00 6B 00 01"));
+    rig.run_until(at(5ms));
+    rig.receive(at(5ms), "FF FF FF FF FF FF FF FF FF FF FF");
+    rig.run_until(at(400ms));
+    EXPECT_NE(rig.last().status, Status::ok);
+    rig.engine.on_link(at(400ms), false);
+    rig.engine.on_link(at(400ms), true);
+    rig.submit(at(400ms), transaction(2, 5, "03 00 6B 00 01"));
+    rig.run_until(at(405ms));
+    rig.receive(at(405ms), mbap(2, "00 05 05 03 02 00 07"));
+    rig.run_until(at(600ms));
+    EXPECT_EQ(rig.last().id, 2U);
+    EXPECT_EQ(rig.last().status, Status::ok);
+    EXPECT_EQ(rig.last().noise, 0U);
+}
+
 // A frame that would answer the request, had it not another unit; not the response to another master, which
 // follows the request of that one.
 TEST(Incidents, OnASerialLineAResponseOfAnotherUnitIsForeign) {
