@@ -190,7 +190,7 @@ def test_a_lost_connection(project, tmp_path):
 @pytest.mark.parametrize("answer, code, words", [
     (lambda adu: None, 4, "time-out"),
     (lambda adu: tcp_answer(adu, "83 02"), 5, "exception 2"),
-    (lambda adu: tcp_answer(adu, "03 04 00 07 00 08"), 6, "unexpected"),
+    (lambda adu: tcp_answer(adu, "03 04 00 07 00 08"), 6, "does not fit"),
 ], ids=["time-out", "exception", "bad frame"])
 def test_a_bad_value(project, tmp_path, answer, code, words):
     """Also when the device counts as not answering: the cause decides."""

@@ -32,7 +32,7 @@ struct OptionError {
 /// A command has no such option. The nearest one is named, or the key of the project file.
 [[nodiscard]] OptionError unknown_option(const std::string& name, std::span<const std::string_view> options);
 
-/// The error of a URL that line::parse_target() or the parsers of module discover do not accept.
+/// The error of a URL that line::parse_target() or the parsers of bus_discover do not accept.
 /// @param option  the name of the option or argument
 [[nodiscard]] OptionError target_error(std::string_view option, std::string_view url, const Error& why);
 

@@ -33,8 +33,7 @@ void FailureLog::on_failed(Instant t, std::size_t line, const poll::FailedExchan
     kind.exchange->took = {};
     auto& instead = kind.exchange->instead;
     if (instead && instead->part == Mismatch::Part::transaction)
-        instead->came = instead->asked = 0;  // they
-                                             // differ each time
+        instead->came = instead->asked = 0;  // they differ each time
     if (filter_.admit(t, kind)) write(kind, failed.took, 0);
 }
 

@@ -195,9 +195,8 @@ private:
                 return of_kind(damaged, counters.checksums, "problem.damaged");
             case Reason::unexpected_reply:
             case Reason::ambiguous:
-                if (const auto& last = device().last_foreign)
-                    return misfit(unfitting, counters.unexpected + counters.ambiguous + device().foreign,
-                                  *last);
+                if (const auto others = counters.unexpected + counters.ambiguous; device().foreign > others)
+                    return misfit(unfitting, others + device().foreign, *device().last_foreign);
                 return of_kind(unfitting, counters.unexpected + counters.ambiguous, "problem.unfitting");
             case Reason::link_lost:
             case Reason::closed: return of_kind(unanswered, counters.link_lost, "problem.closed");

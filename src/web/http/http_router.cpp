@@ -5,7 +5,9 @@
 #include <exception>
 #include <utility>
 
+#include "http/lower_ascii.hpp"
 #include "http/page.hpp"
+#include "takt/base/ascii.hpp"
 #include "takt/base/utf8.hpp"
 
 namespace takt::web {
@@ -49,10 +51,34 @@ std::optional<Method> method_of(std::string_view name) {
     return std::nullopt;
 }
 
+/// The first part of a list, in which it is shortened: "gzip;q=0.5".
+std::string_view take_part(std::string_view& list) {
+    const auto part = list.substr(0, list.find(','));
+    list.remove_prefix(std::min(list.size(), part.size() + 1));
+    return trimmed(part, " \t");
+}
+
+/// With a quality of 0 it is not accepted (RFC 9110, 12.4.2).
 bool accepts_gzip(const RequestHead& head) {
-    const auto text = head.text_of("accept-encoding");
-    const auto at = text.find("gzip");
-    return at != std::string_view::npos && text.substr(at, 8) != "gzip;q=0";
+    for (auto list = head.text_of("accept-encoding"); !list.empty();) {
+        const auto part = take_part(list);
+        const auto coding = part.substr(0, part.find(';'));
+        const auto quality = part.find("q=");
+        const auto weight = quality == std::string_view::npos ? "1" : part.substr(quality + 2);
+        if (lower_ascii(trimmed(coding, " \t")) == "gzip")
+            return weight.find_first_not_of("0.") != std::string_view::npos;
+    }
+    return false;
+}
+
+/// A proxy that compresses makes the tag weak: `W/"…"`.
+bool has_etag(const RequestHead& head, std::string_view etag) {
+    for (auto list = head.text_of("if-none-match"); !list.empty();) {
+        auto part = take_part(list);
+        if (part.starts_with("W/")) part.remove_prefix(2);
+        if (part == etag || part == "*") return true;
+    }
+    return false;
 }
 
 /// Captures are not.
@@ -190,7 +216,7 @@ HttpReply HttpRouter::serve_page(const RequestHead& head) const {
     if (method_of(head.method) != Method::get) return refuse(head, {405, "method"}, {{"Allow", "GET, HEAD"}});
     ReplyFields fields{
         {"ETag", std::string(file->etag)}, {"Cache-Control", "no-cache"}, {"Vary", "Accept-Encoding"}};
-    if (head.text_of("if-none-match") == file->etag) return reply_of(head, 304, "", std::move(fields), "");
+    if (has_etag(head, file->etag)) return reply_of(head, 304, "", std::move(fields), "");
     const bool packed = accepts_gzip(head);
     if (packed) fields.emplace_back("Content-Encoding", "gzip");
     return reply_of(head, 200, file->content_type, std::move(fields), packed ? file->gzip : file->plain);

@@ -14,13 +14,13 @@ namespace {
 
 constexpr std::string_view kEnd = "\r\n\r\n";
 
-// Fields that the program reads. Each may be there once.
-constexpr std::array<std::string_view, 10> kKnown = {
-    "host",   "origin",          "connection",      "content-type",  "authorization",
-    "x-takt", "accept-encoding", "accept-language", "if-none-match", "sec-fetch-site"};
+// Fields that the program reads, and that may be there once.
+constexpr std::array<std::string_view, 6> kKnown = {"host",          "origin", "content-type",
+                                                    "authorization", "x-takt", "sec-fetch-site"};
 
-// Fields of proxies. Each proxy may append a line of its own; together they are one list (RFC 9110, 5.3).
-constexpr std::array<std::string_view, 3> kLists = {"x-forwarded-for", "x-forwarded-host",
+// Lists: several lines are one list (RFC 9110, 5.3). Each proxy may append a line of its own.
+constexpr std::array<std::string_view, 7> kLists = {"connection",       "accept-encoding", "accept-language",
+                                                    "if-none-match",    "x-forwarded-for", "x-forwarded-host",
                                                     "x-forwarded-proto"};
 
 bool is_token(std::string_view text) {
@@ -119,6 +119,7 @@ private:
         if (std::ranges::find(kLists, name) != kLists.end()) {
             auto& text = head.fields[name];
             text.append(text.empty() ? "" : ", ").append(value);
+            if (name == "connection") keep_alive(lower_ascii(value));
             return 0;
         }
         if (!known && name != "content-length" && name != "expect") return 0;
@@ -128,7 +129,6 @@ private:
             head.expects_continue = lower_ascii(value) == "100-continue";
             return head.expects_continue ? 0 : 417;
         }
-        if (name == "connection") keep_alive(lower_ascii(value));
         head.fields.emplace(name, value);
         return 0;
     }

@@ -129,7 +129,12 @@ TEST(HttpRouter, CompressesOnRequest) {
     EXPECT_LT(packed.size(), 5'000u);
     EXPECT_NE(packed.find("Content-Encoding: gzip"), std::string::npos);
     EXPECT_GT(get("/api/v1/long", "accept-encoding: br\r\n").size(), 100'000u);
-    EXPECT_GT(get("/api/v1/long", "accept-encoding: gzip;q=0\r\n").size(), 100'000u);
+    for (const auto* none : {"gzip;q=0", "gzip; q=0.0", "x-gzip", "notgzip", ""})
+        EXPECT_GT(get("/api/v1/long", "accept-encoding: " + std::string(none) + "\r\n").size(), 100'000u)
+            << none;
+    for (const auto* some : {"GZIP", "br, gzip;q=0.5", "gzip ; q=1"})
+        EXPECT_LT(get("/api/v1/long", "accept-encoding: " + std::string(some) + "\r\n").size(), 5'000u)
+            << some;
 }
 
 TEST(HttpRouter, ServesThePage) {
@@ -141,6 +146,10 @@ TEST(HttpRouter, ServesThePage) {
     EXPECT_TRUE(same.starts_with("HTTP/1.1 304 ")) << same;
     EXPECT_EQ(body_of(same), "");
     EXPECT_EQ(body_of(get("/", "", "HEAD")), "");
+    const std::string etag(page->etag);
+    for (const auto& tags : {"W/" + etag, "\"x\", " + etag, std::string("*")})
+        EXPECT_TRUE(get("/", "if-none-match: " + tags + "\r\n").starts_with("HTTP/1.1 304 ")) << tags;
+    EXPECT_TRUE(get("/", "if-none-match: \"x\"\r\n").starts_with("HTTP/1.1 200 "));
 }
 
 TEST(HttpRouter, OpensStreams) {

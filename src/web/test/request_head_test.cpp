@@ -62,6 +62,7 @@ TEST(RequestHead, KnowsWhetherTheConnectionStays) {
     EXPECT_TRUE(parsed("").head.keeps_alive);
     EXPECT_FALSE(parsed("Connection: Close\r\n").head.keeps_alive);
     EXPECT_FALSE(parsed("", "GET / HTTP/1.0").head.keeps_alive);
+    EXPECT_FALSE(parsed("Connection: x\r\nConnection: close\r\n").head.keeps_alive);
     EXPECT_TRUE(parsed("Connection: Keep-Alive\r\n", "GET / HTTP/1.0").head.keeps_alive);
 }
 

@@ -818,7 +818,18 @@ export interface HistoryVariable {
     to: string;
     quality: Quality;
     reason?: string;
+    /** The code of the reason in status variables */
+    status?: number;
   }[];
+  damaged_chunks: number;
+  /** The newest sample before the end of the range */
+  last?: {
+    time: string;
+    value: Scalar;
+    quality: Quality;
+    reason?: string;
+    status?: number;
+  };
 }
 
 export interface HistoryGap {

@@ -18,7 +18,7 @@
 namespace takt::client {
 
 /// The ports and hosts that URLs name, each once. A URL may name a range of hosts.
-/// @returns what line::parse_target() and the parsers of discover return
+/// @returns what line::parse_target() and the parsers of bus_discover return
 [[nodiscard]] Result<std::vector<bus::ScanTarget>> scan_targets(std::span<const std::string> urls,
                                                                 const bus::SerialChoices& choices);
 
