@@ -273,7 +273,7 @@ void TransactionCore::cancel_all(Instant t) {
 }
 
 void TransactionCore::give_up(Instant t, Slot& slot, Status status) {
-    if (slot.in_flight() && !slot.broadcast && !slot.is_cut_short())  // else it has come
+    if (slot.in_flight() && !slot.broadcast)
         expect_response(t, slot, std::max(t, slot.deadline) + slot.late_limit);
     finish(t, slot, status);
     if (status == Status::timeout || slot.instead)

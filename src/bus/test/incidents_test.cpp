@@ -134,22 +134,6 @@ TEST(Incidents, AResponseThatIsCutShortIsNoSilence) {
     }
 }
 
-// It has come, so the next response to the same request is not taken for it.
-TEST(Incidents, AResponseThatWasCutShortIsNotOwed) {
-    Rig rig;
-    const auto whole = rtu(5, "03 04 00 07 00 08");
-    for (std::uint64_t n = 1; n <= 3; ++n) {
-        const auto start = at(0ms) + n * 400ms;
-        rig.run_until(start);
-        rig.submit(start, transaction(n, 5, "03 00 6B 00 02", 20ms));
-        rig.run_until(start + 20ms);
-        rig.receive(start + 20ms, n == 1 ? std::vector(whole.begin(), whole.end() - 2) : whole);
-        rig.run_until(start + 200ms);
-        EXPECT_EQ(rig.last().id, n);
-        EXPECT_EQ(rig.last().status, n == 1 ? Status::timeout : Status::ok) << n;
-    }
-}
-
 // What came before the last request is no noise before its response.
 TEST(Incidents, OverTcpNoiseIsCountedForOneRequest) {
     Rig rig({.framing = wire::Framing::tcp, .margin = 2ms});
