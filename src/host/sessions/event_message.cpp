@@ -62,7 +62,7 @@ void append_reason(std::vector<EventMessage::Argument>& arguments, Reason reason
 
 // As the state of a device is shown in `ctl status` and on the page.
 std::string state_code(const DeviceStateChanged& changed) {
-    const auto state = "app.state." + std::string(poll::name(changed.state));
+    auto state = "app.state." + std::string(poll::name(changed.state));
     if (changed.state != poll::DeviceState::not_answering || changed.failure == Reason::ok) return state;
     if (changed.failure == Reason::bad_checksum) return "app.state.damaged";
     return changed.failure == Reason::unexpected_reply ? "app.state.unfitting" : state + ".why";
