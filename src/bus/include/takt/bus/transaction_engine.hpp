@@ -294,8 +294,7 @@ private:
     std::span<Slot> slots_;
     std::size_t longest_pdu_;
     BoundedVector<std::uint8_t> outgoing_;  // State::confirming: the PDU of the last response
-    std::size_t following_ =
-        0;  // bytes that were received together with the frame that is handled, and after it
+    std::size_t following_ = 0;  // bytes behind the frame that is handled, received together with it
     std::uint64_t last_order_ = 0;
     TransactionIds ids_;
     bool link_up_ = false;

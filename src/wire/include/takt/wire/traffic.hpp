@@ -42,9 +42,8 @@ public:
     /// Masters only.
     /// @param unit     of a response; 0: of the line
     /// @param after    no_response: the wait of the request; late_response: how late it is; else zero
-    /// @param instead  surplus_response: it came while a request waits for another one; no_response: the
-    /// begin of
-    ///                 the response came
+    /// @param instead  no_response, surplus_response: what came instead of the response that a request waits
+    ///                 for; nothing: nothing did, or no request waits
     virtual void on_incident(Instant /*t*/, UnitId /*unit*/, Incident /*incident*/, Duration /*after*/,
                              const std::optional<Mismatch>& /*instead*/) {}
 
