@@ -8,7 +8,7 @@ import jsonschema
 SCHEMAS = "#/components/schemas/"
 DESCRIPTION = json.loads(
     (pathlib.Path(__file__).resolve().parent.parent / "docs/openapi.json").read_text(encoding="utf-8"))
-# Events of /stream without a schema of their own: they have no data.
+# The schemas of the events of /stream.
 STREAM = {
     "snapshot": "Snapshot",
     "values": "ValueBatch",
