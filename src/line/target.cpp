@@ -262,8 +262,13 @@ Result<Target> parse_target(std::string_view url) {
     const auto colon = url.find("://");
     if (colon == std::string_view::npos) return wrong(url, suggestion(url));
     const auto scheme = std::ranges::find(kSchemes, url.substr(0, colon), &Scheme::name);
-    if (scheme == kSchemes.end())
-        return wrong_word({}, url.substr(0, colon), url.substr(colon), {}, kSchemeNames);
+    if (scheme == kSchemes.end()) {
+        const auto word = url.substr(0, colon);
+        const auto rest = url.substr(colon);
+        if (word.contains("rtu") && word.contains("tcp"))  // "rtuovertcp"
+            return wrong(url, std::string("rtu+tcp").append(rest));
+        return wrong_word({}, word, rest, {}, kSchemeNames);
+    }
     Target target;
     target.transport = scheme->transport;
     target.framing = scheme->framing;

@@ -89,6 +89,7 @@ TEST(Target, NamesThePartThatIsWrong) {
         {"", Code::syntax, " → tcp://host:502, rtu:///dev/ttyUSB0"},
         {"what is this", Code::syntax, "what is this → tcp://host:502, rtu:///dev/ttyUSB0"},
         {"tpc://plc", Code::syntax, "tpc://plc → tcp://plc"},
+        {"rtuovertcp://plc:4001", Code::syntax, "rtuovertcp://plc:4001 → rtu+tcp://plc:4001"},
         {"rtu+tpc://plc", Code::syntax, "rtu+tpc://plc → rtu+tcp://plc"},
         {"rtu:///dev/ttyS0?buad=9600", Code::syntax, "buad=9600 → baud=9600"},
         {"rtu:///dev/ttyS0?parity=evn", Code::syntax, "parity=evn → parity=even"},
