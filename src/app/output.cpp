@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <cstdio>
 
-#include "takt/report/word_wrap.hpp"
+#include "takt/report/drawing/word_wrap.hpp"
 #include "takt/text/catalogue.hpp"
 #include "takt/text/escape.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "takt/console/file_reports.hpp"
 #include "takt/console/messages.hpp"
-#include "takt/report/panel.hpp"
+#include "takt/report/drawing/panel.hpp"
 #include "texts.hpp"
 
 namespace takt::app {

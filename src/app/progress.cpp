@@ -5,8 +5,8 @@
 
 #include "output.hpp"
 #include "takt/line/loop.hpp"
-#include "takt/report/panel.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/panel.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 namespace takt::app {
 namespace {

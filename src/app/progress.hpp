@@ -6,7 +6,7 @@
 
 #include "takt/base/time.hpp"
 #include "takt/host/project_file.hpp"
-#include "takt/report/progress_text.hpp"
+#include "takt/report/drawing/progress_text.hpp"
 #include "texts.hpp"
 
 namespace takt::app {

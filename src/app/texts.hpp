@@ -1,7 +1,7 @@
 // The messages of the command line.
 #pragma once
 
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/texts.hpp"
 
 namespace takt::app {
 

@@ -1,7 +1,7 @@
 #include "takt/console/clock_text.hpp"
 
 #include "takt/line/loop.hpp"
-#include "takt/report/history_time.hpp"
+#include "takt/report/times/history_time.hpp"
 
 namespace takt::console {
 

@@ -5,7 +5,7 @@
 
 #include "takt/base/ascii.hpp"
 #include "takt/model/nearest.hpp"
-#include "takt/report/command_report.hpp"
+#include "takt/report/states/command_report.hpp"
 
 namespace takt::console {
 namespace {

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "takt/os/descriptor.hpp"
-#include "takt/report/command_report.hpp"
-#include "takt/report/progress_text.hpp"
+#include "takt/report/drawing/progress_text.hpp"
+#include "takt/report/states/command_report.hpp"
 
 namespace takt::console {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "takt/base/ascii.hpp"
-#include "takt/report/value_json.hpp"
+#include "takt/report/drawing/value_json.hpp"
 #include "takt/text/escape.hpp"
 #include "takt/value/text.hpp"
 

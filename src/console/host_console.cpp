@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "takt/console/notices.hpp"
-#include "takt/report/serve_report.hpp"
+#include "takt/report/states/serve_report.hpp"
 
 namespace takt::console {
 namespace {

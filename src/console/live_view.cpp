@@ -6,12 +6,12 @@
 
 #include "takt/console/clock_text.hpp"
 #include "takt/console/run_view.hpp"
-#include "takt/report/event_report.hpp"
-#include "takt/report/live_screen.hpp"
-#include "takt/report/outputs_report.hpp"
-#include "takt/report/panel.hpp"
-#include "takt/report/summary_report.hpp"
-#include "takt/report/word_wrap.hpp"
+#include "takt/report/drawing/panel.hpp"
+#include "takt/report/drawing/word_wrap.hpp"
+#include "takt/report/states/event_report.hpp"
+#include "takt/report/states/live_screen.hpp"
+#include "takt/report/states/outputs_report.hpp"
+#include "takt/report/states/summary_report.hpp"
 
 namespace takt::console {
 namespace {

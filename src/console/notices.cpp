@@ -1,6 +1,6 @@
 #include "takt/console/notices.hpp"
 
-#include "takt/report/event_report.hpp"
+#include "takt/report/states/event_report.hpp"
 
 namespace takt::console {
 

@@ -4,10 +4,10 @@
 #include <utility>
 
 #include "takt/console/clock_text.hpp"
-#include "takt/report/event_report.hpp"
-#include "takt/report/outputs_report.hpp"
-#include "takt/report/summary_report.hpp"
-#include "takt/report/word_wrap.hpp"
+#include "takt/report/drawing/word_wrap.hpp"
+#include "takt/report/states/event_report.hpp"
+#include "takt/report/states/outputs_report.hpp"
+#include "takt/report/states/summary_report.hpp"
 
 namespace takt::console {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "takt/console/clock_text.hpp"
 #include "takt/model/nearest.hpp"
-#include "takt/report/command_report.hpp"
-#include "takt/report/outputs_report.hpp"
-#include "takt/report/state_report.hpp"
+#include "takt/report/states/command_report.hpp"
+#include "takt/report/states/outputs_report.hpp"
+#include "takt/report/states/state_report.hpp"
 #include "takt/value/text.hpp"
 
 namespace takt::console {

@@ -9,7 +9,7 @@
 #include "takt/console/clock_text.hpp"
 #include "takt/os/open.hpp"
 #include "takt/os/rotating_file.hpp"
-#include "takt/report/traffic_text.hpp"
+#include "takt/report/states/traffic_text.hpp"
 #include "takt/text/escape.hpp"
 #include "takt/text/frame_text.hpp"
 #include "takt/wire/frame_words.hpp"

@@ -4,10 +4,10 @@
 
 #include "input.hpp"
 #include "takt/base/utf8.hpp"
-#include "takt/report/panel.hpp"
-#include "takt/report/svg.hpp"
-#include "takt/report/text_table.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/panel.hpp"
+#include "takt/report/drawing/svg.hpp"
+#include "takt/report/drawing/text_table.hpp"
+#include "takt/report/drawing/texts.hpp"
 #include "takt/text/escape.hpp"
 
 namespace {

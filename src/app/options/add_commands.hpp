@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "commands/commands.hpp"
+#include "commands.hpp"
 #include "options/command_line.hpp"
 
 namespace takt::app {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "commands/commands.hpp"
+#include "commands.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
 

@@ -1,5 +1,5 @@
 // convert.
-#include "commands/commands.hpp"
+#include "commands.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "commands/commands.hpp"
+#include "commands.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
 #include "takt/client/port_scan.hpp"

@@ -1,5 +1,5 @@
 // history and replay.
-#include "commands/commands.hpp"
+#include "commands.hpp"
 #include "options/add_commands.hpp"
 
 namespace takt::app {

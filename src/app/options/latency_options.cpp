@@ -6,8 +6,8 @@
 #include <optional>
 #include <sstream>
 
-#include "commands/commands.hpp"
-#include "commands/latency_command.hpp"
+#include "commands.hpp"
+#include "offline/latency_command.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
 

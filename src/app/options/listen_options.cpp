@@ -1,5 +1,5 @@
 // capture and listen.
-#include "commands/commands.hpp"
+#include "commands.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
 #include "takt/line/target.hpp"

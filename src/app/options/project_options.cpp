@@ -2,7 +2,7 @@
 #include <map>
 #include <string>
 
-#include "commands/commands.hpp"
+#include "commands.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
 

@@ -1,5 +1,5 @@
 // demo, run and ctl.
-#include "commands/commands.hpp"
+#include "commands.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
 #include "takt/base/network.hpp"

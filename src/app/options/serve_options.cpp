@@ -1,5 +1,5 @@
 // serve: where, what clients may take, and faults.
-#include "commands/commands.hpp"
+#include "commands.hpp"
 #include "options/add_commands.hpp"
 #include "options/shared_options.hpp"
 #include "takt/line/target.hpp"

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "commands/commands.hpp"
-#include "commands/realtime_mode.hpp"
+#include "commands.hpp"
+#include "online/realtime_mode.hpp"
 #include "options/command_line.hpp"
 #include "takt/base/data_type.hpp"
 #include "takt/base/time.hpp"

@@ -1,5 +1,5 @@
 // The values of the demo: in their ranges, slow where they are slow in a plant, and fitting together.
-#include "commands/demo_plant.hpp"
+#include "online/demo_plant.hpp"
 
 #include <gtest/gtest.h>
 

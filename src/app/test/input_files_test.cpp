@@ -1,5 +1,5 @@
 // Files of the user that a command reads: what is wrong with them goes to stderr.
-#include "commands/input_files.hpp"
+#include "offline/input_files.hpp"
 
 #include <gtest/gtest.h>
 

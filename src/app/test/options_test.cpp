@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "commands/commands.hpp"
+#include "commands.hpp"
 #include "parsed.hpp"
 
 namespace takt::app {

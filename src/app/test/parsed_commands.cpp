@@ -2,7 +2,7 @@
 #include <utility>
 #include <vector>
 
-#include "commands/commands.hpp"
+#include "commands.hpp"
 #include "options/add_commands.hpp"
 #include "options/command_line.hpp"
 #include "parsed.hpp"

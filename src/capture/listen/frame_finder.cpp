@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "pdu_shape.hpp"
-#include "serial_frame.hpp"
+#include "exchanges/pdu_shape.hpp"
+#include "serial/serial_frame.hpp"
 #include "takt/wire/expected_length.hpp"
 
 namespace takt::capture {

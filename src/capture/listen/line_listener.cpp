@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "serial_frame.hpp"
+#include "serial/serial_frame.hpp"
 #include "takt/base/inplace_vector.hpp"
 
 namespace takt::capture {

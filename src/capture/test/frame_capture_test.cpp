@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "network/upper_pdu.hpp"
 #include "takt/capture/analysis.hpp"
 #include "takt/capture/capture_reader.hpp"
 #include "takt/capture/segment.hpp"
-#include "upper_pdu.hpp"
 
 namespace takt::capture {
 namespace frame_capture_test {

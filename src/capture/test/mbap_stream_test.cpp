@@ -1,4 +1,4 @@
-#include "mbap_stream.hpp"
+#include "network/mbap_stream.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

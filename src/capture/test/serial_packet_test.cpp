@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "capture_bytes.hpp"
+#include "network/upper_pdu.hpp"
 #include "takt/capture/frame_capture.hpp"
-#include "upper_pdu.hpp"
 
 namespace takt::capture {
 namespace serial_packet_test {

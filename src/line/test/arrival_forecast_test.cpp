@@ -1,4 +1,4 @@
-#include "arrival_forecast.hpp"
+#include "loop/arrival_forecast.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 
 #include <set>
 
-#include "backoff.hpp"
+#include "network/backoff.hpp"
 #include "support.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/tcp_server.hpp"

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "backoff.hpp"
-#include "direction_switch.hpp"
-#include "marked_input.hpp"
+#include "loop/marked_input.hpp"
+#include "network/backoff.hpp"
+#include "serial/direction_switch.hpp"
 
 namespace takt::line {
 namespace line_parts_test {

@@ -4,7 +4,7 @@
 #include <sys/resource.h>
 
 #include "localhost.hpp"
-#include "resolver.hpp"
+#include "network/resolver.hpp"
 #include "support.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/socket.hpp"

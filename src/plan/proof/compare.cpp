@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "requests/exact_time.hpp"
+#include "cost/exact_time.hpp"
 #include "requests/grouping.hpp"
 #include "takt/base/assert.hpp"
 #include "takt/plan/shares.hpp"

@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
+#include "cost/transaction_cost.hpp"
 #include "proof/line_tasks.hpp"
-#include "requests/transaction_cost.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/shares.hpp"
 #include "timing/step_check.hpp"

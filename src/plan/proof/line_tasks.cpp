@@ -16,7 +16,7 @@
 #include <tuple>
 #include <utility>
 
-#include "requests/transaction_cost.hpp"
+#include "cost/transaction_cost.hpp"
 #include "takt/base/assert.hpp"
 #include "timing/admission.hpp"
 #include "timing/calendar.hpp"

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "requests/request_cost.hpp"
+#include "cost/request_cost.hpp"
 
 namespace takt::plan {
 

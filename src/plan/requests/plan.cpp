@@ -7,12 +7,12 @@
 #include <tuple>
 #include <utility>
 
+#include "cost/exact_time.hpp"
+#include "cost/polling_load.hpp"
+#include "cost/request_cost.hpp"
 #include "proof/trial_plan.hpp"
-#include "requests/exact_time.hpp"
 #include "requests/grouping.hpp"
 #include "requests/optimal.hpp"
-#include "requests/polling_load.hpp"
-#include "requests/request_cost.hpp"
 #include "requests/write_pass.hpp"
 #include "takt/base/assert.hpp"
 #include "timing/admission.hpp"

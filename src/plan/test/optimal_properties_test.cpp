@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "builder.hpp"
-#include "requests/exact_time.hpp"
+#include "cost/exact_time.hpp"
 
 namespace takt::plan {
 namespace optimal_properties_test {

@@ -1,5 +1,5 @@
 // The cost by which reads are chosen against the bus time of the requests.
-#include "requests/request_cost.hpp"
+#include "cost/request_cost.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

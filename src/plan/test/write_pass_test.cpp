@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "builder.hpp"
-#include "requests/exact_time.hpp"
-#include "requests/transaction_cost.hpp"
+#include "cost/exact_time.hpp"
+#include "cost/transaction_cost.hpp"
 #include "takt/text/catalogue.hpp"
 #include "timing/admission.hpp"
 

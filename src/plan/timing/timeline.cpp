@@ -7,7 +7,7 @@
 #include <optional>
 #include <tuple>
 
-#include "requests/exact_time.hpp"
+#include "cost/exact_time.hpp"
 #include "takt/base/assert.hpp"
 #include "timing/calendar.hpp"
 #include "timing/streams.hpp"

@@ -1,4 +1,4 @@
-#include "takt/report/formatting.hpp"
+#include "takt/report/drawing/formatting.hpp"
 
 #include <fmt/format.h>
 

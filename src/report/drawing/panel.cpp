@@ -1,10 +1,10 @@
-#include "takt/report/panel.hpp"
+#include "takt/report/drawing/panel.hpp"
 
 #include <fmt/format.h>
 
 #include <utility>
 
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/text_table.hpp"
 #include "takt/text/escape.hpp"
 
 namespace takt::report {

@@ -5,8 +5,8 @@
 
 #include "takt/plan/compare.hpp"
 #include "takt/plan/timeline.hpp"
-#include "takt/report/svg.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/svg.hpp"
+#include "takt/report/drawing/texts.hpp"
 
 namespace takt::report::picture {
 

@@ -1,10 +1,10 @@
-#include "takt/report/progress_text.hpp"
+#include "takt/report/drawing/progress_text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 namespace takt::report {
 namespace {

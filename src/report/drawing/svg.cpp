@@ -1,11 +1,11 @@
-#include "takt/report/svg.hpp"
+#include "takt/report/drawing/svg.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "takt/base/utf8.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 namespace takt::report {
 namespace {

@@ -1,4 +1,4 @@
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 #include <algorithm>
 

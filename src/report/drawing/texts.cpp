@@ -1,4 +1,4 @@
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/texts.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "takt/report/history_time.hpp"
+#include "takt/report/times/history_time.hpp"
 
 namespace takt::report {
 namespace {

@@ -1,9 +1,9 @@
-#include "takt/report/word_wrap.hpp"
+#include "takt/report/drawing/word_wrap.hpp"
 
 #include <algorithm>
 
 #include "takt/base/ascii.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 namespace takt::report {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "drawing/picture.hpp"
-#include "takt/report/comparison_report.hpp"
-#include "takt/report/formatting.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/plans/comparison_report.hpp"
 
 namespace takt::report::picture {
 namespace {

@@ -1,12 +1,12 @@
-#include "takt/report/comparison_report.hpp"
+#include "takt/report/plans/comparison_report.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "takt/report/formatting.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 namespace takt::report {
 namespace {

@@ -1,4 +1,4 @@
-#include "takt/report/firmware_report.hpp"
+#include "takt/report/plans/firmware_report.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 // A report has one row for each check of the estimate: the value that the hardware gives, its greatest
 // deviation, and the allowed one. Text and JSON have the same rows.

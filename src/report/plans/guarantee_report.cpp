@@ -1,4 +1,4 @@
-#include "takt/report/guarantee_report.hpp"
+#include "takt/report/plans/guarantee_report.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include <system_error>
 
 #include "takt/plan/guarantee_findings.hpp"
-#include "takt/report/formatting.hpp"
+#include "takt/report/drawing/formatting.hpp"
 
 namespace takt::report {
 namespace {

@@ -1,7 +1,7 @@
-#include "takt/report/outlook_report.hpp"
+#include "takt/report/plans/outlook_report.hpp"
 
 #include "takt/plan/shares.hpp"
-#include "takt/report/formatting.hpp"
+#include "takt/report/drawing/formatting.hpp"
 
 namespace takt::report {
 namespace {

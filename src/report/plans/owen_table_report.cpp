@@ -3,8 +3,8 @@
 
 #include "plans/table_report_parts.hpp"
 #include "takt/model/fields.hpp"
-#include "takt/report/table_report.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/text_table.hpp"
+#include "takt/report/plans/table_report.hpp"
 
 namespace takt::report {
 namespace {

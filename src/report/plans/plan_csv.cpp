@@ -1,11 +1,11 @@
-#include "takt/report/plan_csv.hpp"
+#include "takt/report/plans/plan_csv.hpp"
 
 #include <algorithm>
 #include <string_view>
 #include <vector>
 
 #include "takt/file/json_members.hpp"
-#include "takt/report/formatting.hpp"
+#include "takt/report/drawing/formatting.hpp"
 
 namespace takt::report {
 namespace {

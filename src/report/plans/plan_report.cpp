@@ -1,4 +1,4 @@
-#include "takt/report/plan_report.hpp"
+#include "takt/report/plans/plan_report.hpp"
 
 #include <fmt/format.h>
 
@@ -10,12 +10,12 @@
 #include "takt/plan/compare.hpp"
 #include "takt/plan/learning.hpp"
 #include "takt/plan/shares.hpp"
-#include "takt/report/comparison_report.hpp"
-#include "takt/report/findings_report.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/learnt_report.hpp"
-#include "takt/report/response_times_report.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/text_table.hpp"
+#include "takt/report/plans/comparison_report.hpp"
+#include "takt/report/plans/findings_report.hpp"
+#include "takt/report/states/learnt_report.hpp"
+#include "takt/report/times/response_times_report.hpp"
 
 namespace takt::report {
 namespace {

@@ -1,9 +1,9 @@
-#include "takt/report/plan_svg.hpp"
+#include "takt/report/plans/plan_svg.hpp"
 
 #include <algorithm>
 
 #include "drawing/picture.hpp"
-#include "takt/report/plan_report.hpp"
+#include "takt/report/plans/plan_report.hpp"
 
 namespace takt::report {
 namespace {

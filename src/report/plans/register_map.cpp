@@ -1,4 +1,4 @@
-#include "takt/report/register_map.hpp"
+#include "takt/report/plans/register_map.hpp"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include "takt/model/fields.hpp"
 #include "takt/model/item_ranges.hpp"
 #include "takt/model/value_words.hpp"
-#include "takt/report/formatting.hpp"
+#include "takt/report/drawing/formatting.hpp"
 
 namespace takt::report {
 namespace {

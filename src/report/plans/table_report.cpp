@@ -1,4 +1,4 @@
-#include "takt/report/table_report.hpp"
+#include "takt/report/plans/table_report.hpp"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 
 #include "plans/table_report_parts.hpp"
 #include "takt/model/fields.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/plan_report.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/text_table.hpp"
+#include "takt/report/plans/plan_report.hpp"
 #include "takt/table/restore.hpp"
 
 namespace takt::report {

@@ -6,7 +6,7 @@
 
 #include "takt/base/time.hpp"
 #include "takt/file/json.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/texts.hpp"
 
 namespace takt::report {
 

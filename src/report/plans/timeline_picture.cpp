@@ -6,7 +6,7 @@
 #include <span>
 
 #include "plans/timeline_strip.hpp"
-#include "takt/report/formatting.hpp"
+#include "takt/report/drawing/formatting.hpp"
 
 namespace takt::report::picture {
 namespace {

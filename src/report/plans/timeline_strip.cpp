@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "takt/report/formatting.hpp"
-#include "takt/report/plan_report.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/plans/plan_report.hpp"
 
 namespace takt::report::picture {
 namespace {

@@ -1,4 +1,4 @@
-#include "takt/report/all_types_report.hpp"
+#include "takt/report/states/all_types_report.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "takt/model/byte_order.hpp"
-#include "takt/report/text_table.hpp"
-#include "takt/report/value_json.hpp"
+#include "takt/report/drawing/text_table.hpp"
+#include "takt/report/drawing/value_json.hpp"
 #include "takt/text/escape.hpp"
 #include "takt/value/codec.hpp"
 #include "takt/value/text.hpp"

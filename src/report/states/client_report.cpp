@@ -1,4 +1,4 @@
-#include "takt/report/client_report.hpp"
+#include "takt/report/states/client_report.hpp"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <utility>
 #include <variant>
 
-#include "takt/report/formatting.hpp"
-#include "takt/report/value_json.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/value_json.hpp"
 #include "takt/text/escape.hpp"
 #include "takt/value/text.hpp"
 #include "takt/wire/frame_words.hpp"

@@ -1,9 +1,9 @@
-#include "takt/report/command_report.hpp"
+#include "takt/report/states/command_report.hpp"
 
 #include <fmt/format.h>
 
-#include "takt/report/state_report.hpp"
-#include "takt/report/value_json.hpp"
+#include "takt/report/drawing/value_json.hpp"
+#include "takt/report/states/state_report.hpp"
 #include "takt/text/escape.hpp"
 #include "takt/value/text.hpp"
 

@@ -1,4 +1,4 @@
-#include "takt/report/event_report.hpp"
+#include "takt/report/states/event_report.hpp"
 
 #include <fmt/format.h>
 
@@ -7,11 +7,11 @@
 
 #include "takt/host/event_message.hpp"
 #include "takt/poll/statistics.hpp"
-#include "takt/report/command_report.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/learnt_report.hpp"
-#include "takt/report/state_report.hpp"
-#include "takt/report/value_json.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/value_json.hpp"
+#include "takt/report/states/command_report.hpp"
+#include "takt/report/states/learnt_report.hpp"
+#include "takt/report/states/state_report.hpp"
 #include "takt/text/catalogue.hpp"
 #include "takt/text/escape.hpp"
 

@@ -1,4 +1,4 @@
-#include "takt/report/learnt_report.hpp"
+#include "takt/report/states/learnt_report.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "takt/plan/learning.hpp"
-#include "takt/report/formatting.hpp"
+#include "takt/report/drawing/formatting.hpp"
 
 namespace takt::report {
 namespace {

@@ -1,9 +1,9 @@
-#include "takt/report/line_times_report.hpp"
+#include "takt/report/states/line_times_report.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "takt/report/formatting.hpp"
+#include "takt/report/drawing/formatting.hpp"
 
 namespace takt::report {
 namespace {

@@ -1,4 +1,4 @@
-#include "takt/report/live_screen.hpp"
+#include "takt/report/states/live_screen.hpp"
 
 #include <fmt/format.h>
 
@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "states/problems.hpp"
-#include "takt/report/event_report.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/state_report.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/text_table.hpp"
+#include "takt/report/states/event_report.hpp"
+#include "takt/report/states/state_report.hpp"
 #include "takt/text/escape.hpp"
 
 namespace takt::report {

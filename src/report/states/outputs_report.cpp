@@ -1,4 +1,4 @@
-#include "takt/report/outputs_report.hpp"
+#include "takt/report/states/outputs_report.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -9,9 +9,9 @@
 #include "takt/base/iso_time.hpp"
 #include "takt/file/json_members.hpp"
 #include "takt/publish/message_format.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/state_report.hpp"
-#include "takt/report/value_json.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/value_json.hpp"
+#include "takt/report/states/state_report.hpp"
 
 namespace takt::report {
 namespace {

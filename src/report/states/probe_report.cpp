@@ -1,4 +1,4 @@
-#include "takt/report/probe_report.hpp"
+#include "takt/report/states/probe_report.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include "takt/bus/found_project.hpp"
 #include "takt/file/convert.hpp"
 #include "takt/file/project_nodes.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/progress_text.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/progress_text.hpp"
 
 namespace takt::report {
 namespace {

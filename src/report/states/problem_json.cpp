@@ -2,7 +2,7 @@
 #include <string>
 
 #include "states/problems.hpp"
-#include "takt/report/formatting.hpp"
+#include "takt/report/drawing/formatting.hpp"
 
 namespace takt::report {
 

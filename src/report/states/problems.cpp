@@ -9,9 +9,9 @@
 #include "takt/bus/release.hpp"
 #include "takt/file/json_members.hpp"
 #include "takt/host/event_message.hpp"
-#include "takt/report/event_report.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/state_report.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/states/event_report.hpp"
+#include "takt/report/states/state_report.hpp"
 #include "takt/text/catalogue.hpp"
 #include "takt/text/escape.hpp"
 

@@ -11,7 +11,7 @@
 #include "takt/base/time.hpp"
 #include "takt/file/json.hpp"
 #include "takt/host/snapshot.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/texts.hpp"
 
 namespace takt::report {
 

@@ -1,4 +1,4 @@
-#include "takt/report/scan_report.hpp"
+#include "takt/report/states/scan_report.hpp"
 
 #include <fmt/format.h>
 
@@ -10,10 +10,10 @@
 #include "takt/file/project_nodes.hpp"
 #include "takt/model/fields.hpp"
 #include "takt/model/target_url.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/probe_report.hpp"
-#include "takt/report/progress_text.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/progress_text.hpp"
+#include "takt/report/drawing/text_table.hpp"
+#include "takt/report/states/probe_report.hpp"
 #include "takt/wire/frame_words.hpp"
 
 namespace takt::report {

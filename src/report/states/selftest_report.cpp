@@ -1,4 +1,4 @@
-#include "takt/report/selftest_report.hpp"
+#include "takt/report/states/selftest_report.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "takt/report/formatting.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 namespace takt::report {
 namespace {

@@ -1,6 +1,6 @@
 // The text leaves out refused and ended connections where there were none. The JSON has every counter, zeros
 // too, so that its keys do not depend on what happened (docs/commands/serve.md).
-#include "takt/report/serve_report.hpp"
+#include "takt/report/states/serve_report.hpp"
 
 #include <array>
 #include <utility>

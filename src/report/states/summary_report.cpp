@@ -1,4 +1,4 @@
-#include "takt/report/summary_report.hpp"
+#include "takt/report/states/summary_report.hpp"
 
 #include <fmt/format.h>
 
@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "takt/report/event_report.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/line_times_report.hpp"
-#include "takt/report/response_times_report.hpp"
-#include "takt/report/state_report.hpp"
-#include "takt/report/text_table.hpp"
-#include "takt/report/word_wrap.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/text_table.hpp"
+#include "takt/report/drawing/word_wrap.hpp"
+#include "takt/report/states/event_report.hpp"
+#include "takt/report/states/line_times_report.hpp"
+#include "takt/report/states/state_report.hpp"
+#include "takt/report/times/response_times_report.hpp"
 
 namespace takt::report {
 namespace {

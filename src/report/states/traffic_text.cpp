@@ -1,4 +1,4 @@
-#include "takt/report/traffic_text.hpp"
+#include "takt/report/states/traffic_text.hpp"
 
 namespace takt::report {
 

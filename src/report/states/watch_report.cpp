@@ -1,4 +1,4 @@
-#include "takt/report/watch_report.hpp"
+#include "takt/report/states/watch_report.hpp"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <sstream>
 #include <utility>
 
-#include "takt/report/formatting.hpp"
-#include "takt/report/state_report.hpp"
-#include "takt/report/text_table.hpp"
-#include "takt/report/value_json.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/text_table.hpp"
+#include "takt/report/drawing/value_json.hpp"
+#include "takt/report/states/state_report.hpp"
 #include "takt/text/escape.hpp"
 #include "takt/value/text.hpp"
 

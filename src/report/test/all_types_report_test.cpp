@@ -1,11 +1,11 @@
-#include "takt/report/all_types_report.hpp"
+#include "takt/report/states/all_types_report.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 
 #include "sample.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 namespace takt::report {
 namespace all_types_report_test {

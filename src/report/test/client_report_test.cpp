@@ -1,5 +1,5 @@
 // Reports of read, raw and write: tables of results, and their text and JSON.
-#include "takt/report/client_report.hpp"
+#include "takt/report/states/client_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Outcomes of commands as lines of text and JSON. Hostile text is escaped in both.
-#include "takt/report/command_report.hpp"
+#include "takt/report/states/command_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-#include "takt/report/comparison_report.hpp"
+#include "takt/report/plans/comparison_report.hpp"
 
 #include <gtest/gtest.h>
 
 #include "sample.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 namespace takt::report {
 namespace comparison_report_test {

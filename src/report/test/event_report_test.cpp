@@ -1,4 +1,4 @@
-#include "takt/report/event_report.hpp"
+#include "takt/report/states/event_report.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "host_sample.hpp"
 #include "takt/endpoint/notice.hpp"
-#include "takt/report/command_report.hpp"
+#include "takt/report/states/command_report.hpp"
 
 namespace takt::report {
 namespace event_report_test {

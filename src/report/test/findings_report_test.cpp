@@ -1,4 +1,4 @@
-#include "takt/report/findings_report.hpp"
+#include "takt/report/plans/findings_report.hpp"
 
 #include <gtest/gtest.h>
 

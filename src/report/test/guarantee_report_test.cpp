@@ -1,5 +1,5 @@
 // Bounds are rounded up, never down: a report must not promise more than the proof.
-#include "takt/report/guarantee_report.hpp"
+#include "takt/report/plans/guarantee_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The names of a project for the exchanges of a line.
-#include "takt/report/heard_names.hpp"
+#include "takt/report/times/heard_names.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "takt/report/history_report.hpp"
+#include "takt/report/times/history_report.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <ctime>
 
 #include "sample.hpp"
-#include "takt/report/history_svg.hpp"
-#include "takt/report/history_time.hpp"
-#include "takt/report/svg.hpp"
+#include "takt/report/drawing/svg.hpp"
+#include "takt/report/times/history_svg.hpp"
+#include "takt/report/times/history_time.hpp"
 
 namespace takt::report {
 namespace history_report_test {

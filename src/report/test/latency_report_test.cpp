@@ -1,11 +1,11 @@
-#include "takt/report/latency_report.hpp"
+#include "takt/report/times/latency_report.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "sample.hpp"
-#include "takt/report/latency_svg.hpp"
+#include "takt/report/times/latency_svg.hpp"
 #include "takt/wire/pdu.hpp"
 
 namespace takt::report {

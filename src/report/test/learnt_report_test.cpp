@@ -1,4 +1,4 @@
-#include "takt/report/learnt_report.hpp"
+#include "takt/report/states/learnt_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "takt/report/line_times_report.hpp"
+#include "takt/report/states/line_times_report.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "host_sample.hpp"
-#include "takt/report/formatting.hpp"
+#include "takt/report/drawing/formatting.hpp"
 
 namespace takt::report {
 namespace line_times_report_test {

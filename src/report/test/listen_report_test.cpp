@@ -1,5 +1,5 @@
 // The texts of a heard line, its JSON and its project, which is loaded again.
-#include "takt/report/listen_report.hpp"
+#include "takt/report/times/listen_report.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

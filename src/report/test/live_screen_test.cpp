@@ -1,10 +1,10 @@
 // The live display at the sizes of real terminals.
-#include "takt/report/live_screen.hpp"
+#include "takt/report/states/live_screen.hpp"
 
 #include <gtest/gtest.h>
 
 #include "host_sample.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 namespace takt::report {
 namespace live_screen_test {

@@ -1,4 +1,4 @@
-#include "takt/report/outlook_report.hpp"
+#include "takt/report/plans/outlook_report.hpp"
 
 #include <gtest/gtest.h>
 

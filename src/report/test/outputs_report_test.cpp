@@ -1,4 +1,4 @@
-#include "takt/report/outputs_report.hpp"
+#include "takt/report/states/outputs_report.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "sample.hpp"
 #include "states/problems.hpp"
-#include "takt/report/state_report.hpp"
+#include "takt/report/states/state_report.hpp"
 
 namespace takt::report {
 namespace outputs_report_test {

@@ -1,5 +1,5 @@
 // Lines in place, as a terminal that knows the four sequences shows them.
-#include "takt/report/panel.hpp"
+#include "takt/report/drawing/panel.hpp"
 
 #include <gtest/gtest.h>
 

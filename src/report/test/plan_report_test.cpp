@@ -1,11 +1,11 @@
-#include "takt/report/plan_report.hpp"
+#include "takt/report/plans/plan_report.hpp"
 
 #include <gtest/gtest.h>
 
 #include "sample.hpp"
 #include "takt/base/utf8.hpp"
 #include "takt/plan/proof.hpp"
-#include "takt/report/findings_report.hpp"
+#include "takt/report/plans/findings_report.hpp"
 
 namespace takt::report {
 namespace plan_report_test {

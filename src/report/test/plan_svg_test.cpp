@@ -1,9 +1,9 @@
-#include "takt/report/plan_svg.hpp"
+#include "takt/report/plans/plan_svg.hpp"
 
 #include <gtest/gtest.h>
 
 #include "sample.hpp"
-#include "takt/report/svg.hpp"
+#include "takt/report/drawing/svg.hpp"
 
 namespace takt::report {
 namespace plan_svg_test {

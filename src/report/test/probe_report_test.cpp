@@ -1,4 +1,4 @@
-#include "takt/report/probe_report.hpp"
+#include "takt/report/states/probe_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "host_sample.hpp"
-#include "takt/report/state_report.hpp"
+#include "takt/report/states/state_report.hpp"
 
 namespace takt::report {
 namespace problems_test {

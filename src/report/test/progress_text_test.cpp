@@ -1,9 +1,9 @@
-#include "takt/report/progress_text.hpp"
+#include "takt/report/drawing/progress_text.hpp"
 
 #include <gtest/gtest.h>
 
 #include "sample.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 namespace takt::report {
 namespace progress_text_test {

@@ -11,7 +11,7 @@
 #include "takt/file/json.hpp"
 #include "takt/file/load.hpp"
 #include "takt/model/project.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/texts.hpp"
 
 /// Compares JSON by its text, so that a failure shows it and 7 equals 7U.
 #define EXPECT_JSON(actual, expected) EXPECT_EQ((actual).dump(), takt::file::Json(expected).dump())

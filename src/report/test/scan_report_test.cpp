@@ -1,4 +1,4 @@
-#include "takt/report/scan_report.hpp"
+#include "takt/report/states/scan_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "takt/report/selftest_report.hpp"
+#include "takt/report/states/selftest_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "takt/report/serve_report.hpp"
+#include "takt/report/states/serve_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // The state of a running project, as JSON and as the text made of it.
-#include "takt/report/state_report.hpp"
+#include "takt/report/states/state_report.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "host_sample.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 namespace takt::report {
 namespace state_report_test {

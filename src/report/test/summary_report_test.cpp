@@ -1,4 +1,4 @@
-#include "takt/report/summary_report.hpp"
+#include "takt/report/states/summary_report.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "host_sample.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 namespace takt::report {
 namespace summary_report_test {

@@ -1,4 +1,4 @@
-#include "takt/report/svg.hpp"
+#include "takt/report/drawing/svg.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "takt/report/table_report.hpp"
+#include "takt/report/plans/table_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "takt/report/traffic_capture.hpp"
+#include "takt/report/times/traffic_capture.hpp"
 
 #include <gtest/gtest.h>
 

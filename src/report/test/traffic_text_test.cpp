@@ -1,5 +1,5 @@
 // No English is left in the words of traffic for a reader of another language.
-#include "takt/report/traffic_text.hpp"
+#include "takt/report/states/traffic_text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "takt/report/value_json.hpp"
+#include "takt/report/drawing/value_json.hpp"
 
 #include <gtest/gtest.h>
 

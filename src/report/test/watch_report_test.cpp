@@ -1,9 +1,9 @@
-#include "takt/report/watch_report.hpp"
+#include "takt/report/states/watch_report.hpp"
 
 #include <gtest/gtest.h>
 
 #include "sample.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/text_table.hpp"
 
 namespace takt::report {
 namespace watch_report_test {

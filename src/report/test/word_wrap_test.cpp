@@ -1,4 +1,4 @@
-#include "takt/report/word_wrap.hpp"
+#include "takt/report/drawing/word_wrap.hpp"
 
 #include <gtest/gtest.h>
 

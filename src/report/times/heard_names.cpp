@@ -1,4 +1,4 @@
-#include "takt/report/heard_names.hpp"
+#include "takt/report/times/heard_names.hpp"
 
 #include <algorithm>
 #include <optional>

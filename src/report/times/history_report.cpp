@@ -1,4 +1,4 @@
-#include "takt/report/history_report.hpp"
+#include "takt/report/times/history_report.hpp"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <span>
 
-#include "takt/report/formatting.hpp"
-#include "takt/report/history_time.hpp"
-#include "takt/report/text_table.hpp"
-#include "takt/report/value_json.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/text_table.hpp"
+#include "takt/report/drawing/value_json.hpp"
+#include "takt/report/times/history_time.hpp"
 #include "takt/value/text.hpp"
 
 namespace takt::report {

@@ -1,4 +1,4 @@
-#include "takt/report/history_svg.hpp"
+#include "takt/report/times/history_svg.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "drawing/chart_layout.hpp"
 #include "drawing/ticks.hpp"
-#include "takt/report/svg.hpp"
+#include "takt/report/drawing/svg.hpp"
 
 namespace takt::report {
 namespace {

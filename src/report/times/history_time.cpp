@@ -1,4 +1,4 @@
-#include "takt/report/history_time.hpp"
+#include "takt/report/times/history_time.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

@@ -3,9 +3,9 @@
 
 #include "takt/capture/bound.hpp"
 #include "takt/model/scalar.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/history_time.hpp"
-#include "takt/report/latency_report.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/times/history_time.hpp"
+#include "takt/report/times/latency_report.hpp"
 #include "times/latency_parts.hpp"
 
 namespace takt::report {

@@ -1,4 +1,4 @@
-#include "takt/report/latency_report.hpp"
+#include "takt/report/times/latency_report.hpp"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -8,9 +8,9 @@
 
 #include "takt/capture/bound.hpp"
 #include "takt/model/scalar.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/history_time.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/text_table.hpp"
+#include "takt/report/times/history_time.hpp"
 #include "times/latency_parts.hpp"
 
 namespace takt::report {

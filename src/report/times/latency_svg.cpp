@@ -1,4 +1,4 @@
-#include "takt/report/latency_svg.hpp"
+#include "takt/report/times/latency_svg.hpp"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 
 #include "drawing/chart_layout.hpp"
 #include "drawing/ticks.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/svg.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/svg.hpp"
 #include "times/latency_parts.hpp"
 
 namespace takt::report {

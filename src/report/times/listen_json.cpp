@@ -2,8 +2,8 @@
 #include <string_view>
 
 #include "takt/model/fields.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/listen_report.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/times/listen_report.hpp"
 #include "takt/wire/frame_words.hpp"
 
 namespace takt::report {

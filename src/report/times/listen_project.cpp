@@ -7,8 +7,8 @@
 
 #include "takt/file/convert.hpp"
 #include "takt/file/project_nodes.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/listen_report.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/times/listen_report.hpp"
 #include "takt/text/escape.hpp"
 
 namespace takt::report {

@@ -1,4 +1,4 @@
-#include "takt/report/listen_report.hpp"
+#include "takt/report/times/listen_report.hpp"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <map>
 
 #include "takt/model/target_url.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/text_table.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/text_table.hpp"
 #include "takt/text/frame_text.hpp"
 #include "takt/wire/frame_words.hpp"
 

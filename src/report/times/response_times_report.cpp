@@ -1,7 +1,7 @@
-#include "takt/report/response_times_report.hpp"
+#include "takt/report/times/response_times_report.hpp"
 
 #include "takt/bus/outstanding_responses.hpp"
-#include "takt/report/formatting.hpp"
+#include "takt/report/drawing/formatting.hpp"
 
 namespace takt::report {
 namespace {

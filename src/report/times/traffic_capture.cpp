@@ -1,4 +1,4 @@
-#include "takt/report/traffic_capture.hpp"
+#include "takt/report/times/traffic_capture.hpp"
 
 #include "takt/base/network.hpp"
 #include "takt/line/serial_port.hpp"

@@ -7,7 +7,7 @@
 #include "takt/client/probe_connection.hpp"
 #include "takt/model/target_url.hpp"
 #include "takt/os/thread_name.hpp"
-#include "takt/report/probe_report.hpp"
+#include "takt/report/states/probe_report.hpp"
 
 namespace takt::web {
 namespace {

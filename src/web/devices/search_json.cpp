@@ -9,9 +9,9 @@
 #include "takt/file/document_json.hpp"
 #include "takt/file/json_members.hpp"
 #include "takt/model/target_url.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/probe_report.hpp"
-#include "takt/report/scan_report.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/states/probe_report.hpp"
+#include "takt/report/states/scan_report.hpp"
 
 namespace takt::web {
 namespace {

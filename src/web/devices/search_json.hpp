@@ -6,7 +6,7 @@
 #include "devices/device_search.hpp"
 #include "takt/file/json.hpp"
 #include "takt/host/configuration.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/texts.hpp"
 
 namespace takt::web {
 

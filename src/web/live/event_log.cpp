@@ -8,7 +8,7 @@
 #include "live/live_hub.hpp"
 #include "live/wall_time.hpp"
 #include "takt/os/thread_name.hpp"
-#include "takt/report/event_report.hpp"
+#include "takt/report/states/event_report.hpp"
 
 namespace takt::web {
 namespace {

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "takt/publish/project_outputs.hpp"
-#include "takt/report/history_report.hpp"
-#include "takt/report/history_time.hpp"
+#include "takt/report/times/history_report.hpp"
+#include "takt/report/times/history_time.hpp"
 #include "takt/store/history_reader.hpp"
 
 namespace takt::web {

@@ -6,9 +6,9 @@
 #include "live/wall_time.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/os/thread_name.hpp"
-#include "takt/report/event_report.hpp"
-#include "takt/report/outputs_report.hpp"
-#include "takt/report/state_report.hpp"
+#include "takt/report/states/event_report.hpp"
+#include "takt/report/states/outputs_report.hpp"
+#include "takt/report/states/state_report.hpp"
 
 namespace takt::web {
 namespace {

@@ -15,7 +15,7 @@
 #include "live/event_frames.hpp"
 #include "live/live_values.hpp"
 #include "takt/file/json.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/texts.hpp"
 #include "takt/web/host_access.hpp"
 #include "takt/web/stream.hpp"
 

@@ -7,9 +7,9 @@
 
 #include "takt/base/numbers.hpp"
 #include "takt/model/service.hpp"
-#include "takt/report/command_report.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/value_json.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/drawing/value_json.hpp"
+#include "takt/report/states/command_report.hpp"
 #include "takt/value/codec.hpp"
 #include "takt/value/text.hpp"
 

@@ -14,7 +14,7 @@
 #include "live/mark_file.hpp"
 #include "live/marks.hpp"
 #include "takt/base/log.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/texts.hpp"
 
 namespace takt::web {
 

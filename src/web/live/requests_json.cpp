@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "takt/plan/timeline.hpp"
-#include "takt/report/formatting.hpp"
-#include "takt/report/line_times_report.hpp"
+#include "takt/report/drawing/formatting.hpp"
+#include "takt/report/states/line_times_report.hpp"
 
 namespace takt::web {
 namespace {

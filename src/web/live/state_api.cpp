@@ -9,9 +9,9 @@
 #include "live/wall_time.hpp"
 #include "live/why.hpp"
 #include "takt/plan/learning.hpp"
-#include "takt/report/learnt_report.hpp"
-#include "takt/report/state_report.hpp"
-#include "takt/report/value_json.hpp"
+#include "takt/report/drawing/value_json.hpp"
+#include "takt/report/states/learnt_report.hpp"
+#include "takt/report/states/state_report.hpp"
 
 namespace takt::web {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "takt/line/loop.hpp"
 #include "takt/os/thread_name.hpp"
-#include "takt/report/traffic_capture.hpp"
+#include "takt/report/times/traffic_capture.hpp"
 
 namespace takt::web {
 namespace {

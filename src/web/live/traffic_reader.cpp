@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "takt/report/traffic_text.hpp"
+#include "takt/report/states/traffic_text.hpp"
 #include "takt/text/escape.hpp"
 #include "takt/text/frame_text.hpp"
 #include "takt/wire/frame_words.hpp"

@@ -12,7 +12,7 @@
 #include "live/wall_time.hpp"
 #include "takt/file/json.hpp"
 #include "takt/host/session.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/texts.hpp"
 #include "takt/wire/frame_words.hpp"
 #include "takt/wire/pdu.hpp"
 

@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "live/live_values.hpp"
-#include "takt/report/formatting.hpp"
+#include "takt/report/drawing/formatting.hpp"
 
 namespace takt::web {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "takt/file/json.hpp"
 #include "takt/host/snapshot.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/texts.hpp"
 
 namespace takt::web {
 

@@ -10,7 +10,7 @@
 #include "takt/file/load.hpp"
 #include "takt/file/table.hpp"
 #include "takt/model/findings.hpp"
-#include "takt/report/findings_report.hpp"
+#include "takt/report/plans/findings_report.hpp"
 
 namespace takt::web {
 namespace {

@@ -20,10 +20,10 @@
 #include "takt/file/json_members.hpp"
 #include "takt/file/schema.hpp"
 #include "takt/os/file_exchange.hpp"
-#include "takt/report/findings_report.hpp"
-#include "takt/report/plan_csv.hpp"
-#include "takt/report/plan_report.hpp"
-#include "takt/report/plan_svg.hpp"
+#include "takt/report/plans/findings_report.hpp"
+#include "takt/report/plans/plan_csv.hpp"
+#include "takt/report/plans/plan_report.hpp"
+#include "takt/report/plans/plan_svg.hpp"
 
 namespace takt::web {
 

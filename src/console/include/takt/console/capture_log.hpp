@@ -11,7 +11,7 @@
 #include "takt/console/file_reports.hpp"
 #include "takt/console/tap_thread.hpp"
 #include "takt/host/traffic.hpp"
-#include "takt/report/traffic_capture.hpp"
+#include "takt/report/times/traffic_capture.hpp"
 
 namespace takt::console {
 

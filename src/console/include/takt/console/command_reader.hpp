@@ -10,7 +10,7 @@
 #include "takt/base/result.hpp"
 #include "takt/console/control.hpp"
 #include "takt/file/json.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/texts.hpp"
 
 namespace takt::console {
 

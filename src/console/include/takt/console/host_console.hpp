@@ -21,8 +21,8 @@
 #include "takt/host/session.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/os/record_writer.hpp"
-#include "takt/report/panel.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/panel.hpp"
+#include "takt/report/drawing/texts.hpp"
 
 namespace takt::console {
 

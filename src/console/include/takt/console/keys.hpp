@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "takt/report/live_screen.hpp"
+#include "takt/report/states/live_screen.hpp"
 
 namespace takt::console {
 

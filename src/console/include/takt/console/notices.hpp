@@ -3,7 +3,7 @@
 
 #include "takt/console/messages.hpp"
 #include "takt/endpoint/notice.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/texts.hpp"
 
 namespace takt::console {
 

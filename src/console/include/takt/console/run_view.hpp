@@ -12,7 +12,7 @@
 #include "takt/console/output_states.hpp"
 #include "takt/host/session.hpp"
 #include "takt/os/record_writer.hpp"
-#include "takt/report/panel.hpp"
+#include "takt/report/drawing/panel.hpp"
 
 namespace takt::console {
 

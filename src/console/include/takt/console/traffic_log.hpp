@@ -21,7 +21,7 @@
 #include "takt/model/project.hpp"
 #include "takt/os/record_writer.hpp"
 #include "takt/os/sink.hpp"
-#include "takt/report/texts.hpp"
+#include "takt/report/drawing/texts.hpp"
 #include "takt/text/language.hpp"
 #include "takt/wire/frame_words.hpp"
 #include "takt/wire/pdu.hpp"
