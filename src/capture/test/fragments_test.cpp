@@ -1,4 +1,4 @@
-#include "../fragments.hpp"
+#include "network/fragments.hpp"
 
 #include <gtest/gtest.h>
 

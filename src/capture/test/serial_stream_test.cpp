@@ -1,4 +1,4 @@
-#include "../serial_stream.hpp"
+#include "serial/serial_stream.hpp"
 
 #include <gtest/gtest.h>
 

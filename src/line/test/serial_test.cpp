@@ -4,8 +4,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "../receive_trigger.hpp"
 #include "folder.hpp"
+#include "serial/receive_trigger.hpp"
 #include "support.hpp"
 #include "takt/line/driver.hpp"
 #include "takt/line/real_line.hpp"
