@@ -64,12 +64,6 @@ Result<Pdu> encode(const WriteMultipleCoilsRequest& request);
 Result<Pdu> encode(const WriteMultipleRegistersRequest& request);
 Result<Pdu> encode(const MaskWriteRegisterRequest& request);
 Result<Pdu> encode(const ReadWriteMultipleRegistersRequest& request);
-Result<Pdu> encode(const ReadBitsResponse& response);
-Result<Pdu> encode(const ReadRegistersResponse& response);
-Result<Pdu> encode(const WriteSingleCoilResponse& response);
-Result<Pdu> encode(const WriteSingleRegisterResponse& response);
-Result<Pdu> encode(const WriteMultipleResponse& response);
-Result<Pdu> encode(const MaskWriteRegisterResponse& response);
 Result<Request> decode_data_request(Function function, Reader in);
 Result<Response> decode_data_response(Function function, Reader in);
 
@@ -79,11 +73,6 @@ Result<Pdu> encode(const DiagnosticsRequest& request);
 Result<Pdu> encode(const GetCommEventCounterRequest& request);
 Result<Pdu> encode(const GetCommEventLogRequest& request);
 Result<Pdu> encode(const ReportServerIdRequest& request);
-Result<Pdu> encode(const ReadExceptionStatusResponse& response);
-Result<Pdu> encode(const DiagnosticsResponse& response);
-Result<Pdu> encode(const GetCommEventCounterResponse& response);
-Result<Pdu> encode(const GetCommEventLogResponse& response);
-Result<Pdu> encode(const ReportServerIdResponse& response);
 Result<Request> decode_status_request(Function function, Reader in);
 Result<Response> decode_status_response(Function function, Reader in);
 
@@ -91,23 +80,13 @@ Result<Response> decode_status_response(Function function, Reader in);
 Result<Pdu> encode(const ReadFileRecordRequest& request);
 Result<Pdu> encode(const WriteFileRecordRequest& request);
 Result<Pdu> encode(const ReadFifoQueueRequest& request);
-Result<Pdu> encode(const ReadFileRecordResponse& response);
-Result<Pdu> encode(const WriteFileRecordResponse& response);
-Result<Pdu> encode(const ReadFifoQueueResponse& response);
 Result<Request> decode_file_request(Function function, Reader in);
 Result<Response> decode_file_response(Function function, Reader in);
 
 // The encapsulated interface: 0x2B.
 Result<Pdu> encode(const ReadDeviceIdRequest& request);
 Result<Pdu> encode(const EncapsulatedRequest& request);
-Result<Pdu> encode(const ReadDeviceIdResponse& response);
-Result<Pdu> encode(const EncapsulatedResponse& response);
 Result<Request> decode_encapsulated_request(Reader in);
 Result<Response> decode_encapsulated_response(Reader in);
-
-Result<Pdu> encode(const ExceptionResponse& response);
-
-/// PDU bytes of the normal answer to a 0x14 request.
-std::size_t file_response_length(const ReadFileRecordRequest& request);
 
 }  // namespace takt::wire::codec

@@ -86,22 +86,8 @@ Function function_of(const Request& request) {
     return std::visit([](const auto& message) { return message.function; }, request);
 }
 
-Function function_of(const Response& response) {
-    return std::visit([](const auto& message) { return message.function; }, response);
-}
-
-Result<Pdu> codec::encode(const ExceptionResponse& response) {
-    Pdu pdu{exception_function(static_cast<std::uint8_t>(response.function))};
-    pdu.push_back(static_cast<std::uint8_t>(response.code));
-    return pdu;
-}
-
 Result<Pdu> encode(const Request& request) {
     return std::visit([](const auto& message) { return codec::encode(message); }, request);
-}
-
-Result<Pdu> encode(const Response& response) {
-    return std::visit([](const auto& message) { return codec::encode(message); }, response);
 }
 
 Result<Request> decode_request(Bytes pdu) {

@@ -10,46 +10,27 @@ Result<void> check_function(Function function, bool allowed) {
     return fail(Code::unsupported, static_cast<std::int64_t>(function));
 }
 
-template <class Coil>
-Result<Pdu> encode_coil(const Coil& coil) {
-    return Writer(Function::write_single_coil).u16(coil.address.value).u16(coil.on ? kCoilOn : 0).pdu();
-}
-
-template <class Register>
-Result<Pdu> encode_register(const Register& reg) {
-    return Writer(Function::write_single_register).u16(reg.address.value).u16(reg.value).pdu();
-}
-
-template <class Mask>
-Result<Pdu> encode_mask(const Mask& mask) {
-    Writer out(Function::mask_write_register);
-    return out.u16(mask.address.value).u16(mask.and_mask).u16(mask.or_mask).pdu();
-}
-
-template <class Coil>
-Result<Coil> decode_coil(Reader& in) {
+Result<WriteSingleCoilRequest> decode_coil(Reader& in) {
     const DataAddress address{in.u16()};
     const std::uint16_t value = in.u16();
     TAKT_CHECK(in.finish());
     if (value != 0 && value != kCoilOn) return fail(Code::malformed, value);
-    return Coil{address, value == kCoilOn};
+    return WriteSingleCoilRequest{address, value == kCoilOn};
 }
 
-template <class Register>
-Result<Register> decode_register(Reader& in) {
+Result<WriteSingleRegisterRequest> decode_register(Reader& in) {
     const DataAddress address{in.u16()};
     const std::uint16_t value = in.u16();
     TAKT_CHECK(in.finish());
-    return Register{address, value};
+    return WriteSingleRegisterRequest{address, value};
 }
 
-template <class Mask>
-Result<Mask> decode_mask(Reader& in) {
+Result<MaskWriteRegisterRequest> decode_mask(Reader& in) {
     const DataAddress address{in.u16()};
     const std::uint16_t and_mask = in.u16();
     const std::uint16_t or_mask = in.u16();
     TAKT_CHECK(in.finish());
-    return Mask{address, and_mask, or_mask};
+    return MaskWriteRegisterRequest{address, and_mask, or_mask};
 }
 
 Result<Request> decode_read(Function function, Reader& in) {
@@ -138,24 +119,17 @@ Result<Pdu> encode(const ReadRequest& request) {
 }
 
 Result<Pdu> encode(const WriteSingleCoilRequest& request) {
-    return encode_coil(request);
-}
-Result<Pdu> encode(const WriteSingleCoilResponse& response) {
-    return encode_coil(response);
-}
-Result<Pdu> encode(const WriteSingleRegisterRequest& request) {
-    return encode_register(request);
-}
-Result<Pdu> encode(const WriteSingleRegisterResponse& response) {
-    return encode_register(response);
-}
-Result<Pdu> encode(const MaskWriteRegisterRequest& request) {
-    return encode_mask(request);
-}
-Result<Pdu> encode(const MaskWriteRegisterResponse& response) {
-    return encode_mask(response);
+    return Writer(request.function).u16(request.address.value).u16(request.on ? kCoilOn : 0).pdu();
 }
 
+Result<Pdu> encode(const WriteSingleRegisterRequest& request) {
+    return Writer(request.function).u16(request.address.value).u16(request.value).pdu();
+}
+
+Result<Pdu> encode(const MaskWriteRegisterRequest& request) {
+    Writer out(request.function);
+    return out.u16(request.address.value).u16(request.and_mask).u16(request.or_mask).pdu();
+}
 Result<Pdu> encode(const WriteMultipleCoilsRequest& request) {
     TAKT_CHECK(check_range(request.values.size(), 1, kMaxWriteBits));
     Writer out(Function::write_multiple_coils);
@@ -179,36 +153,15 @@ Result<Pdu> encode(const ReadWriteMultipleRegistersRequest& request) {
     return out.u8(2 * request.values.size()).registers(request.values.span()).pdu();
 }
 
-Result<Pdu> encode(const ReadBitsResponse& response) {
-    const auto& row = properties(response.function);
-    TAKT_CHECK(check_function(response.function, row.returns_items() && row.counts_bits()));
-    TAKT_CHECK(check_range(response.values.size(), 1, kMaxReadBits));
-    return Writer(response.function).u8(response.values.byte_count()).bytes(response.values.bytes()).pdu();
-}
-
-Result<Pdu> encode(const ReadRegistersResponse& response) {
-    const auto& row = properties(response.function);
-    TAKT_CHECK(check_function(response.function, row.returns_items() && !row.counts_bits()));
-    TAKT_CHECK(check_range(response.values.size(), 1, kMaxReadRegisters));
-    return Writer(response.function).u8(2 * response.values.size()).registers(response.values.span()).pdu();
-}
-
-Result<Pdu> encode(const WriteMultipleResponse& response) {
-    const auto& row = properties(response.function);
-    TAKT_CHECK(check_function(response.function, row.response == ResponseForm::head));
-    TAKT_CHECK(check_range(response.quantity, 1, row.most_items));
-    return Writer(response.function).u16(response.start.value).u16(response.quantity).pdu();
-}
-
 Result<Request> decode_data_request(Function function, Reader in) {
     const auto& row = properties(function);
     switch (row.request) {
         case RequestForm::single:
-            if (row.counts_bits()) return decode_coil<WriteSingleCoilRequest>(in);
-            return decode_register<WriteSingleRegisterRequest>(in);
+            if (row.counts_bits()) return decode_coil(in);
+            return decode_register(in);
         case RequestForm::values:
             return row.counts_bits() ? decode_write_coils(in) : decode_write_registers(in);
-        case RequestForm::masks: return decode_mask<MaskWriteRegisterRequest>(in);
+        case RequestForm::masks: return decode_mask(in);
         case RequestForm::exchange: return decode_read_write(in);
         default: return decode_read(function, in);
     }
@@ -218,10 +171,10 @@ Result<Response> decode_data_response(Function function, Reader in) {
     const auto& row = properties(function);
     switch (row.request) {
         case RequestForm::single:
-            if (row.counts_bits()) return decode_coil<WriteSingleCoilResponse>(in);
-            return decode_register<WriteSingleRegisterResponse>(in);
+            if (row.counts_bits()) return decode_coil(in);
+            return decode_register(in);
         case RequestForm::values: return decode_written(function, in);
-        case RequestForm::masks: return decode_mask<MaskWriteRegisterResponse>(in);
+        case RequestForm::masks: return decode_mask(in);
         default: return row.counts_bits() ? decode_bits(function, in) : decode_registers(function, in);
     }
 }

@@ -9,16 +9,8 @@ Result<void> check_code(std::uint8_t code) {
     return check_range(code, 1, 4);
 }
 
-// Device identification has message types of its own and must not be encoded as raw data.
-template <class Encapsulated>
-Result<Pdu> encode_other(const Encapsulated& message) {
-    if (message.mei_type == kReadDeviceId) return fail(Code::malformed, kReadDeviceId);
-    return Writer(Function::encapsulated_interface).u8(message.mei_type).bytes(message.data.span()).pdu();
-}
-
-template <class Encapsulated>
-Encapsulated decode_other(std::uint8_t mei_type, Reader& in) {
-    Encapsulated message{.mei_type = mei_type, .data = {}};
+EncapsulatedRequest decode_other(std::uint8_t mei_type, Reader& in) {
+    EncapsulatedRequest message{.mei_type = mei_type, .data = {}};
     message.data.append(in.take(in.left()));
     return message;
 }
@@ -54,34 +46,15 @@ Result<Pdu> encode(const ReadDeviceIdRequest& request) {
     return out.u8(kReadDeviceId).u8(request.code).u8(request.object).pdu();
 }
 
-Result<Pdu> encode(const ReadDeviceIdResponse& response) {
-    TAKT_CHECK(check_code(response.code));
-    std::size_t text = 0;
-    for (const DeviceIdObject& object : response.objects) text += object.length;
-    TAKT_CHECK(check_count(response.text.size(), text));
-    TAKT_CHECK(check_range(2 * response.objects.size() + text, 0, response.text.capacity()));
-    Writer out(Function::encapsulated_interface);
-    out.u8(kReadDeviceId).u8(response.code).u8(response.conformity);
-    out.u8(response.more_follows ? kMoreFollows : 0).u8(response.next_object).u8(response.objects.size());
-    std::size_t first = 0;
-    for (const DeviceIdObject& object : response.objects) {
-        out.u8(object.id).u8(object.length).bytes(response.text.span().subspan(first, object.length));
-        first += object.length;
-    }
-    return out.pdu();
-}
-
+// Device identification has a message type of its own and must not be encoded as raw data.
 Result<Pdu> encode(const EncapsulatedRequest& request) {
-    return encode_other(request);
+    if (request.mei_type == kReadDeviceId) return fail(Code::malformed, kReadDeviceId);
+    return Writer(request.function).u8(request.mei_type).bytes(request.data.span()).pdu();
 }
-Result<Pdu> encode(const EncapsulatedResponse& response) {
-    return encode_other(response);
-}
-
 Result<Request> decode_encapsulated_request(Reader in) {
     const std::uint8_t mei_type = in.u8();
     TAKT_CHECK(in.check());
-    if (mei_type != kReadDeviceId) return decode_other<EncapsulatedRequest>(mei_type, in);
+    if (mei_type != kReadDeviceId) return decode_other(mei_type, in);
     const ReadDeviceIdRequest request{in.u8(), in.u8()};
     TAKT_CHECK(in.finish());
     TAKT_CHECK(check_code(request.code));
@@ -91,7 +64,7 @@ Result<Request> decode_encapsulated_request(Reader in) {
 Result<Response> decode_encapsulated_response(Reader in) {
     const std::uint8_t mei_type = in.u8();
     TAKT_CHECK(in.check());
-    if (mei_type != kReadDeviceId) return decode_other<EncapsulatedResponse>(mei_type, in);
+    if (mei_type != kReadDeviceId) return decode_other(mei_type, in);
     return decode_device_id(in);
 }
 

@@ -34,6 +34,13 @@ Result<void> take_byte_count(Reader& in, std::size_t least) {
     return rest.finish();
 }
 
+// PDU bytes of the normal response.
+std::size_t file_response_length(const ReadFileRecordRequest& request) {
+    std::size_t length = 2;
+    for (const FileRange& range : request.ranges) length += file_response_bytes(range.length);
+    return length;
+}
+
 Result<Request> decode_read_file(Reader& in) {
     ReadFileRecordRequest request;
     TAKT_CHECK(take_byte_count(in, kFileRange));
@@ -46,9 +53,8 @@ Result<Request> decode_read_file(Reader& in) {
     return request;
 }
 
-template <class WriteFile>
-Result<WriteFile> decode_write_file(Reader& in) {
-    WriteFile message;
+Result<WriteFileRecordRequest> decode_write_file(Reader& in) {
+    WriteFileRecordRequest message;
     TAKT_CHECK(take_byte_count(in, kFileRange + 2));
     while (in.left() > 0) {
         TAKT_TRY(const FileRange range, take_range(in));
@@ -92,9 +98,20 @@ Result<Response> decode_fifo(Reader& in) {
     return response;
 }
 
+}  // namespace
+
+Result<Pdu> encode(const ReadFileRecordRequest& request) {
+    TAKT_CHECK(check_range(request.ranges.size(), 1, request.ranges.capacity()));
+    for (const FileRange& range : request.ranges) TAKT_CHECK(check_range(range.length, 1, kMaxFileRegisters));
+    TAKT_CHECK(check_range(file_response_length(request), 2, kMaxPdu));
+    Writer out(Function::read_file_record);
+    out.u8(kFileRange * request.ranges.size());
+    for (const FileRange& range : request.ranges) put_range(out, range);
+    return out.pdu();
+}
+
 // The lengths of all ranges, none empty, must be what `values` holds.
-template <class WriteFile>
-Result<Pdu> encode_write_file(const WriteFile& message) {
+Result<Pdu> encode(const WriteFileRecordRequest& message) {
     TAKT_CHECK(check_range(message.ranges.size(), 1, message.ranges.capacity()));
     std::size_t registers = 0;
     for (const FileRange& range : message.ranges) {
@@ -115,67 +132,14 @@ Result<Pdu> encode_write_file(const WriteFile& message) {
     return out.pdu();
 }
 
-}  // namespace
-
-std::size_t file_response_length(const ReadFileRecordRequest& request) {
-    std::size_t length = 2;
-    for (const FileRange& range : request.ranges) length += file_response_bytes(range.length);
-    return length;
-}
-
-Result<Pdu> encode(const ReadFileRecordRequest& request) {
-    TAKT_CHECK(check_range(request.ranges.size(), 1, request.ranges.capacity()));
-    for (const FileRange& range : request.ranges) TAKT_CHECK(check_range(range.length, 1, kMaxFileRegisters));
-    TAKT_CHECK(check_range(file_response_length(request), 2, kMaxPdu));
-    Writer out(Function::read_file_record);
-    out.u8(kFileRange * request.ranges.size());
-    for (const FileRange& range : request.ranges) put_range(out, range);
-    return out.pdu();
-}
-
-Result<Pdu> encode(const WriteFileRecordRequest& request) {
-    return encode_write_file(request);
-}
-Result<Pdu> encode(const WriteFileRecordResponse& response) {
-    return encode_write_file(response);
-}
-
-Result<Pdu> encode(const ReadFileRecordResponse& response) {
-    TAKT_CHECK(check_range(response.lengths.size(), 1, response.lengths.capacity()));
-    std::size_t registers = 0;
-    for (const std::uint16_t length : response.lengths) {
-        TAKT_CHECK(check_range(length, 1, kMaxFileRegisters));
-        registers += length;
-    }
-    TAKT_CHECK(check_count(response.values.size(), registers));
-    const std::size_t byte_count = 2 * response.lengths.size() + 2 * registers;
-    TAKT_CHECK(check_range(byte_count, 0, kMaxFileBytes));
-    Writer out(Function::read_file_record);
-    out.u8(byte_count);
-    std::size_t first = 0;
-    for (const std::uint16_t length : response.lengths) {
-        out.u8(1U + 2U * length)
-            .u8(kFileReferenceType)
-            .registers(response.values.span().subspan(first, length));
-        first += length;
-    }
-    return out.pdu();
-}
-
 Result<Pdu> encode(const ReadFifoQueueRequest& request) {
     return Writer(Function::read_fifo_queue).u16(request.address.value).pdu();
-}
-
-Result<Pdu> encode(const ReadFifoQueueResponse& response) {
-    Writer out(Function::read_fifo_queue);
-    out.u16(2 + 2 * response.values.size()).u16(response.values.size());
-    return out.registers(response.values.span()).pdu();
 }
 
 Result<Request> decode_file_request(Function function, Reader in) {
     switch (function) {
         case Function::read_file_record: return decode_read_file(in);
-        case Function::write_file_record: return decode_write_file<WriteFileRecordRequest>(in);
+        case Function::write_file_record: return decode_write_file(in);
         default: {
             const DataAddress address{in.u16()};
             TAKT_CHECK(in.finish());
@@ -187,7 +151,7 @@ Result<Request> decode_file_request(Function function, Reader in) {
 Result<Response> decode_file_response(Function function, Reader in) {
     switch (function) {
         case Function::read_file_record: return decode_read_file_response(in);
-        case Function::write_file_record: return decode_write_file<WriteFileRecordResponse>(in);
+        case Function::write_file_record: return decode_write_file(in);
         default: return decode_fifo(in);
     }
 }

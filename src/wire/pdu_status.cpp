@@ -29,27 +29,21 @@ Result<void> check_diagnostics_response(std::uint16_t sub_function, std::size_t 
                              size == 0 && sub_function != kReturnQueryData ? kSubFunctionData : size);
 }
 
-template <class Diagnostics>
-Pdu encode_diagnostics(const Diagnostics& message) {
-    return Writer(Function::diagnostics).u16(message.sub_function).bytes(message.data.span()).pdu();
-}
-
-template <class Diagnostics>
-Result<Diagnostics> decode_diagnostics(Reader& in) {
-    Diagnostics message{.sub_function = in.u16(), .data = {}};
+Result<DiagnosticsRequest> decode_diagnostics(Reader& in) {
+    DiagnosticsRequest message{.sub_function = in.u16(), .data = {}};
     TAKT_CHECK(in.check());
     message.data.append(in.take(in.left()));
     return message;
 }
 
 Result<Request> decode_diagnostics_request(Reader& in) {
-    TAKT_TRY(const auto request, decode_diagnostics<DiagnosticsRequest>(in));
+    TAKT_TRY(const auto request, decode_diagnostics(in));
     TAKT_CHECK(check_diagnostics(request.sub_function, request.data.size()));
     return request;
 }
 
 Result<Response> decode_diagnostics_response(Reader& in) {
-    TAKT_TRY(const auto response, decode_diagnostics<DiagnosticsResponse>(in));
+    TAKT_TRY(const auto response, decode_diagnostics(in));
     TAKT_CHECK(check_diagnostics_response(response.sub_function, response.data.size()));
     return response;
 }
@@ -113,30 +107,7 @@ Result<Pdu> encode(const ReportServerIdRequest& /*request*/) {
 
 Result<Pdu> encode(const DiagnosticsRequest& request) {
     TAKT_CHECK(check_diagnostics(request.sub_function, request.data.size()));
-    return encode_diagnostics(request);
-}
-
-Result<Pdu> encode(const DiagnosticsResponse& response) {
-    TAKT_CHECK(check_diagnostics_response(response.sub_function, response.data.size()));
-    return encode_diagnostics(response);
-}
-
-Result<Pdu> encode(const ReadExceptionStatusResponse& response) {
-    return Writer(Function::read_exception_status).u8(response.status).pdu();
-}
-
-Result<Pdu> encode(const GetCommEventCounterResponse& response) {
-    return Writer(Function::get_comm_event_counter).u16(response.status).u16(response.event_count).pdu();
-}
-
-Result<Pdu> encode(const GetCommEventLogResponse& response) {
-    Writer out(Function::get_comm_event_log);
-    out.u8(kEventLogHeader + response.events.size()).u16(response.status).u16(response.event_count);
-    return out.u16(response.message_count).bytes(response.events.span()).pdu();
-}
-
-Result<Pdu> encode(const ReportServerIdResponse& response) {
-    return Writer(Function::report_server_id).u8(response.data.size()).bytes(response.data.span()).pdu();
+    return Writer(request.function).u16(request.sub_function).bytes(request.data.span()).pdu();
 }
 
 Result<Request> decode_status_request(Function function, Reader in) {

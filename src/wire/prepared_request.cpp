@@ -61,49 +61,6 @@ RequestShape other(Function function) {
     return plain(function, row.most_response_bytes, row.response == ResponseForm::status);
 }
 
-/// One overload for each request.
-struct Shape {
-    RequestShape operator()(const ReadRequest& request) const {
-        return items(request.function, request.start, request.quantity);
-    }
-    RequestShape operator()(const ReadWriteMultipleRegistersRequest& request) const {
-        return items(request.function, request.read_start, request.read_quantity);
-    }
-    RequestShape operator()(const WriteSingleCoilRequest& request) const {
-        return items(request.function, request.address, 1);
-    }
-    RequestShape operator()(const WriteSingleRegisterRequest& request) const {
-        return items(request.function, request.address, 1);
-    }
-    RequestShape operator()(const WriteMultipleCoilsRequest& request) const {
-        return items(request.function, request.start, request.values.size());
-    }
-    RequestShape operator()(const WriteMultipleRegistersRequest& request) const {
-        return items(request.function, request.start, request.values.size());
-    }
-    RequestShape operator()(const MaskWriteRegisterRequest& request) const {
-        return items(request.function, request.address, 1);
-    }
-    RequestShape operator()(const DiagnosticsRequest& request) const {
-        return diagnostics(request.sub_function, request.data.size());
-    }
-    RequestShape operator()(const ReadFileRecordRequest& request) const {
-        return plain(request.function, codec::file_response_length(request));
-    }
-    RequestShape operator()(const WriteFileRecordRequest& request) const {
-        return repeated(plain(request.function,
-                              2 + kFileRange * request.ranges.size() + 2 * request.values.size(), kFixed));
-    }
-    RequestShape operator()(const ReadDeviceIdRequest&) const { return encapsulated(kReadDeviceId); }
-    RequestShape operator()(const EncapsulatedRequest& request) const {
-        return encapsulated(request.mei_type);
-    }
-    template <class Other>
-    RequestShape operator()(const Other& request) const {
-        return other(request.function);
-    }
-};
-
 std::size_t file_response_length_of(FileParts parts) {
     std::size_t length = 2;
     while (!parts.empty()) length += file_response_bytes(parts.take().length);
@@ -128,12 +85,8 @@ Result<Made> with_write(Function function, DataAddress start, const Bits& bits, 
 
 }  // namespace
 
-RequestShape shape_of(const Request& request) {
-    return std::visit(Shape{}, request);
-}
-
 RequestShape shape_of(const ReadRequest& request) {
-    return Shape{}(request);
+    return items(request.function, request.start, request.quantity);
 }
 
 RequestShape shape_of(const RequestView& request) {
@@ -155,10 +108,6 @@ RequestShape shape_of(const RequestView& request) {
     return items(function, DataAddress{first.start}, first.count);
 }
 
-std::size_t max_response_length(const Request& request) {
-    return shape_of(request).response_length;
-}
-
 Result<Request> write_request(Function function, DataAddress start, const Bits& bits,
                               const Registers& registers) {
     return with_write<Request>(function, start, bits, registers,
@@ -174,21 +123,22 @@ PreparedRequest::PreparedRequest(Bytes pdu) : PreparedRequest(RequestView(pdu)) 
 
 Result<PreparedRequest> prepare(const Request& request) {
     TAKT_TRY(const Pdu pdu, encode(request));
-    return PreparedRequest(pdu, shape_of(request));
+    return PreparedRequest(pdu);
 }
 
 Result<PreparedRequest> prepare_write(Function function, DataAddress start, const Bits& bits,
                                       const Registers& registers) {
+    const std::size_t quantity = counts_bits(function) ? bits.size() : registers.size();
     return with_write<PreparedRequest>(function, start, bits, registers,
-                                       [](const auto& request) -> Result<PreparedRequest> {
+                                       [&](const auto& request) -> Result<PreparedRequest> {
                                            TAKT_TRY(const Pdu pdu, codec::encode(request));
-                                           return PreparedRequest(pdu, Shape{}(request));
+                                           return PreparedRequest(pdu, items(function, start, quantity));
                                        });
 }
 
 Result<PreparedRequest> prepare(const MaskWriteRegisterRequest& request) {
     TAKT_TRY(const Pdu pdu, codec::encode(request));
-    return PreparedRequest(pdu, Shape{}(request));
+    return PreparedRequest(pdu, items(request.function, request.address, 1));
 }
 
 Result<PreparedRead> prepare(const ReadRequest& request) {

@@ -1,5 +1,6 @@
 // Arbitrary bytes as a request and as a response. Every decoded PDU can be encoded again, and every view of
 // the same bytes (typed, in words) handles them. Input: length of the request, request, response.
+#include "encode_response.hpp"
 #include "input.hpp"
 #include "takt/wire/frame_words.hpp"
 #include "takt/wire/pdu.hpp"

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "encode_response.hpp"
+
 namespace takt::poll::test {
 namespace {
 

@@ -4,6 +4,7 @@
 #include <rapidcheck.h>
 
 #include "bytes.hpp"
+#include "encode_response.hpp"
 #include "takt/wire/pdu.hpp"
 
 namespace takt::wire {

@@ -30,7 +30,7 @@ RC_GTEST_PROP(PduProperty, AnswersComeBackAndAreNotLongerThanForetold, ()) {
         const auto pdu = encode(response);
         RC_ASSERT(pdu.has_value());
         RC_ASSERT((*pdu)[0] == static_cast<std::uint8_t>(function_of(request)));
-        RC_ASSERT(pdu->size() <= max_response_length(request));
+        RC_ASSERT(pdu->size() <= prepare(request)->shape().response_length);
         RC_ASSERT(holds(decode_response(request, ExactBytes(pdu->span())), response));
     }
 }
@@ -102,7 +102,7 @@ RC_GTEST_PROP(PduProperty, LengthsOfReadsAndWritesAreTheFormulas, ()) {
         }
         RC_ASSERT(encode(request)->size() == request_pdu_length(function, quantity, written));
         RC_ASSERT(encode(any_answer(request))->size() == response_pdu_length(function, quantity));
-        RC_ASSERT(max_response_length(request) == response_pdu_length(function, quantity));
+        RC_ASSERT(prepare(request)->shape().response_length == response_pdu_length(function, quantity));
     }
 }
 

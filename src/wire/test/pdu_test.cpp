@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "bytes.hpp"
+#include "encode_response.hpp"
 
 namespace takt::wire {
 namespace pdu_test {

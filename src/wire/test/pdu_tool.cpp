@@ -13,6 +13,7 @@
 #include <string>
 
 #include "bytes.hpp"
+#include "encode_response.hpp"
 #include "takt/wire/frame.hpp"
 
 namespace takt::wire {
@@ -121,13 +122,11 @@ struct Fields {
     void operator()(ReadDeviceIdRequest& m) const { all(n, m.code, m.object); }
     void operator()(EncapsulatedRequest& m) const { all(n, m.mei_type, m.data); }
 
+    // Of responses that do not repeat their request.
     void operator()(ExceptionResponse& m) const { all(n, m.code); }
     void operator()(ReadBitsResponse& m) const { all(n, m.values); }
     void operator()(ReadRegistersResponse& m) const { all(n, m.values); }
-    void operator()(WriteSingleCoilResponse& m) const { all(n, m.address, m.on); }
-    void operator()(WriteSingleRegisterResponse& m) const { all(n, m.address, m.value); }
     void operator()(ReadExceptionStatusResponse& m) const { all(n, m.status); }
-    void operator()(DiagnosticsResponse& m) const { all(n, m.sub_function, m.data); }
     void operator()(GetCommEventCounterResponse& m) const { all(n, m.status, m.event_count); }
     void operator()(GetCommEventLogResponse& m) const {
         all(n, m.status, m.event_count, m.message_count, m.events);
@@ -135,13 +134,10 @@ struct Fields {
     void operator()(WriteMultipleResponse& m) const { all(n, m.start, m.quantity); }
     void operator()(ReportServerIdResponse& m) const { all(n, m.data); }
     void operator()(ReadFileRecordResponse& m) const { all(n, m.lengths, m.values); }
-    void operator()(WriteFileRecordResponse& m) const { all(n, m.ranges, m.values); }
-    void operator()(MaskWriteRegisterResponse& m) const { all(n, m.address, m.and_mask, m.or_mask); }
     void operator()(ReadFifoQueueResponse& m) const { all(n, m.values); }
     void operator()(ReadDeviceIdResponse& m) const {
         all(n, m.code, m.conformity, m.more_follows, m.next_object, m.objects, m.text);
     }
-    void operator()(EncapsulatedResponse& m) const { all(n, m.mei_type, m.data); }
 };
 
 // The first message type of the variant that carries the function; where several functions share a type, with

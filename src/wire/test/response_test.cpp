@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "bytes.hpp"
-#include "takt/wire/pdu.hpp"
+#include "takt/wire/prepared_request.hpp"
 
 namespace takt::wire {
 namespace response_test {
@@ -70,7 +70,7 @@ TEST(DecodeResponse, CutsBitsToTheQuantity) {
     EXPECT_EQ(to_hex(values.bytes()), "CD 6B 05");
 }
 
-TEST(MaxResponseLength, OfEveryFunction) {
+TEST(PreparedRequest, HasTheLengthOfItsLongestResponse) {
     struct Row {
         Request request;
         std::size_t length;
@@ -86,8 +86,8 @@ TEST(MaxResponseLength, OfEveryFunction) {
         {DiagnosticsRequest{0, {1, 2, 3, 4}}, 7},
         {GetCommEventCounterRequest{}, 5},
         {GetCommEventLogRequest{}, 72},
-        {WriteMultipleCoilsRequest{}, 5},
-        {WriteMultipleRegistersRequest{}, 5},
+        {WriteMultipleCoilsRequest{{0}, Bits(1)}, 5},
+        {WriteMultipleRegistersRequest{{0}, {1}}, 5},
         {ReportServerIdRequest{}, 253},
         {ReadFileRecordRequest{{{4, 1, 2}, {3, 9, 2}}}, 14},
         {WriteFileRecordRequest{{{4, 7, 3}}, {1, 2, 3}}, 15},
@@ -98,7 +98,8 @@ TEST(MaxResponseLength, OfEveryFunction) {
         {EncapsulatedRequest{}, 253},
     };
     for (const auto& [request, length] : rows)
-        EXPECT_EQ(max_response_length(request), length) << static_cast<int>(function_of(request));
+        EXPECT_EQ(prepare(request)->shape().response_length, length)
+            << static_cast<int>(function_of(request));
 }
 
 }  // namespace response_test

@@ -201,19 +201,9 @@ struct ReadRegistersResponse {
     friend bool operator==(const ReadRegistersResponse&, const ReadRegistersResponse&) = default;
 };
 /// 0x05: repeats the request.
-struct WriteSingleCoilResponse {
-    static constexpr Function function = Function::write_single_coil;
-    DataAddress address;
-    bool on = false;
-    friend bool operator==(const WriteSingleCoilResponse&, const WriteSingleCoilResponse&) = default;
-};
+using WriteSingleCoilResponse = WriteSingleCoilRequest;
 /// 0x06: repeats the request.
-struct WriteSingleRegisterResponse {
-    static constexpr Function function = Function::write_single_register;
-    DataAddress address;
-    std::uint16_t value = 0;
-    friend bool operator==(const WriteSingleRegisterResponse&, const WriteSingleRegisterResponse&) = default;
-};
+using WriteSingleRegisterResponse = WriteSingleRegisterRequest;
 /// 0x07.
 struct ReadExceptionStatusResponse {
     static constexpr Function function = Function::read_exception_status;
@@ -221,12 +211,7 @@ struct ReadExceptionStatusResponse {
     friend bool operator==(const ReadExceptionStatusResponse&, const ReadExceptionStatusResponse&) = default;
 };
 /// 0x08. A sub-function other than 0 may have no data: some slaves answer "force listen only" so.
-struct DiagnosticsResponse {
-    static constexpr Function function = Function::diagnostics;
-    std::uint16_t sub_function = 0;
-    InplaceVector<std::uint8_t, 250> data;
-    friend bool operator==(const DiagnosticsResponse&, const DiagnosticsResponse&) = default;
-};
+using DiagnosticsResponse = DiagnosticsRequest;
 /// 0x0B.
 struct GetCommEventCounterResponse {
     static constexpr Function function = Function::get_comm_event_counter;
@@ -264,20 +249,9 @@ struct ReadFileRecordResponse {
     friend bool operator==(const ReadFileRecordResponse&, const ReadFileRecordResponse&) = default;
 };
 /// 0x15: repeats the request.
-struct WriteFileRecordResponse {
-    static constexpr Function function = Function::write_file_record;
-    InplaceVector<FileRange, 27> ranges;
-    Registers values;
-    friend bool operator==(const WriteFileRecordResponse&, const WriteFileRecordResponse&) = default;
-};
+using WriteFileRecordResponse = WriteFileRecordRequest;
 /// 0x16: repeats the request.
-struct MaskWriteRegisterResponse {
-    static constexpr Function function = Function::mask_write_register;
-    DataAddress address;
-    std::uint16_t and_mask = 0xFFFF;
-    std::uint16_t or_mask = 0;
-    friend bool operator==(const MaskWriteRegisterResponse&, const MaskWriteRegisterResponse&) = default;
-};
+using MaskWriteRegisterResponse = MaskWriteRegisterRequest;
 /// 0x18: 0..31 registers.
 struct ReadFifoQueueResponse {
     static constexpr Function function = Function::read_fifo_queue;
@@ -302,12 +276,7 @@ struct ReadDeviceIdResponse {
     friend bool operator==(const ReadDeviceIdResponse&, const ReadDeviceIdResponse&) = default;
 };
 /// 0x2B with any other MEI type.
-struct EncapsulatedResponse {
-    static constexpr Function function = Function::encapsulated_interface;
-    std::uint8_t mei_type = 13;
-    InplaceVector<std::uint8_t, 251> data;
-    friend bool operator==(const EncapsulatedResponse&, const EncapsulatedResponse&) = default;
-};
+using EncapsulatedResponse = EncapsulatedRequest;
 /// function | 0x80, code. `function` is that of the request, without the top bit.
 struct ExceptionResponse {
     Function function = Function::read_holding_registers;
@@ -324,13 +293,11 @@ using Response = std::variant<ExceptionResponse, ReadBitsResponse, ReadRegisters
 
 // ---- encoding and decoding
 
-/// The function code of a request or a response (of an exception without 0x80).
+/// The function code of a request.
 Function function_of(const Request& request);
-Function function_of(const Response& response);
 
 /// @returns out_of_range (value, least, greatest) for a quantity or length the function does not allow
 Result<Pdu> encode(const Request& request);
-Result<Pdu> encode(const Response& response);
 
 /// Decodes a request as a slave does. Nothing is assumed of the bytes.
 /// @returns unsupported (function) for an unknown function — answer exception 1;
@@ -348,9 +315,5 @@ Result<Response> decode_response(const Request& request, Bytes pdu);
 
 /// Decodes a response without its request (captures, logs). Quantities follow from the byte counts.
 Result<Response> decode_response(Bytes pdu);
-
-/// The greatest number of PDU bytes of a normal response to `request`, and its exact length where the request
-/// determines it. Used for deadlines.
-std::size_t max_response_length(const Request& request);
 
 }  // namespace takt::wire

@@ -32,7 +32,6 @@ struct RequestShape {
 };
 
 /// The shape of a request; nothing is decoded from its bytes.
-[[nodiscard]] RequestShape shape_of(const Request& request);
 [[nodiscard]] RequestShape shape_of(const ReadRequest& request);
 [[nodiscard]] RequestShape shape_of(const RequestView& request);
 
