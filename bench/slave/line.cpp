@@ -55,7 +55,7 @@ void serve_takt(const char* path) {
     config.untimed = true;
     serve::SerialSlave slave(config, devices);
     const auto target = line::parse_target("rtu://" + std::string(path) + "?baud=115200&parity=even").value();
-    const auto driver = line::open_target(*loop, target, slave);
+    const auto driver = line::open_line(*loop, target.as_line(), slave);
     loop->run();
 }
 

@@ -349,10 +349,6 @@ Loaded load_project(const std::string& path) {
     return Loader(reader).load(path, reader(path));
 }
 
-Loaded load_table(const std::string& path, const TableOptions& options) {
-    return Loader({}).load_table(path, read_file(path, kMaxFileBytes), options);
-}
-
 Loaded load_table_text(const std::string& name, const std::string& bytes, const TableOptions& options) {
     if (bytes.size() > kMaxFileBytes) return Loader({}).load_table(name, fail(Code::too_long, name), options);
     return Loader({}).load_table(name, bytes, options);

@@ -316,10 +316,11 @@ TEST(OpenLine, ChoosesTheTransport) {
     const auto loop = make_loop();
     const Pty pty;
     ScriptEngine engine;
-    const auto serial = open_target(*loop, parse_target("rtu://" + pty.path + "?baud=9600").value(), engine);
+    const auto serial =
+        open_line(*loop, parse_target("rtu://" + pty.path + "?baud=9600").value().as_line(), engine);
     ASSERT_TRUE(serial);
     EXPECT_EQ((*serial)->name(), pty.path);
-    const auto tls = open_target(*loop, parse_target("tls://127.0.0.1").value(), engine);
+    const auto tls = open_line(*loop, parse_target("tls://127.0.0.1").value().as_line(), engine);
     ASSERT_FALSE(tls);
     EXPECT_EQ(tls.error(), (Error{Code::unsupported, "tls", {}}));
 }

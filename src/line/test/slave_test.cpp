@@ -31,7 +31,7 @@ TEST(Slave, AnswersOnASerialPort) {
     config.format = {115200, 8, wire::Parity::even, 1};
     serve::SerialSlave slave(config, devices);
     const auto target = parse_target("rtu://" + pty.path + "?baud=115200").value();
-    const auto driver = open_target(*loop, target, slave);
+    const auto driver = open_line(*loop, target.as_line(), slave);
     ASSERT_TRUE(driver);
     ASSERT_TRUE(loop->run_until([&] { return (*driver)->up(); }, kDeadline));
     pty.write(kRtuRequest);
@@ -213,7 +213,7 @@ TEST(PendingAnswers, ComeOnASerialPortToo) {
     config.format = {115200, 8, wire::Parity::even, 1};
     serve::SerialSlave slave(config, slow);
     const auto target = parse_target("rtu://" + pty.path + "?baud=115200").value();
-    const auto driver = open_target(*loop, target, slave);
+    const auto driver = open_line(*loop, target.as_line(), slave);
     ASSERT_TRUE(driver);
     SerialAnswers answers(slave, **driver);
     ASSERT_TRUE(loop->run_until([&] { return (*driver)->up(); }, kDeadline));

@@ -298,33 +298,6 @@ TEST(EarliestDeadline, FeasibleSetsNeverMissAndMostOthersDo) {
     EXPECT_GT(missed, infeasible * 8 / 10) << missed << " of " << infeasible;
 }
 
-TEST(EarliestDeadline, ExactTestOfSporadicTasks) {
-    Random random(6);
-    std::size_t feasible = 0;
-    for (int round = 0; round < 300; ++round) {
-        auto tasks = random_line(random, {});
-        bool plain = true;
-        for (Task& task : tasks) {
-            task.deadline = task.period;
-            plain = plain && task.period > 0;
-        }
-        const auto exact = feasible_edf_sporadic(tasks);
-        ASSERT_EQ(exact.has_value(), plain);
-        if (!exact) continue;
-        feasible += *exact ? 1U : 0U;
-        EXPECT_TRUE(*exact || !feasible_edf(tasks));
-        bool miss = false;
-        for (std::size_t i = 0; i < tasks.size(); ++i) {
-            const auto jobs = Releases(tasks, random).adversarial(i, 6000, true);
-            miss = miss || a_deadline_is_missed(tasks, simulate(tasks, jobs, Policy::earliest_deadline));
-        }
-        EXPECT_EQ(miss, !*exact);
-    }
-    EXPECT_GT(feasible, 30U);
-    EXPECT_EQ(feasible_edf_sporadic(std::vector<Task>{{.frames = {1}, .period = 9, .deadline = 8}}),
-              std::nullopt);
-}
-
 TEST(Response, OverloadAndPeriodZeroHaveNoBoundButWhatIsMoreUrgentHas) {
     std::vector<Task> tasks(3);
     for (std::uint32_t i = 0; i < 3; ++i) {

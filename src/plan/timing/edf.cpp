@@ -189,25 +189,4 @@ bool feasible_edf(std::span<const Task> tasks, const std::optional<FaultRate>& f
     return holds(line, Failures(*faults, 0), false) && holds(line, Failures(*faults, 1), true);
 }
 
-std::optional<bool> feasible_edf_sporadic(std::span<const Task> tasks) {
-    Blocking blocking;
-    Microseconds shortest = kLongestBusyPeriod;
-    Microseconds longest = 0;
-    for (const Task& task : tasks) {
-        const bool plain = task.shapes.empty() && task.frames.size() == 1 && task.period > 0 &&
-                           task.deadline == task.period && task.jitter == 0 && task.burst == 1;
-        if (!plain) return std::nullopt;
-        blocking.add(task.period, task.frames.front());
-        shortest = std::min(shortest, task.period);
-        longest = std::max(longest, task.period);
-    }
-    const EdfLine line(tasks);
-    if (line.utilization > 1 + kRateRounding) return false;
-    blocking.finish();
-    // The demand up to L - 1 changes at the ends of periods: L = t + 1.
-    return sweep_of(line).run(longest - 2, [&](Microseconds t, WideTime demand) {
-        return demand + blocking.beyond(t + 1) <= t + 1;
-    });
-}
-
 }  // namespace takt::plan

@@ -72,8 +72,7 @@ bool JournalMessages::read_portion(Instant now) {
     const auto header = entry->header;
     const auto gap = entry->gap;
     Portion portion{.records = {{header.sequence, gap ? 0 : header.samples}},
-                    .first_token = token_of(header.sequence, gap ? MessageComposer::kMostMessages - 1 : 0),
-                    .wall_ns = header.wall_ns};
+                    .first_token = token_of(header.sequence, gap ? MessageComposer::kMostMessages - 1 : 0)};
     composed_.clear();
     next_ = 0;
     if (entry->batch) {
@@ -207,11 +206,6 @@ void JournalMessages::rewind() {
     pending_.reset();
     composed_.clear();
     next_ = 0;
-}
-
-std::optional<std::int64_t> JournalMessages::oldest_in_flight_ns() const {
-    if (portions_.empty()) return std::nullopt;
-    return portions_.front().wall_ns;
 }
 
 }  // namespace takt::publish

@@ -28,7 +28,7 @@ struct Surroundings {
 /// framing, then host and tcp_port, or port, bit rate and character format.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> connection_keys(const model::Line& line);
 
-/// A project from the rows of load_table(): a device for each name in kDeviceColumn, else the one of
+/// A project from the rows of load_tables(): a device for each name in kDeviceColumn, else the one of
 /// `surroundings`, on the line of kLineColumn and kTargetColumn, and locals for the triggers and statuses
 /// that the variables name. Locations stay those of the cells. Rows of several devices must have
 /// kUnitAddressColumn. Devices without an address, and a second line without a target, are findings of the

@@ -70,9 +70,6 @@ struct TableOptions {
 
 /// A table without project. The root of the document is a list of mappings, one per row, with the keys of a
 /// project file. files[1] is the table; files[0] has no name.
-[[nodiscard]] Loaded load_table(const std::string& path, const TableOptions& options = {});
-
-/// The same from bytes.
 [[nodiscard]] Loaded load_table_text(const std::string& name, const std::string& bytes,
                                      const TableOptions& options = {});
 
@@ -113,9 +110,9 @@ struct Written {
     std::vector<model::Finding> findings;  ///< errors: what the format cannot hold, at its location
 };
 
-/// Writes rows (mappings of scalars, as from load_table() or a project file) according to RFC 4180, lines
-/// ended by CR LF. Columns: those of the IDE's table, then any others in use. Reading the result gives the
-/// same rows; values that would not come back are findings.
+/// Writes rows (mappings of scalars, as from load_table_text() or a project file) according to RFC 4180,
+/// lines ended by CR LF. Columns: those of the IDE's table, then any others in use. Reading the result gives
+/// the same rows; values that would not come back are findings.
 [[nodiscard]] Written write_table(const std::vector<model::Node>& rows, const TableFormat& format);
 
 /// The heading of a column; the key itself if the language has no heading for it.

@@ -100,10 +100,4 @@ public:
 [[nodiscard]] Result<std::unique_ptr<Driver>> open_line(Loop& loop, const model::Line& line, Engine& engine,
                                                         const DriverOptions& options = {});
 
-[[nodiscard]] inline Result<std::unique_ptr<Driver>> open_target(Loop& loop, const Target& target,
-                                                                 Engine& engine,
-                                                                 const DriverOptions& options = {}) {
-    return open_line(loop, target.as_line(), engine, options);
-}
-
 }  // namespace takt::line

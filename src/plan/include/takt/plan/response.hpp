@@ -74,10 +74,6 @@ struct Effort {
 /// block. Also false if more than 2 * 10^6 deadlines would have to be examined.
 [[nodiscard]] bool feasible_edf(std::span<const Task> tasks, const std::optional<FaultRate>& faults = {});
 
-/// The exact test of Jeffay, Stanat and Martel for sporadic tasks of one frame with D = T, without jitter,
-/// bursts and shapes; nothing for others.
-[[nodiscard]] std::optional<bool> feasible_edf_sporadic(std::span<const Task> tasks);
-
 /// Sum of C / T. Above 1, all tasks as urgent as the one that exceeds it, or less urgent, are unbounded.
 [[nodiscard]] double utilization(std::span<const Task> tasks);
 

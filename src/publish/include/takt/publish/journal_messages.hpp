@@ -78,8 +78,6 @@ public:
     [[nodiscard]] std::uint64_t too_large() const { return too_large_; }
     /// Of the journal's disk, when the last next() could not read.
     [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
-    /// Wall time of the oldest record that was sent and is not acknowledged; none: nothing is in flight.
-    [[nodiscard]] std::optional<std::int64_t> oldest_in_flight_ns() const;
 
 private:
     struct Record {
@@ -90,7 +88,6 @@ private:
     struct Portion {
         std::vector<Record> records;
         std::uint64_t first_token = 0;
-        std::int64_t wall_ns = 0;
         std::vector<std::uint64_t> samples;  // of each message
         std::uint64_t too_large = 0;
     };
