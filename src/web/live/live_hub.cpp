@@ -5,7 +5,6 @@
 
 #include "live/wall_time.hpp"
 #include "takt/line/loop.hpp"
-#include "takt/os/thread_name.hpp"
 #include "takt/report/states/event_report.hpp"
 #include "takt/report/states/outputs_report.hpp"
 #include "takt/report/states/state_report.hpp"
@@ -15,10 +14,6 @@ namespace {
 
 constexpr int kMostNotices = 20;            // in a tick
 constexpr int kMostLiveEvents = 1'000'000;  // likewise
-
-std::size_t language_index(text::Language language) {
-    return static_cast<std::size_t>(language);
-}
 
 }  // namespace
 
@@ -40,106 +35,50 @@ std::string_view severity_of(const host::Event& event) {
     return "warning";
 }
 
-class LiveHub::Stream final : public StreamSource {
-public:
-    Stream(std::shared_ptr<Shared> shared, text::Language language)
-        : shared_(std::move(shared)), language_(language) {}
-    ~Stream() override {
-        const std::lock_guard lock(shared_->mutex);
-        --shared_->streams[language_index(language_)];
-    }
+struct LiveHub::Ring final : StreamRing {
+    using StreamRing::StreamRing;
 
-    bool take(std::string& out) override {
-        const std::lock_guard lock(shared_->mutex);
-        if (shared_->ended) return false;
-        if (has_list_ && shared_->frames.read(cursor_, language_, out)) return true;
-        has_list_ = shared_->list && shared_->list_next.frame >= shared_->frames.begin().frame;
-        if (!has_list_) {
-            shared_->list_wanted = true;
-            return true;
+    /// A list of all values that is complete with the frames from `list_next` on.
+    SharedText list;
+    EventFrames::Cursor list_next;
+    bool list_wanted = false;
+
+    void clear() override {
+        StreamRing::clear();
+        list.reset();
+    }
+    std::optional<EventFrames::Cursor> begin() override {
+        list_wanted = true;
+        return std::nullopt;
+    }
+    void take(std::optional<EventFrames::Cursor>& cursor, text::Language language,
+              std::string& out) override {
+        if (cursor && frames.read(*cursor, language, out)) return;
+        cursor.reset();
+        if (!list || list_next.frame < frames.begin().frame) {
+            list_wanted = true;
+            return;
         }
-        cursor_ = shared_->list_next;
-        out += *shared_->list;
-        return true;
+        cursor = list_next;
+        out += *list;
     }
-
-private:
-    std::shared_ptr<Shared> shared_;
-    text::Language language_;
-    bool has_list_ = false;
-    EventFrames::Cursor cursor_;
 };
 
-std::size_t LiveHub::Shared::count() const {
-    std::size_t sum = 0;
-    for (const auto of_language : streams) sum += of_language;
-    return sum;
-}
-
 LiveHub::LiveHub(HostAccess host, std::function<void()> poke, std::size_t frames)
-    : host_(std::move(host)),
-      poke_(std::move(poke)),
-      shared_(std::make_shared<Shared>(frames)),
-      thread_([this] { work(); }) {}
+    : LiveHub(std::move(host), std::move(poke), std::make_shared<Ring>(frames)) {}
+
+LiveHub::LiveHub(HostAccess host, std::function<void()> poke, std::shared_ptr<Ring> ring)
+    : StreamHub(ring, std::move(poke)), host_(std::move(host)), ring_(std::move(ring)) {
+    start("takt-live");
+}
 
 LiveHub::~LiveHub() {
     end();
 }
 
-void LiveHub::end() {
-    {
-        const std::lock_guard lock(shared_->mutex);
-        shared_->ended = true;
-    }
-    shared_->changed.notify_all();
-    if (thread_.joinable()) thread_.join();
-}
-
-std::unique_ptr<StreamSource> LiveHub::open(text::Language language) {
-    {
-        const std::lock_guard lock(shared_->mutex);
-        if (shared_->ended || shared_->count() >= kMostStreams) return nullptr;
-        ++shared_->streams[language_index(language)];
-        shared_->list_wanted = true;
-    }
-    shared_->changed.notify_all();
-    return std::make_unique<Stream>(shared_, language);
-}
-
-void LiveHub::work() {
-    os::name_thread("takt-live");
-    auto next = std::chrono::steady_clock::now();
-    for (;;) {
-        if (!wait_for_stream()) return;
-        if (!session_) {
-            connect();
-            next = std::chrono::steady_clock::now();
-        }
-        if (session_) tick();
-        // A tick that took longer than its time is followed by one whole pause.
-        next = std::max(next + kTick, std::chrono::steady_clock::now());
-        if (!wait_until(next)) return;
-    }
-}
-
-// Without streams the session is closed, so no events are queued without a reader. @returns false at the end
-bool LiveHub::wait_for_stream() {
-    std::unique_lock lock(shared_->mutex);
-    if (shared_->count() == 0 && !shared_->ended) {
-        shared_->frames.clear();
-        shared_->list.reset();
-        lock.unlock();
-        session_.reset();
-        values_.reset();
-        lock.lock();
-    }
-    shared_->changed.wait(lock, [this] { return shared_->ended || shared_->count() > 0; });
-    return !shared_->ended;
-}
-
-bool LiveHub::wait_until(std::chrono::steady_clock::time_point when) {
-    std::unique_lock lock(shared_->mutex);
-    return !shared_->changed.wait_until(lock, when, [this] { return shared_->ended; });
+void LiveHub::close() {
+    session_.reset();
+    values_.reset();
 }
 
 void LiveHub::connect() {
@@ -153,11 +92,7 @@ void LiveHub::connect() {
 // The events that the session gets from now on may be older than the snapshot. They lead to its state again.
 void LiveHub::begin_configuration(bool announced) {
     const auto snapshot = session_->snapshot({.values = true, .statistics = true});
-    if (!snapshot) {
-        session_.reset();
-        values_.reset();
-        return;
-    }
+    if (!snapshot) return close();
     values_.emplace(*snapshot);
     next_second_ = snapshot->t;
     if (!announced) return;
@@ -168,6 +103,8 @@ void LiveHub::begin_configuration(bool announced) {
 }
 
 void LiveHub::tick() {
+    if (!session_) connect();
+    if (!session_) return;
     notices_ = 0;
     read_events();
     if (!session_) return;
@@ -176,9 +113,7 @@ void LiveHub::tick() {
     if (!session_) return;
     if (values_->changed()) push(event_text("values", values_->take_rows_text(now)));
     if (values_->read()) push(event_text("reads", values_->take_reads_text(now)));
-    if (now - last_frame_ >= kKeepAliveInterval) push(": keep-alive\n\n");
     make_list();
-    poke_();
 }
 
 void LiveHub::read_events() {
@@ -202,20 +137,15 @@ void LiveHub::read_events() {
 
 void LiveHub::put_notice(const host::Event& event) {
     if (std::holds_alternative<host::AuditRecorded>(event.body) || ++notices_ > kMostNotices) return;
-    const auto wanted = languages();
-    FrameTexts texts;
-    for (const auto language : text::kLanguages) {
-        if (!wanted[language_index(language)]) continue;
-        auto line = report::event_text(report::Texts(language), *values_->configuration(), event);
-        if (line.empty()) return;
+    push("notice", [&](const report::Texts& texts) -> file::Json {
+        auto line = report::event_text(texts, *values_->configuration(), event);
+        if (line.empty()) return {};
         auto object = file::Json::object();
         object.set("time", WallTime().ms(event.t));
         object.set("severity", severity_of(event));
         object.set("text", std::move(line));
-        texts[language_index(language)] =
-            std::make_shared<const std::string>(event_text("notice", object.dump()));
-    }
-    push(std::move(texts));
+        return object;
+    });
 }
 
 // No event reports the reads of values that stay the same: their instants come from a copy at each tick.
@@ -227,51 +157,21 @@ void LiveHub::take_state(Instant now) {
     if (snapshot->configuration->generation() != values_->configuration()->generation())
         return;  // its event follows
     values_->refresh(*snapshot);
-    if (second) push_status(*snapshot);
-}
-
-void LiveHub::push_status(const host::Snapshot& snapshot) {
-    const auto wanted = languages();
-    FrameTexts texts;
-    for (const auto language : text::kLanguages) {
-        if (!wanted[language_index(language)]) continue;
-        const auto status = status_object(report::Texts(language), snapshot, host_);
-        texts[language_index(language)] =
-            std::make_shared<const std::string>(event_text("status", status.dump()));
-    }
-    push(std::move(texts));
-}
-
-std::array<bool, text::kLanguages.size()> LiveHub::languages() const {
-    const std::lock_guard lock(shared_->mutex);
-    std::array<bool, text::kLanguages.size()> result{};
-    for (std::size_t i = 0; i < result.size(); ++i) result[i] = shared_->streams[i] > 0;
-    return result;
-}
-
-void LiveHub::push(FrameTexts texts) {
-    last_frame_ = line::now();
-    const std::lock_guard lock(shared_->mutex);
-    shared_->frames.push(std::move(texts));
-}
-
-void LiveHub::push(std::string text) {
-    last_frame_ = line::now();
-    const std::lock_guard lock(shared_->mutex);
-    shared_->frames.push(std::move(text));
+    if (second)
+        push("status", [&](const report::Texts& texts) { return status_object(texts, *snapshot, host_); });
 }
 
 // One list for all streams that need one. It follows the frames that were pushed so far.
 void LiveHub::make_list() {
     {
-        const std::lock_guard lock(shared_->mutex);
-        if (!shared_->list_wanted) return;
+        const std::lock_guard lock(ring_->mutex);
+        if (!ring_->list_wanted) return;
     }
     auto text = std::make_shared<const std::string>(event_text("snapshot", values_->list_text(line::now())));
-    const std::lock_guard lock(shared_->mutex);
-    shared_->list = std::move(text);
-    shared_->list_next = shared_->frames.end();
-    shared_->list_wanted = false;
+    const std::lock_guard lock(ring_->mutex);
+    ring_->list = std::move(text);
+    ring_->list_next = ring_->frames.end();
+    ring_->list_wanted = false;
 }
 
 file::Json status_object(const report::Texts& texts, const host::Snapshot& snapshot, const HostAccess& host) {
