@@ -26,11 +26,11 @@ CaptureLog::CaptureLog(CaptureFile file, TapSource source, FileReports reports)
       file_(std::move(file)),
       capture_(source_.line_of, source_.overheard) {
     capture_.frames().begin_file(blocks_);
-    thread_.emplace([this](bool ending) { turn(ending); });
+    ticker_.emplace("takt-tap", kTapPeriod, [this](bool ending) { turn(ending); });
 }
 
 CaptureLog::~CaptureLog() {
-    thread_.reset();
+    ticker_.reset();
     if (reports_.on_lost && error_ != 0) reports_.on_lost(file_.path(), error_);
 }
 

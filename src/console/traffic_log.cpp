@@ -135,7 +135,10 @@ void TapLog::put(const host::TrafficRecord& record, const LineOf& line_of) {
 }
 
 TapLogger::TapLogger(TrafficLog& log, TapSource source)
-    : log_(log), source_(std::move(source)), tap_(log), thread_([this](bool) { turn(); }) {}
+    : log_(log),
+      source_(std::move(source)),
+      tap_(log),
+      ticker_("takt-tap", kTapPeriod, [this](bool) { turn(); }) {}
 
 void TapLogger::turn() {
     while (const auto record = source_.next()) {

@@ -7,7 +7,6 @@
 #include "devices/command_api.hpp"
 #include "live/live_hub.hpp"
 #include "live/wall_time.hpp"
-#include "takt/os/thread_name.hpp"
 #include "takt/report/states/event_report.hpp"
 
 namespace takt::web {
@@ -19,20 +18,7 @@ constexpr int kMostLoggedEvents = 1'000'000;   // in a tick
 }  // namespace
 
 EventLog::EventLog(HostAccess host, Marks& marks)
-    : host_(std::move(host)), marks_(marks), thread_([this] { work(); }) {}
-
-EventLog::~EventLog() {
-    end();
-}
-
-void EventLog::end() {
-    {
-        const std::lock_guard lock(mutex_);
-        ended_ = true;
-    }
-    changed_.notify_all();
-    if (thread_.joinable()) thread_.join();
-}
+    : host_(std::move(host)), marks_(marks), ticker_("takt-events", kTick, [this](bool) { work(); }) {}
 
 void EventLog::own(host::SessionId session) {
     const std::lock_guard lock(mutex_);
@@ -51,17 +37,11 @@ void EventLog::add(const host::Outcome& outcome, const host::Configuration& conf
 }
 
 void EventLog::work() {
-    os::name_thread("takt-events");
-    for (bool last = false;;) {
-        if (!session_) {
-            auto session = host_.open_session({.from_beginning = true});
-            if (session) session_ = *std::move(session);
-        }
-        if (session_) read_events();
-        if (last) return;
-        std::unique_lock lock(mutex_);
-        last = changed_.wait_for(lock, kTick, [this] { return ended_; });
+    if (!session_) {
+        auto session = host_.open_session({.from_beginning = true});
+        if (session) session_ = *std::move(session);
     }
+    if (session_) read_events();
 }
 
 void EventLog::read_events() {

@@ -2,15 +2,14 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 
 #include "live/marks.hpp"
+#include "takt/os/ticker.hpp"
 #include "takt/web/host_access.hpp"
 
 namespace takt::web {
@@ -26,11 +25,7 @@ public:
     /// @param marks  must outlive this object
     EventLog(HostAccess host, Marks& marks);
     /// Reads the last events and ends the thread. A second call does nothing.
-    void end();
-    /// end()
-    ~EventLog();
-    EventLog(const EventLog&) = delete;
-    EventLog& operator=(const EventLog&) = delete;
+    void end() { ticker_.end(); }
 
     /// The API reports the commands of this session itself. Called before its first command. Any thread.
     void own(host::SessionId session);
@@ -50,11 +45,9 @@ private:
     std::unique_ptr<host::Session> session_;  // of the thread
     std::uint64_t missed_ = 0;                // likewise
     int messages_ = 0;                        // of this tick, likewise
-    mutable std::mutex mutex_;                // of all below
-    std::condition_variable changed_;
-    bool ended_ = false;
-    std::deque<host::SessionId> own_;  // the newest ones
-    std::thread thread_;
+    mutable std::mutex mutex_;                // of `own_`
+    std::deque<host::SessionId> own_;         // the newest ones
+    os::Ticker ticker_;                       // last: it uses the other members
 };
 
 }  // namespace takt::web

@@ -4,35 +4,13 @@
 #include <vector>
 
 #include "live/wall_time.hpp"
-#include "takt/os/thread_name.hpp"
 
 namespace takt::web {
 
 MarkWriter::MarkWriter(Marks& marks, MarkWriterOptions options)
-    : marks_(marks), options_(std::move(options)), thread_([this] { work(); }) {}
-
-MarkWriter::~MarkWriter() {
-    end();
-}
-
-void MarkWriter::end() {
-    {
-        const std::lock_guard lock(mutex_);
-        ended_ = true;
-    }
-    changed_.notify_all();
-    if (thread_.joinable()) thread_.join();
-}
-
-void MarkWriter::work() {
-    os::name_thread("takt-marks");
-    for (bool last = false;;) {
-        if (options_.wanted()) note(write());
-        if (last) return;
-        std::unique_lock lock(mutex_);
-        last = changed_.wait_for(lock, kTick, [this] { return ended_; });
-    }
-}
+    : marks_(marks), options_(std::move(options)), ticker_("takt-marks", kTick, [this](bool) {
+          if (options_.wanted()) note(write());
+      }) {}
 
 Result<void> MarkWriter::open() {
     TAKT_TRY(auto opened, MarkFile::open(options_.path, marks_.after(Marks::kNone).since_ms));

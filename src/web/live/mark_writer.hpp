@@ -2,18 +2,16 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
 
 #include "live/mark_file.hpp"
 #include "live/marks.hpp"
 #include "takt/base/log.hpp"
+#include "takt/os/ticker.hpp"
 #include "takt/report/drawing/texts.hpp"
 
 namespace takt::web {
@@ -35,14 +33,9 @@ public:
     /// @param marks  must outlive this object
     MarkWriter(Marks& marks, MarkWriterOptions options);
     /// Writes the last marks and ends the thread. A second call does nothing.
-    void end();
-    /// end()
-    ~MarkWriter();
-    MarkWriter(const MarkWriter&) = delete;
-    MarkWriter& operator=(const MarkWriter&) = delete;
+    void end() { ticker_.end(); }
 
 private:
-    void work();
     [[nodiscard]] Result<void> write();
     [[nodiscard]] Result<void> open();
     void note(const Result<void>& result);
@@ -56,10 +49,7 @@ private:
     std::unique_ptr<MarkFile> file_;  // of the thread, as the next ones
     std::int64_t written_ = -1;       // the number of the last mark in the file
     std::optional<Error> failure_;    // that was logged last
-    std::mutex mutex_;                // of `ended_`
-    std::condition_variable changed_;
-    bool ended_ = false;
-    std::thread thread_;
+    os::Ticker ticker_;               // last: it uses the other members
 };
 
 }  // namespace takt::web

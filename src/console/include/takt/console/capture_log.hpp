@@ -9,8 +9,9 @@
 #include "takt/base/result.hpp"
 #include "takt/console/capture_file.hpp"
 #include "takt/console/file_reports.hpp"
-#include "takt/console/tap_thread.hpp"
+#include "takt/console/tap_source.hpp"
 #include "takt/host/traffic.hpp"
+#include "takt/os/ticker.hpp"
 #include "takt/report/times/traffic_capture.hpp"
 
 namespace takt::console {
@@ -49,7 +50,7 @@ private:
     int error_ = 0;                             // of the first write that failed
     bool failing_ = false;                      // no frame was written since a write failed
     bool rotation_failed_ = false;              // the last one
-    std::optional<TapThread> thread_;
+    std::optional<os::Ticker> ticker_;
 };
 
 }  // namespace takt::console

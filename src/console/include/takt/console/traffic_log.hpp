@@ -15,12 +15,13 @@
 
 #include "takt/base/result.hpp"
 #include "takt/console/file_reports.hpp"
-#include "takt/console/tap_thread.hpp"
+#include "takt/console/tap_source.hpp"
 #include "takt/host/traffic.hpp"
 #include "takt/line/traffic_factory.hpp"
 #include "takt/model/project.hpp"
 #include "takt/os/record_writer.hpp"
 #include "takt/os/sink.hpp"
+#include "takt/os/ticker.hpp"
 #include "takt/report/drawing/texts.hpp"
 #include "takt/text/language.hpp"
 #include "takt/wire/frame_words.hpp"
@@ -128,7 +129,7 @@ private:
     TapSource source_;
     TapLog tap_;
     std::uint64_t missed_ = 0;  // of the source, up to now
-    TapThread thread_;          // last: it uses the other members
+    os::Ticker ticker_;         // last: it uses the other members
 };
 
 }  // namespace takt::console

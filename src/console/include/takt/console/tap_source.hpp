@@ -1,13 +1,11 @@
-// Readers of traffic taps on a thread of their own.
+// Where the readers of traffic taps get their frames from.
 #pragma once
 
-#include <condition_variable>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <thread>
 
 #include "takt/host/session.hpp"
 #include "takt/host/traffic_tap.hpp"
@@ -30,24 +28,7 @@ struct TapSource {
 [[nodiscard]] TapSource tap_source(const std::shared_ptr<host::Session>& session);
 [[nodiscard]] TapSource tap_source(const host::TrafficTap& tap);
 
-/// Calls `turn` on a thread of its own each 20 ms, and a last time with `ending`.
-class TapThread {
-public:
-    using Turn = std::function<void(bool ending)>;
-    explicit TapThread(Turn turn);
-    /// Returns after the last turn.
-    ~TapThread();
-    TapThread(const TapThread&) = delete;
-    TapThread& operator=(const TapThread&) = delete;
-
-private:
-    void work();
-
-    Turn turn_;
-    std::mutex mutex_;
-    std::condition_variable changed_;
-    bool ending_ = false;  // guarded by mutex_
-    std::thread thread_;
-};
+/// The period of a thread that reads a tap: the ring holds the frames of a longer time.
+inline constexpr auto kTapPeriod = std::chrono::milliseconds(20);
 
 }  // namespace takt::console
