@@ -33,6 +33,29 @@ std::string_view notice_severity_name(host::Notice::Severity severity) {
     return "error";
 }
 
+void set_finding(file::Json& object, const poll::DelayFinding& finding) {
+    object.set("setting", poll::name(finding.setting));
+    object.set("delay_ms", milliseconds(finding.delay));
+    object.set("limit_ms", milliseconds(finding.limit));
+    const bool advised = finding.advised > Duration::zero();
+    object.set("advised_ms", advised ? file::Json(milliseconds(finding.advised)) : file::Json());
+    object.set("count", finding.count);
+    object.set("later", finding.later);
+}
+
+void set_finding(file::Json& object, const poll::NoiseFinding& finding) {
+    object.set("least_bytes", finding.least);
+    object.set("most_bytes", finding.most);
+}
+
+template <class Finding>
+file::Json json_of(const std::optional<Finding>& finding) {
+    if (!finding) return {};
+    auto object = file::Json::object();
+    set_finding(object, *finding);
+    return object;
+}
+
 /// The text of each kind of event.
 class TextOf {
 public:
@@ -50,9 +73,6 @@ public:
             line += " (" + texts_.quality(changed.quality, changed.reason) + ")";
         return line;
     }
-    std::string operator()(const host::DeviceStateChanged& changed) const {
-        return filled(host::event_message(configuration_, changed));
-    }
     std::string operator()(const host::LinkChanged& changed) const {
         return texts_(changed.up             ? "app.link_up"
                       : changed.repeated > 0 ? "app.link_down.repeated"
@@ -62,27 +82,6 @@ public:
                        {"count", std::to_string(changed.repeated)},
                        {"age", texts_.duration(changed.in)}});
     }
-    std::string operator()(const host::PeriodOverrun& overrun) const {
-        return filled(host::event_message(configuration_, overrun));
-    }
-    std::string operator()(const host::DelaysFound& found) const {
-        return filled(host::event_message(configuration_, found));
-    }
-    std::string operator()(const host::NoiseFound& found) const {
-        return filled(host::event_message(configuration_, found));
-    }
-    std::string operator()(const host::SurplusFound& found) const {
-        return filled(host::event_message(configuration_, found));
-    }
-    std::string operator()(const host::WriteWaiting& waiting) const {
-        return filled(host::event_message(configuration_, waiting));
-    }
-    std::string operator()(const host::VerifyFailed& failed) const {
-        return filled(host::event_message(configuration_, failed));
-    }
-    std::string operator()(const host::GapLearnt& learnt) const {
-        return filled(host::event_message(configuration_, learnt));
-    }
     std::string operator()(const host::WriteFinished& finished) const {
         if (finished.outcome.result == value::CommandResult::done) return {};
         return filled(host::event_message(configuration_, finished.outcome));
@@ -91,6 +90,11 @@ public:
     std::string operator()(const host::EventsLost& lost) const { return missed_text(texts_, lost.count); }
     std::string operator()(const host::ConfigurationChanged&) const { return texts_("app.applied"); }
     std::string operator()(const host::AuditRecorded&) const { return {}; }
+    /// Any other one: the program and the log have the same message.
+    template <class Body>
+    std::string operator()(const Body& body) const {
+        return filled(host::event_message(configuration_, body));
+    }
 
 private:
     const Texts& texts_;
@@ -135,10 +139,7 @@ public:
     file::Json operator()(const host::DeviceStateChanged& changed) const {
         using Shown = host::DeviceStateChanged::Shown;
         if (changed.shown == Shown::counted) return {};
-        const auto& line = configuration_.project().lines[changed.line];
-        auto object = begin("device");
-        object.set("line", line.name);
-        object.set("device", line.devices[changed.device].name);
+        auto object = begin("device", changed.line, changed.device);
         object.set("state", poll::name(changed.state));
         if (changed.state == poll::DeviceState::not_answering && changed.failure != value::Reason::ok)
             object.set("cause", reason_word(changed.failure));
@@ -160,42 +161,31 @@ public:
         return object;
     }
     file::Json operator()(const host::PeriodOverrun& overrun) const {
-        auto object = begin("overrun");
-        set_request(object, overrun.request);
+        auto object = begin("overrun", overrun.request);
         object.set("period_ms", milliseconds(overrun.period));
         object.set("real_period_ms", milliseconds(overrun.real));
         object.set("overrun", overrun.overrun);
         return object;
     }
     file::Json operator()(const host::DelaysFound& found) const {
-        const auto& line = configuration_.project().lines[found.line];
-        auto object = begin("delays");
-        object.set("line", line.name);
-        object.set("device", line.devices[found.device].name);
-        set_delay_finding(object, found.finding);
+        auto object = begin("delays", found.line, found.device);
+        set_finding(object, found.finding);
         object.set("text", TextOf(texts_, configuration_)(found));
         return object;
     }
     file::Json operator()(const host::NoiseFound& found) const {
-        const auto& line = configuration_.project().lines[found.line];
-        auto object = begin("noise");
-        object.set("line", line.name);
-        object.set("device", line.devices[found.device].name);
-        set_noise_finding(object, found.finding);
+        auto object = begin("noise", found.line, found.device);
+        set_finding(object, found.finding);
         object.set("text", TextOf(texts_, configuration_)(found));
         return object;
     }
     file::Json operator()(const host::SurplusFound& found) const {
-        const auto& line = configuration_.project().lines[found.line];
-        auto object = begin("surplus");
-        object.set("line", line.name);
-        object.set("device", line.devices[found.device].name);
+        auto object = begin("surplus", found.line, found.device);
         object.set("text", TextOf(texts_, configuration_)(found));
         return object;
     }
     file::Json operator()(const host::WriteWaiting& waiting) const {
-        auto object = begin("write_waiting");
-        set_request(object, waiting.request);
+        auto object = begin("write_waiting", waiting.request);
         object.set("name", device_of(configuration_, waiting.request).variables[waiting.variable].name);
         return object;
     }
@@ -209,11 +199,8 @@ public:
         return object;
     }
     file::Json operator()(const host::GapLearnt& learnt) const {
-        const auto& line = configuration_.project().lines[learnt.line];
         const auto& gap_event = learnt.gap_event;
-        auto object = begin("learnt");
-        object.set("line", line.name);
-        object.set("device", line.devices[gap_event.device].name);
+        auto object = begin("learnt", learnt.line, gap_event.device);
         object.set("function", static_cast<int>(gap_event.read));
         object.set("first", gap_event.items.first);
         object.set("last", gap_event.items.last);
@@ -249,16 +236,23 @@ private:
         object.set("time_ms", time_ms_);
         return object;
     }
+    [[nodiscard]] file::Json begin(const char* event, std::size_t line, std::size_t device) const {
+        const auto& settings = configuration_.project().lines[line];
+        auto object = begin(event);
+        object.set("line", settings.name);
+        object.set("device", settings.devices[device].name);
+        return object;
+    }
+    [[nodiscard]] file::Json begin(const char* event, const host::RequestKey& key) const {
+        auto object = begin(event, key.line, key.device);
+        object.set("function", static_cast<int>(key.read ? *key.read : *key.write));
+        object.set("start", key.start);
+        return object;
+    }
     void set_owner(file::Json& object, value::SlotId slot) const {
         const auto* const line = configuration_.line_of(slot);
         object.set("line", line ? line->name : std::string());
         object.set("device", device_name(configuration_, slot));
-    }
-    void set_request(file::Json& object, const host::RequestKey& key) const {
-        object.set("line", configuration_.project().lines[key.line].name);
-        object.set("device", device_of(configuration_, key).name);
-        object.set("function", static_cast<int>(key.read ? *key.read : *key.write));
-        object.set("start", key.start);
     }
 
     const Texts& texts_;
@@ -278,19 +272,12 @@ file::Json event_json(const Texts& texts, const Configuration& configuration, In
     return std::visit(JsonOf(texts, configuration, started, event.t), event.body);
 }
 
-void set_delay_finding(file::Json& object, const poll::DelayFinding& finding) {
-    object.set("setting", poll::name(finding.setting));
-    object.set("delay_ms", milliseconds(finding.delay));
-    object.set("limit_ms", milliseconds(finding.limit));
-    const bool advised = finding.advised > Duration::zero();
-    object.set("advised_ms", advised ? file::Json(milliseconds(finding.advised)) : file::Json());
-    object.set("count", finding.count);
-    object.set("later", finding.later);
+file::Json finding_json(const std::optional<poll::DelayFinding>& finding) {
+    return json_of(finding);
 }
 
-void set_noise_finding(file::Json& object, const poll::NoiseFinding& finding) {
-    object.set("least_bytes", finding.least);
-    object.set("most_bytes", finding.most);
+file::Json finding_json(const std::optional<poll::NoiseFinding>& finding) {
+    return json_of(finding);
 }
 
 std::string missed_text(const Texts& texts, std::uint64_t count) {

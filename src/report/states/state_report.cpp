@@ -141,28 +141,13 @@ std::uint64_t failed(const bus::TransactionCounters& counters) {
            counters.link_lost;
 }
 
-file::Json described_delays_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
-                                 std::size_t device) {
-    const auto& finding = snapshot.lines[line].devices[device].delays;
+/// The text of the event that reported a finding; empty for none.
+template <class Found, class Finding>
+std::string finding_text(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
+                         std::size_t device, const std::optional<Finding>& finding) {
     if (!finding) return {};
-    auto object = file::Json::object();
-    set_delay_finding(object, *finding);
-    object.set("text",
-               event_text(texts, *snapshot.configuration,
-                          {.body = host::DelaysFound{.line = line, .device = device, .finding = *finding}}));
-    return object;
-}
-
-file::Json described_noise_json(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
-                                std::size_t device) {
-    const auto& finding = snapshot.lines[line].devices[device].noise;
-    if (!finding) return {};
-    auto object = file::Json::object();
-    set_noise_finding(object, *finding);
-    object.set("text",
-               event_text(texts, *snapshot.configuration,
-                          {.body = host::NoiseFound{.line = line, .device = device, .finding = *finding}}));
-    return object;
+    return event_text(texts, *snapshot.configuration,
+                      {.body = Found{.line = line, .device = device, .finding = *finding}});
 }
 
 file::Json with_text(file::Json object, const std::string& text) {
@@ -200,8 +185,12 @@ file::Json device_state_json(const Texts& texts, const host::Snapshot& snapshot,
     set_availability(object, device.availability.at(snapshot.t));
     object.set("late_answers", device.late);
     object.set("surplus_answers", device.surplus);
-    object.set("delays", described_delays_json(texts, snapshot, line, index));
-    object.set("noise", described_noise_json(texts, snapshot, line, index));
+    object.set("delays",
+               with_text(finding_json(device.delays),
+                         finding_text<host::DelaysFound>(texts, snapshot, line, index, device.delays)));
+    object.set("noise",
+               with_text(finding_json(device.noise),
+                         finding_text<host::NoiseFound>(texts, snapshot, line, index, device.noise)));
     const auto& measured = snapshot.lines[line].times[index];
     object.set("turnaround",
                with_text(turnaround_json(settings, measured), turnaround_text(texts, settings, measured)));

@@ -247,20 +247,6 @@ file::Json counters_json(const bus::TransactionCounters& counters) {
     return object;
 }
 
-file::Json delay_finding_json(const std::optional<poll::DelayFinding>& finding) {
-    if (!finding) return {};
-    auto object = file::Json::object();
-    set_delay_finding(object, *finding);
-    return object;
-}
-
-file::Json noise_finding_json(const std::optional<poll::NoiseFinding>& finding) {
-    if (!finding) return {};
-    auto object = file::Json::object();
-    set_noise_finding(object, *finding);
-    return object;
-}
-
 file::Json line_summary_json(const host::Snapshot& snapshot, std::size_t index) {
     const auto& state = snapshot.lines[index];
     const auto& line = snapshot.configuration->project().lines[index];
@@ -290,10 +276,10 @@ file::Json line_summary_json(const host::Snapshot& snapshot, std::size_t index) 
         set_availability(device, state.devices[i].availability.at(snapshot.t));
         device.set("late_answers", state.devices[i].late);
         device.set("surplus_answers", state.devices[i].surplus);
-        device.set("delays", delay_finding_json(state.devices[i].delays));
+        device.set("delays", finding_json(state.devices[i].delays));
         device.set("noisy_answers", state.devices[i].counters.noisy_answers);
         device.set("noise_bytes", state.devices[i].counters.noise_bytes);
-        device.set("noise", noise_finding_json(state.devices[i].noise));
+        device.set("noise", finding_json(state.devices[i].noise));
         device.set("turnaround", turnaround_json(line.devices[i], state.times[i]));
         device.set("late_responses", late_responses_json(state.times[i]));
         device.set("verified", state.devices[i].verified);

@@ -1,6 +1,7 @@
 // Events of a running project as text and as JSON. docs/commands/run.md.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "takt/file/json.hpp"
@@ -20,10 +21,9 @@ namespace takt::report {
 [[nodiscard]] file::Json event_json(const Texts& texts, const host::Configuration& configuration,
                                     Instant started, const host::Event& event);
 
-/// Sets `setting`, `delay_ms`, `limit_ms` and `advised_ms`.
-void set_delay_finding(file::Json& object, const poll::DelayFinding& finding);
-/// Sets `least_bytes`, `most_bytes`.
-void set_noise_finding(file::Json& object, const poll::NoiseFinding& finding);
+/// The members that the event of a finding has too; null: none.
+[[nodiscard]] file::Json finding_json(const std::optional<poll::DelayFinding>& finding);
+[[nodiscard]] file::Json finding_json(const std::optional<poll::NoiseFinding>& finding);
 
 /// Events that a slow reader missed.
 [[nodiscard]] std::string missed_text(const Texts& texts, std::uint64_t count);
