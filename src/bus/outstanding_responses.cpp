@@ -204,10 +204,14 @@ Lateness OutstandingResponses::settle(UnitId unit, const AnswerShape& shape,
     came.came_at = end;
     came.out_of_order = out_of_order;
     OutstandingResponse& settled = in_order_or_passed(*found, shape);
-    if (--settled.count == 0)
+    if (--settled.count == 0) {
         settled = came;
-    else if (size_ < memory_.size())
-        memory_[size_++] = came;
+        return lateness;
+    }
+    // Its unit is in doubt until take_late() has given it: one that hardly comes is forgotten before that.
+    if (size_ == memory_.size())
+        if (const auto passed = oldest(Phase::passed, kNever)) erase(*passed);
+    if (size_ < memory_.size()) memory_[size_++] = came;
     return lateness;
 }
 

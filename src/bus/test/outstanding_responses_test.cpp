@@ -240,6 +240,19 @@ TEST(OutstandingResponses, BeyondTheCapacityTwoOfOneUnitShareAnEntryThatMatchesA
     EXPECT_FALSE(late.settle("03 02 00 01"));
 }
 
+// The unit is in doubt until it is known: also if the memory is full of others, and several look alike.
+TEST(OutstandingResponses, BeyondTheCapacityALateResponseIsGivenToo) {
+    Outstanding late;
+    for (std::size_t i = 0; i <= OutstandingResponses::kAlike; ++i) late.expect(kUnit, kRead2, at(200ms));
+    for (std::size_t i = OutstandingResponses::kAlike; i < late.memory.size(); ++i)
+        late.expect(kUnit, read_of(10 + i), at(200ms));
+    late.responses.answered(at(120ms), kUnit, AnswerShape{4, 4});
+    for (std::size_t i = 0; i <= OutstandingResponses::kAlike; ++i) {
+        EXPECT_TRUE(late.settle("03 04 00 01 00 02"));
+        EXPECT_TRUE(late.responses.take_late()) << i;
+    }
+}
+
 // So that none with the length of a frame that came seems to be missing, and none that is missing is
 // forgotten.
 TEST(OutstandingResponses, AFrameSettlesAnEntryOfItsOwnLengthBeforeASharedOne) {
