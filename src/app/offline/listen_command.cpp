@@ -184,7 +184,7 @@ private:
         if (listener_) {
             listener_->end();
             const auto counters = port_->counters();
-            code = output_.finish(listener_->statistics(), connection(), has_settings_,
+            code = output_.finish(listener_->statistics(), connection(), has_settings_, !choice_.search,
                                   counters.faulty_characters + counters.breaks);
         } else {
             code = output_.nothing_heard(search_->characters());

@@ -87,10 +87,11 @@ void ListenOutput::on_damaged(const capture::DamagedBytes& damaged) {
 }
 
 ExitCode ListenOutput::finish(const capture::LineStatistics& statistics, const model::Line& connection,
-                              bool has_settings, std::uint64_t faulty_characters) {
+                              bool has_settings, bool settings_given, std::uint64_t faulty_characters) {
     return finish(std::array{report::ListenRun{.port = port_,
                                                .connection = connection,
                                                .has_settings = has_settings,
+                                               .settings_given = settings_given,
                                                .statistics = statistics,
                                                .names = port_line_.names,
                                                .faulty_characters = faulty_characters}});

@@ -44,7 +44,7 @@ public:
     /// @param connection  the line without devices
     /// @param faulty_characters  that the port reported
     [[nodiscard]] ExitCode finish(const capture::LineStatistics& statistics, const model::Line& connection,
-                                  bool has_settings, std::uint64_t faulty_characters);
+                                  bool has_settings, bool settings_given, std::uint64_t faulty_characters);
     /// The same for the lines of a capture: a summary for each, and the project of all.
     [[nodiscard]] ExitCode finish(std::span<const report::ListenRun> runs);
     /// No frame can be expected of the line.

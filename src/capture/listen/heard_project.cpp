@@ -141,10 +141,18 @@ model::Variable variable_of(std::uint8_t unit, wire::Area area, std::uint16_t nu
     return variable;
 }
 
+/// It makes variables that are only written.
+bool is_written(const Poll& poll) {
+    const auto& row = wire::properties(wire::Function{poll.key.function});
+    return row.most_items != 0 && row.only_writes_items() &&
+           row.function != wire::Function::mask_write_register;
+}
+
 model::Device device_of(std::uint8_t unit, const HeardDevice& heard, int stretch, std::size_t most_variables,
                         std::size_t& left_out) {
     DeviceItems items(stretch);
-    for (const auto& poll : heard.polls) items.add(poll);
+    for (const auto& poll : heard.polls)
+        if (unit != kBroadcast.value || is_written(poll)) items.add(poll);
     left_out = items.keep(most_variables);
     model::Device device;
     device.name = "unit " + std::to_string(unit);
@@ -153,6 +161,8 @@ model::Device device_of(std::uint8_t unit, const HeardDevice& heard, int stretch
     device.response_timeout = defaults.response_timeout;
     device.group_requests = defaults.group_requests;
     const auto longest = heard.times.max();
+    if (heard.times.count() >= model::MeasuredTimes::kEnough)
+        device.turnaround = std::chrono::ceil<std::chrono::milliseconds>(longest + longest / 5);
     if (longest >= device.response_timeout / 2)
         device.response_timeout =
             std::min<Duration>(std::chrono::ceil<std::chrono::milliseconds>(3 * longest), kLongestTimeout);
@@ -173,7 +183,7 @@ model::Device device_of(std::uint8_t unit, const HeardDevice& heard, int stretch
 }
 
 bool was_asked(std::uint8_t unit, const HeardDevice& heard) {
-    return heard.requests > 0 && unit != kBroadcast.value;
+    return unit == kBroadcast.value ? std::ranges::any_of(heard.polls, is_written) : heard.requests > 0;
 }
 
 }  // namespace

@@ -238,6 +238,29 @@ TEST(LineListener, TheProjectHasWhatCombinedFunctionsWrite) {
     EXPECT_TRUE(project.line.devices[1].variables.empty());
 }
 
+// A turnaround follows from enough responses only.
+TEST(LineListener, TheProjectHasBroadcastsAndTurnarounds) {
+    Line line;
+    for (int i = 0; i < 100; ++i) line.exchange(i * 1s, 1, "03 0000 0001", "03 02 0001", 21ms);
+    for (int i = 0; i < 99; ++i) line.exchange(100s + i * 1s, 2, "03 0000 0001", "03 02 0001", 21ms);
+    line.send(200s, 0, "10 0005 0002 04 0001 0002");
+    line.send(201s, 0, "06 0001 0003");
+    const auto project = heard_project(line.listener.statistics(), {.port = "/dev/ttyUSB0"});
+    ASSERT_EQ(project.line.devices.size(), 3U);
+    const auto& all = project.line.devices[0];
+    EXPECT_EQ(all.address, kBroadcast);
+    std::string text;
+    for (const auto& variable : all.variables)
+        text += variable.name + (variable.read ? "r" : "") + (variable.write ? "w " : " ");
+    EXPECT_EQ(text, "unit0_holding_1w unit0_holding_5w unit0_holding_6w ");
+    EXPECT_FALSE(all.turnaround);
+    const auto turnaround = project.line.devices[1].turnaround;
+    ASSERT_TRUE(turnaround);
+    EXPECT_GE(*turnaround, line.listener.statistics().devices().at(1).times.max() * 6 / 5);
+    EXPECT_LE(*turnaround, 30ms);
+    EXPECT_FALSE(project.line.devices[2].turnaround);
+}
+
 // Times of a capture may be anything.
 TEST(LineListener, APeriodOfYearsIsADay) {
     constexpr Duration kYears = 24h * 365 * 20;

@@ -87,6 +87,7 @@ Node device_node(const model::Device& device, Ranges ranges) {
         set(node, "poll_period", scalar(model::to_text(device.poll_period)));
     if (device.response_timeout != defaults.response_timeout)
         set(node, "response_timeout", scalar(model::to_text(device.response_timeout)));
+    if (device.turnaround) set(node, "turnaround", scalar(model::to_text(*device.turnaround)));
     if (device.fc22) set(node, "fc22", scalar("true"));
     if (device.fc23) set(node, "fc23", scalar("true"));
     set_ranges(node, device, ranges);

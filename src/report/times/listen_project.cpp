@@ -48,7 +48,8 @@ std::string other_units_text(const Texts& texts, const capture::HeardProject& pr
 
 std::string listen_project(const Texts& texts, std::span<const ListenRun> runs, int stretch) {
     auto text = fmt::format("# {}\n", texts("app.listen.project_head"));
-    if (std::ranges::any_of(runs, [](const ListenRun& run) { return !run.has_settings; }))
+    if (std::ranges::any_of(runs,
+                            [](const ListenRun& run) { return !run.has_settings && !run.settings_given; }))
         text += fmt::format("# {}\n", texts("app.listen.project_settings"));
     if (stretch > 1)
         text += fmt::format("# {}\n",

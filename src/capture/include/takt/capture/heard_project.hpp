@@ -20,11 +20,12 @@ struct HeardProject {
 
 inline constexpr std::size_t kMostVariables = 512;  ///< of a device
 
-/// A device for each unit 1..247 that was asked, and a variable of 16 bits, or a coil, for each item that it
-/// was asked for. An item that the device refused is left out. The period of a variable is that of its
-/// fastest poll; the device has the most frequent one. Also set: the ranges that are read (`readable`), the
-/// longest read (`registers_per_request`), and a response time-out of three times the longest response time
-/// where the default is too short.
+/// A device for each unit 1..247 that was asked and for the broadcasts that write (unit 0), and a variable of
+/// 16 bits, or a coil, for each item that it was asked for. An item that the device refused is left out. The
+/// period of a variable is that of its fastest poll; the device has the most frequent one. Also set: the
+/// ranges that are read (`readable`), the longest read (`registers_per_request`), and a response time-out of
+/// three times the longest response time where the default is too short; after enough responses
+/// (model::MeasuredTimes::kEnough) the turnaround, a fifth more than the longest.
 /// @param connection      the line without devices
 /// @param stretch         all periods are that many times longer, 1..1000
 /// @param most_variables  of a device, 1..kMostVariables; further items are left out

@@ -18,7 +18,8 @@ struct ListenRun {
     std::string port;
     /// The line without devices; of a capture and of a pseudo-terminal the settings mean nothing.
     model::Line connection;
-    bool has_settings = true;  ///< the bit rate and the character format are known
+    bool has_settings = true;     ///< the port has the bit rate and the character format
+    bool settings_given = false;  ///< by the user
     const capture::LineStatistics& statistics;
     const HeardNames& names;
     std::uint64_t faulty_characters = 0;  ///< that the port reported
