@@ -309,8 +309,10 @@ private:
     }
 
     [[nodiscard]] std::string tried() const {
+        const auto back_off = settings().backoff.value_or(configuration_.project().backoff);
         return texts_("problem.tried.probe", {{"attempts", std::to_string(settings().attempts)},
-                                              {"pause", texts_.duration(device().back_off)}});
+                                              {"pause", texts_.duration(device().back_off)},
+                                              {"limit", texts_.duration(back_off.limit)}});
     }
 
     [[nodiscard]] Problem slower(Problem::Severity severity) const {
@@ -516,6 +518,16 @@ private:
 };
 
 }  // namespace
+
+DeviceTrouble device_trouble(const Texts& texts, const host::Snapshot& snapshot, std::size_t line,
+                             std::size_t device) {
+    const auto& settings = snapshot.configuration->project().lines[line];
+    for (const auto& problem : find_problems(texts, snapshot))
+        if (problem.severity == error && problem.line == settings.name &&
+            problem.device == settings.devices[device].name)
+            return {problem.text, problem.tried};
+    return {};
+}
 
 std::vector<Problem> find_problems(const Texts& texts, const host::Snapshot& snapshot) {
     return ProblemFinder(texts, snapshot).find();

@@ -310,7 +310,7 @@ TEST(Problems, ASilentDeviceHasTheSentenceOfARead) {
     EXPECT_EQ(found[0].kind, Kind::silent);
     expect_contains(found[0].text, "no answer within");
     expect_contains(found[0].advice, "Check the unit address");
-    expect_contains(found[0].tried, "at least each 8 s");
+    expect_contains(found[0].tried, "after a pause, now 8 s, that doubles up to 1 min");
     EXPECT_EQ(health_word(snapshot, found), "failed");
 
     device.failure = value::exception_reason(10);

@@ -6,6 +6,7 @@
 
 #include "live/live_values.hpp"
 #include "takt/report/drawing/formatting.hpp"
+#include "takt/report/states/state_report.hpp"
 
 namespace takt::web {
 namespace {
@@ -143,6 +144,10 @@ private:
                          .error = state_.why});
     }
 
+    [[nodiscard]] report::DeviceTrouble trouble() const {
+        return report::device_trouble(texts_, snapshot_, index_.line, index_.device);
+    }
+
     void device() {
         if (!state_.up || index_.device >= state_.devices.size()) return;
         const auto& its = state_.devices[index_.device];
@@ -155,8 +160,7 @@ private:
             hop = {.kind = HopKind::device,
                    .state = HopState::trouble,
                    .text = "web.why.silent",
-                   .arguments = {{"device", device_.name}},
-                   .reason = its.failure};
+                   .arguments = {{"problem", trouble().text}}};
         } else if (its.state == poll::DeviceState::unknown) {
             hop = {.kind = HopKind::device,
                    .state = HopState::wait,
@@ -180,14 +184,11 @@ private:
         if (!state_.up || index_.device >= state_.devices.size() ||
             state_.devices[index_.device].state != poll::DeviceState::not_answering)
             return;
-        const auto pause = device_.backoff.value_or(project_.backoff);
         hops_.push_back({HopKind::back_off,
                          HopState::wait,
                          "web.why.back_off",
-                         {{"device", device_.name},
-                          {"first", texts_.duration(pause.first)},
-                          {"limit", texts_.duration(pause.limit)}},
-                         pause.limit});
+                         {{"tried", trouble().tried}},
+                         state_.devices[index_.device].back_off});
     }
 
     const report::Texts& texts_;

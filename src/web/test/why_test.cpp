@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "running_host.hpp"
+#include "takt/report/states/state_report.hpp"
 
 namespace takt::web {
 namespace why_test {
@@ -108,6 +109,10 @@ TEST(Why, SpeaksEachLanguageWithoutPlaceholders) {
             EXPECT_EQ(text.find("{local}"), std::string::npos) << text;
             EXPECT_EQ(text.find("{error}"), std::string::npos) << text;
             EXPECT_EQ(text.find("{reason}"), std::string::npos) << text;
+            const auto trouble = report::device_trouble(report::Texts(language), snapshot, 0, 0);
+            EXPECT_EQ(trouble.text.empty(), kind != 2);
+            if (kind == 2) EXPECT_NE(text.find(trouble.text), std::string::npos) << "one text of one cause";
+            if (kind == 2) EXPECT_NE(text.find(trouble.tried), std::string::npos) << trouble.tried;
             EXPECT_EQ(text.find("web.why"), std::string::npos) << text;
         }
     }

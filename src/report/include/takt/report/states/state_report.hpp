@@ -21,6 +21,15 @@ namespace takt::report {
 [[nodiscard]] file::Json status_json(const Texts& texts, const host::Snapshot& snapshot,
                                      const std::string& time);
 
+/// Of a device that does not answer, in the words of the list of problems in status_json().
+struct DeviceTrouble {
+    std::string text;   ///< what is wrong: a sentence without its stop
+    std::string tried;  ///< what the program does about it
+};
+/// @param snapshot  with values and statistics
+[[nodiscard]] DeviceTrouble device_trouble(const Texts& texts, const host::Snapshot& snapshot,
+                                           std::size_t line, std::size_t device);
+
 /// The names of all values with what is known of them before the first read.
 [[nodiscard]] file::Json list_json(const host::Configuration& configuration);
 
