@@ -101,6 +101,8 @@ void TransactionCore::notice_deadlines(Instant t) {
         const bool cut_short = t >= silence_end() && note_cut_short(framer_.incomplete());
         // A frame that stays incomplete has a wrong length; it would swallow the next responses.
         if (numbered() && bytes_since_gap_ > 0) {
+            if (observer_ && !must_reconnect_)
+                observer_->on_fault(t, FrameFault::too_short, framer_.incomplete());
             must_reconnect_ = true;
             if (framer_.length_is_off() && !cut_short) {
                 ++counters_.lengths_off;

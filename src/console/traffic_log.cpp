@@ -85,11 +85,16 @@ void LineTraffic::on_frame(Instant t, wire::Direction direction, UnitId unit, By
     const bool sent = direction == wire::Direction::sent;
     const bool request = sent == (side_ == Side::master);
     const auto words = request ? words_.request(unit, pdu, raw) : words_.response(unit, pdu, raw);
-    const std::string bytes =
-        ascii_ ? std::string(raw.begin(), raw.end() - (raw.size() > 2 ? 2 : 0)) : wire::hex(raw);
-    log_.put(fmt::format("[{}] TRA : {}::{}:({}) {}: [{:04}] {} | {}", iso_time(t), line_, name_of(unit),
-                         port_, sent ? "Tx" : "Rx", raw.size(), bytes,
+    log_.put(fmt::format("[{}] TRA : {}::{}:({}) {}: {} | {}", iso_time(t), line_, name_of(unit), port_,
+                         sent ? "Tx" : "Rx", bytes_text(raw),
                          text::frame_text(log_.texts().language(), words)));
+}
+
+/// ASCII without its CR LF.
+std::string LineTraffic::bytes_text(Bytes raw) const {
+    const bool ended = ascii_ && raw.size() > 2 && raw.back() == '\n';
+    const std::string bytes = ascii_ ? std::string(raw.begin(), raw.end() - (ended ? 2 : 0)) : wire::hex(raw);
+    return fmt::format("[{:04}] {}", raw.size(), bytes);
 }
 
 std::string LineTraffic::name_of(UnitId unit) const {
@@ -98,9 +103,10 @@ std::string LineTraffic::name_of(UnitId unit) const {
                         : name;
 }
 
-void LineTraffic::on_fault(Instant t, wire::FrameFault fault, Bytes /*raw*/) {
+void LineTraffic::on_fault(Instant t, wire::FrameFault fault, Bytes raw) {
     const auto& texts = log_.texts();
-    log_.put(fmt::format("[{}] TRA : {}::({}) {}", iso_time(t), line_, port_,
+    log_.put(fmt::format("[{}] TRA : {}::({}) {}{}", iso_time(t), line_, port_,
+                         raw.empty() ? std::string() : "Rx: " + bytes_text(raw) + " | ",
                          texts("fault.dropped", {{"reason", report::fault_text(texts, fault)}})));
 }
 

@@ -89,7 +89,9 @@ TEST_F(TrafficLogTest, AsciiFramesAreTextWithoutTheirEnd) {
 TEST_F(TrafficLogTest, DroppedBytesHaveAReason) {
     LineTraffic traffic(*log, line_named(wire::Framing::rtu), LineTraffic::Side::master);
     traffic.on_fault(Instant{2s}, wire::FrameFault::checksum, {});
-    EXPECT_EQ(written(), stamp("main::(/dev/ttyS1) dropped: checksum wrong\n"));
+    traffic.on_fault(Instant{2s}, wire::FrameFault::too_short, ByteVector{16, 3, 2});
+    EXPECT_EQ(written(), stamp("main::(/dev/ttyS1) dropped: checksum wrong\n") +
+                             stamp("main::(/dev/ttyS1) Rx: [0003] 10 03 02 | dropped: frame too short\n"));
 }
 
 TEST_F(TrafficLogTest, TheWordsAreInTheLanguageOfTheReader) {

@@ -87,6 +87,7 @@ public:
 
 private:
     [[nodiscard]] std::string name_of(UnitId unit) const;
+    [[nodiscard]] std::string bytes_text(Bytes raw) const;
 
     TrafficLog& log_;
     std::string line_;
