@@ -168,7 +168,9 @@ EventMessage event_message(const Configuration& configuration, const DeviceState
     const auto& line = configuration.project().lines[changed.line];
     EventMessage message{.code = "app.device_state",
                          .arguments = owner_arguments(line, line.devices[changed.device])};
-    const auto now = state_code(changed);
+    const bool sent =
+        changed.state == poll::DeviceState::answering && line.is_broadcast(line.devices[changed.device]);
+    const auto now = sent ? std::string("app.state.broadcast") : state_code(changed);
     auto& arguments = message.arguments;
     if (changed.failure != Reason::ok) append_reason(arguments, changed.failure, {});
     arguments.push_back({.name = "count", .text = std::to_string(changed.changes)});

@@ -10,14 +10,6 @@
 #include "takt/wire/silence.hpp"
 
 namespace takt::plan {
-namespace {
-
-bool is_broadcast(const model::Line& line, const model::Device& device) {
-    return line.framing != wire::Framing::tcp && device.address == kBroadcast;
-}
-
-}  // namespace
-
 Duration answer_wait(const model::Project& project, const model::Line& line, const model::Device& device) {
     const Duration wait = device.wait(project.derive_timeouts && requests_in_flight(line) == 1);
     return line.is_serial() ? wire::response_wait(line.framing, line.format, wait) : wait;
@@ -87,10 +79,10 @@ RequestCosts TransactionCosts::costs(const Request& request, const Transactions&
 
 TransactionCost TransactionCosts::cost(const model::Device& device, const FrameLengths& frames) const {
     const Duration turnaround =
-        is_broadcast(line_, device)
+        line_.is_broadcast(device)
             ? wire::kBroadcastTurnaround
             : device.expected_turnaround(requests_in_flight(line_)).value_or(device.response_timeout);
-    const std::size_t answer = is_broadcast(line_, device) ? 0 : frames.response;
+    const std::size_t answer = line_.is_broadcast(device) ? 0 : frames.response;
     const wire::AttemptTimes<ExactTime> attempt{
         .request = bus_times_.characters(frames.request),
         .wait = bus_times_.of(answer_wait(project_, line_, device)),

@@ -74,7 +74,7 @@ std::string percent(double share) {
 std::vector<std::size_t> devices_without_turnaround(const model::Line& line) {
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < line.devices.size(); ++i)
-        if (!line.devices[i].expected_turnaround()) found.push_back(i);
+        if (!line.devices[i].expected_turnaround() && !line.is_broadcast(line.devices[i])) found.push_back(i);
     return found;
 }
 

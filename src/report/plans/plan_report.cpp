@@ -198,7 +198,8 @@ file::Json device_shares_json(const model::Line& line, const plan::Shares& share
         device.set("name", line.devices[d].name);
         device.set("unit", line.devices[d].address.value);
         device.set("share", shares.devices[d]);
-        const auto turnaround = line.devices[d].expected_turnaround();
+        const auto turnaround = line.is_broadcast(line.devices[d]) ? std::optional(Duration::zero())
+                                                                   : line.devices[d].expected_turnaround();
         device.set("turnaround_us", turnaround ? file::Json(whole_microseconds(*turnaround)) : file::Json());
         list.push_back(std::move(device));
     }

@@ -172,6 +172,8 @@ file::Json device_state_json(const Texts& texts, const host::Snapshot& snapshot,
     object.set("name", settings.name);
     object.set("address", settings.address.value);
     object.set("state", poll::name(device.state));
+    const bool broadcast = snapshot.configuration->project().lines[line].is_broadcast(settings);
+    if (broadcast) object.set("broadcast", true);
     if (auto cause = device_cause(device); !cause.empty()) object.set("cause", std::move(cause));
     if (is_troubled(device)) object.set("fails_often", true);
     object.set("back_off", back_off_json(device, snapshot.t));
@@ -183,6 +185,7 @@ file::Json device_state_json(const Texts& texts, const host::Snapshot& snapshot,
     object.set("exceptions", device.counters.exceptions);
     object.set("outages", device.outages);
     set_availability(object, device.availability.at(snapshot.t));
+    if (broadcast) object.set("availability_percent", file::Json());
     object.set("late_answers", device.late);
     object.set("surplus_answers", device.surplus);
     object.set("delays",
@@ -261,6 +264,13 @@ std::string values_counted(const Texts& texts, const file::Json& counts) {
     return text.empty() ? "–" : text;
 }
 
+std::string shown_state(const file::Json& device) {
+    const auto state = string_member(device, "state");
+    const bool works =
+        state == poll::name(poll::DeviceState::answering) || state == poll::name(poll::DeviceState::unknown);
+    return device.find("broadcast") && works ? "broadcast" : state;
+}
+
 std::string line_state_text(const Texts& texts, const file::Json& line, std::size_t columns) {
     std::string text =
         texts("app.ctl.line", {{"line", string_member(line, "name")},
@@ -280,7 +290,7 @@ std::string line_state_text(const Texts& texts, const file::Json& line, std::siz
                texts("app.sent"), texts("app.failed"), texts("app.outages"), texts("app.available")});
     for (const auto& device : array_member(line, "devices"))
         table.add({string_member(device, "name"),
-                   device_state_text(texts, string_member(device, "state"), string_member(device, "cause"),
+                   device_state_text(texts, shown_state(device), string_member(device, "cause"),
                                      device.find("fails_often") != nullptr),
                    values_counted(texts, member(device, "values")),
                    milliseconds_or_dash(texts, device, "response_ms"), count_member(device, "sent"),

@@ -109,7 +109,7 @@ TEST(LiveScreen, WhatIsNotGoodIsAtTheTopAndReadable) {
     expect_contains(lines[4], "Tag");
     EXPECT_TRUE(lines[4].ends_with("3 min 20 s  bad, exception 2")) << lines[4];
     expect_contains(lines[5], "Pump");
-    expect_contains(lines[5], "never read");
+    expect_contains(lines[5], "no value yet");
 }
 
 TEST(LiveScreen, AProblemHasWhatIsTriedAndTheNextStep) {

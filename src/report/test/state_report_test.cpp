@@ -96,6 +96,26 @@ TEST(StateReport, StatusHasAvailabilityAndLateAnswers) {
     EXPECT_JSON(*shown.find("noise")->find("most_bytes"), 2);
 }
 
+// Nothing answers there: neither an answer nor its time is missing.
+TEST(StateReport, BroadcastsAreNeverAnswered) {
+    auto project = plant()->project();
+    project.lines[0].framing = wire::Framing::rtu;
+    project.lines[0].devices[0].address = kBroadcast;
+    auto snapshot = healthy();
+    snapshot.configuration = configuration_of(project);
+    auto& availability = snapshot.lines[0].devices[0].availability;
+    availability.begin(snapshot.started);
+    availability.up(snapshot.started);
+    const auto json = status_json(english(), snapshot, kTime);
+    const auto& line = std::get<file::Json::Array>(json.find("lines")->value())[0];
+    const auto& device = std::get<file::Json::Array>(line.find("devices")->value())[0];
+    EXPECT_JSON(*device.find("broadcast"), true);
+    EXPECT_TRUE(device.find("availability_percent")->is_null());
+    const auto text = status_text(english(), json);
+    expect_contains(text, "broadcasts, never answered");
+    EXPECT_EQ(text.find("answering"), std::string::npos) << text;
+}
+
 TEST(StateReport, HealthFollowsWhatIsWrong) {
     EXPECT_EQ(health(healthy()), "ok");
     auto snapshot = healthy();

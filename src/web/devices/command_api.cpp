@@ -78,7 +78,7 @@ namespace {
 std::string_view proof_word(const host::Configuration& configuration, const host::Outcome& outcome) {
     const auto* const variable = configuration.variable_of(outcome.slot);
     if (variable == nullptr || outcome.kind != Command::Kind::write) return "done";
-    if (is_broadcast(*configuration.line_of(outcome.slot), *configuration.device_of(outcome.slot)))
+    if (configuration.line_of(outcome.slot)->is_broadcast(*configuration.device_of(outcome.slot)))
         return "broadcast";
     return variable->verify ? "verified" : "acknowledged";
 }

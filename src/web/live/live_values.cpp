@@ -41,7 +41,7 @@ void set_variable(file::Json& object, const host::Configuration& configuration,
     object.set("count", variable.items());
     if (variable.verify) object.set("verify", true);
     if (!variable.read) object.set("write_only", true);
-    if (is_broadcast(line, device)) object.set("broadcast", true);
+    if (line.is_broadcast(device)) object.set("broadcast", true);
     if (!variable.enumeration.empty()) object.set("enumeration", true);
     if (variable.write_range) object.set("write_range", range_json(*variable.write_range));
     object.set("deadline_ms", milliseconds_or_null(variable.deadline));
@@ -55,10 +55,6 @@ std::string_view unit_of(const value::SlotInfo& info, const model::Variable* var
 }
 
 }  // namespace
-
-bool is_broadcast(const model::Line& line, const model::Device& device) {
-    return device.address == kBroadcast && line.framing != wire::Framing::tcp;
-}
 
 file::Json milliseconds_or_null(const std::optional<Duration>& time) {
     return time ? file::Json(report::milliseconds(*time)) : file::Json();

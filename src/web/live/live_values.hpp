@@ -58,9 +58,6 @@ private:
     std::vector<std::uint32_t> read_;     // ascending; may be in changed_ as well
 };
 
-/// All devices of the line get what is sent to this one, and none responds.
-[[nodiscard]] bool is_broadcast(const model::Line& line, const model::Device& device);
-
 /// For JSON; null without a time.
 [[nodiscard]] file::Json milliseconds_or_null(const std::optional<Duration>& time);
 

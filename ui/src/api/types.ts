@@ -54,6 +54,8 @@ export interface DeviceStatus {
   address: number;
   state: 'unknown' | 'answering' | 'not_answering' | 'switched_off' | 'link_down';
   cause?: string;
+  /** Unit 0: it is written to and never answers. */
+  broadcast?: boolean;
   /** It answers again and again, and most of its requests fail. */
   fails_often?: boolean;
   /** The end of the back-off, after the time of the status. */
@@ -590,7 +592,7 @@ export interface PlannedLine {
   utilization: number;
   cycle_us: number;
   requests: PlannedRequest[];
-  /** turnaround_us: null: it is neither written nor measured */
+  /** turnaround_us: null: it is neither written nor measured; of broadcasts 0 */
   devices: ({
     name: string;
     unit: number;

@@ -11,10 +11,11 @@ export const shell = {
     devices: 'Devices',
   },
   units: { ms: 'ms', s: 's', min: 'min', h: 'h', us: 'µs' },
-  quality: { good: 'good', uncertain: 'uncertain', bad: 'bad', never_read: 'never read' },
+  quality: { good: 'good', uncertain: 'uncertain', bad: 'bad', never_read: 'no value yet' },
   health: { ok: 'All well', degraded: 'Degraded', failed: 'Failed', unknown: 'Not connected' },
   state: {
     unknown: 'not asked yet',
+    broadcast: 'broadcasts, never answered',
     answering: 'answering',
     troubled: 'answering, with findings',
     not_answering: 'not answering',

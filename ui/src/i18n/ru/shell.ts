@@ -16,11 +16,12 @@ export const shell: Translated<typeof source> = {
     good: 'достоверно',
     uncertain: 'сомнительно',
     bad: 'недостоверно',
-    never_read: 'не прочитано',
+    never_read: 'ещё нет значения',
   },
   health: { ok: 'Всё в порядке', degraded: 'Есть нарушения', failed: 'Отказ', unknown: 'Нет связи' },
   state: {
     unknown: 'ещё не опрошено',
+    broadcast: 'широковещание, без ответов',
     answering: 'отвечает',
     troubled: 'отвечает, есть замечания',
     not_answering: 'не отвечает',

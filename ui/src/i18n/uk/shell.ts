@@ -16,11 +16,12 @@ export const shell: Translated<typeof source> = {
     good: 'достовірно',
     uncertain: 'сумнівно',
     bad: 'недостовірно',
-    never_read: 'не прочитано',
+    never_read: 'ще немає значення',
   },
   health: { ok: 'Усе гаразд', degraded: 'Є порушення', failed: 'Відмова', unknown: 'Немає зв’язку' },
   state: {
     unknown: 'ще не опитано',
+    broadcast: 'широкомовлення, без відповідей',
     answering: 'відповідає',
     troubled: 'відповідає, є зауваження',
     not_answering: 'не відповідає',

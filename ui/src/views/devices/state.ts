@@ -34,6 +34,8 @@ const found = computed(
 
 /** A device that answers, and has findings or values that are not good, is no good one. */
 export function deviceState(line: string, device: DeviceStatus): { tone: Tone; text: string } {
+  if (device.broadcast && (device.state === 'answering' || device.state === 'unknown'))
+    return { tone: '', text: t.value.state.broadcast };
   const troubled =
     device.values.bad + device.values.uncertain > 0 || found.value.has(`${line}/${device.name}`);
   if (device.fails_often || (device.state === 'answering' && troubled))

@@ -67,6 +67,10 @@ struct Line {
     RateLimit commands{.min_interval = std::chrono::milliseconds(250), .burst = 1};
     std::vector<Device> devices;  ///< may be empty where it is relayed to
 
+    /// Nothing answers at unit 0, but over Modbus TCP.
+    [[nodiscard]] bool is_broadcast(const Device& device) const {
+        return framing != wire::Framing::tcp && device.address == kBroadcast;
+    }
     /// RTU or ASCII characters on a real or simulated serial line, as opposed to a byte stream.
     [[nodiscard]] bool is_serial() const {
         return transport == Transport::serial ||
