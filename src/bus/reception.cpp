@@ -21,10 +21,14 @@ std::uint8_t byte_of_digits(std::uint8_t high, std::uint8_t low) {
     return static_cast<std::uint8_t>(value(high) << 4U | value(low));
 }
 
-// Damaged. A response has its byte count behind unit and function, and a request its address.
-bool is_echo(Bytes bytes, Bytes request) {
-    constexpr std::size_t kHead = 2;
-    return bytes.size() <= kHead || bytes[kHead] == request[kHead];
+// Damaged, with all its bytes. A response has its byte count behind unit and function, and a request its
+// address.
+bool is_echo(wire::Framing framing, Bytes bytes, Bytes request) {
+    constexpr std::size_t kDigits = 2;
+    const std::size_t at = framing == wire::Framing::ascii ? 1 + 2 * kDigits : 2;
+    const std::size_t end = at + (framing == wire::Framing::ascii ? kDigits : 1);
+    return bytes.size() == request.size() &&
+           std::ranges::equal(bytes.subspan(at, end - at), request.subspan(at, end - at));
 }
 
 // Serial line: it would be the response, had it not another unit, or another function.
@@ -88,8 +92,11 @@ void TransactionCore::notice_silence(Instant t) {
 void TransactionCore::notice_deadlines(Instant t) {
     if (std::ranges::any_of(slots_, [&](const Slot& slot) {
             return slot.state == State::sent && !slot.broadcast && t >= slot.deadline;
-        }))
-        find_response(std::min(t, last_activity_));
+        })) {
+        const Instant last_byte = std::min(t, last_activity_);
+        if (echo_.holding() && t >= silence_end()) read(last_byte, echo_.release());
+        find_response(last_byte);
+    }
     const bool busy = t >= busy_limit() && t < silence_end();
     for (auto& slot : slots_) {
         if (slot.state == State::waiting && busy) finish(t, slot, Status::line_busy);
@@ -191,7 +198,7 @@ void TransactionCore::on_fault(Instant t, const wire::FramerStep& step) {
         if (slot.state != State::sent || slot.broadcast) continue;
         slot.garbled = true;
         const bool echo = may_be_echo(t, slot, bytes_since_gap_);
-        if (!step.whole && !(echo && is_echo(framer_.dropped(), outgoing_.span())))
+        if (!step.whole && !(echo && is_echo(config_.framing, framer_.dropped(), outgoing_.span())))
             note_cut_short(framer_.dropped());
         if (!step.whole || echo) continue;
         // It may have been something else. That is not waited for, but remembered.

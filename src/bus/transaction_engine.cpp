@@ -313,7 +313,8 @@ void TransactionCore::expect_response(Instant t, const Slot& slot, Instant hold_
 
 // The response is copied out of the framer's buffer, which the next bytes overwrite.
 void TransactionCore::finish(Instant t, Slot& slot, Status status, const wire::ResponseView& response) {
-    slot.status = status;
+    const bool failed = status == Status::timeout || status == Status::unexpected_reply;
+    slot.status = failed && slot.is_cut_short() ? Status::bad_checksum : status;
     if (!slot.explained()) slot.instead.reset();
     slot.out_of_step = must_reconnect_;
     slot.ended_at = t;

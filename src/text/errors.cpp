@@ -115,6 +115,10 @@ bool came_late(const Error& error) {
     return error.code == Code::timed_out && error.numbers[1] > 0;
 }
 
+bool is_cut_short(const Error& error) {
+    return error.code == Code::bad_checksum && error.numbers[1] > 0;
+}
+
 bool is_serial_protocol_over_tcp(const Error& error) {
     return error.subject.view().find("+tcp://") != std::string_view::npos;
 }
@@ -149,17 +153,15 @@ std::string advice_key(const Error& error) {
         case Code::timed_out: return came_late(error) ? "advice.timed_out.late" : "advice.timed_out";
         case Code::replaced: return "advice.replaced";
         case Code::bad_checksum:
+            if (is_cut_short(error)) return "advice.bad_checksum.length";
             return is_serial_protocol_over_tcp(error) ? "advice.bad_checksum.tcp" : "advice.bad_checksum";
         case Code::not_modbus:
             return header_fault(error) == HeaderFault::off_by_one ? "advice.not_modbus.length"
                                                                   : "advice.not_modbus";
         case Code::unexpected_reply: return "advice.unexpected_reply";
         case Code::misdirected:
-            switch (mismatch_part(error)) {
-                case Mismatch::Part::unit: return "advice.misdirected.unit";
-                case Mismatch::Part::length: return "advice.misdirected.length";
-                default: return "advice.misdirected.other";
-            }
+            return mismatch_part(error) == Mismatch::Part::unit ? "advice.misdirected.unit"
+                                                                : "advice.misdirected.other";
         case Code::modbus_exception: return exception_key(error, "advice.exception.");
         default: return {};
     }
@@ -198,6 +200,7 @@ std::string_view header_variant(const Error& error) {
 
 std::string variant_of(const Error& error) {
     if (came_late(error)) return ".late";
+    if (is_cut_short(error)) return ".length";
     if (error.code == Code::misdirected) return std::string(".").append(name(mismatch_part(error)));
     if (!has_numbers(error)) return "";
     return error.code == Code::not_modbus ? std::string(header_variant(error)) : ".numbers";

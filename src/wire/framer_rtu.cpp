@@ -225,7 +225,8 @@ FramerStep Framer::end_rtu() {
         const Bytes last = raw_.span().last(std::min(length, wanted));
         came = whole && last[0] == expected_->unit.value && (last[1] & 0x7F) == expected_->function;
     }
-    FramerStep step = drop(FrameFault::checksum, 0, State::idle);
+    const bool cut_short = expected_ && expected_length(raw_.span()) > length;
+    FramerStep step = drop(cut_short ? FrameFault::too_short : FrameFault::checksum, 0, State::idle);
     step.whole = whole;
     step.came = came;
     return step;

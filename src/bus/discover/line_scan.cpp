@@ -182,10 +182,10 @@ void LineScan::on_outcome(Instant t, const bus::Outcome& outcome) {
         case Status::timeout: visit_.timed_out = true; return unanswered(t);
         case Status::bad_checksum:
         case Status::ambiguous:
-        case Status::unexpected_reply: return repeat(t, true);
+        case Status::unexpected_reply: return repeat(t, outcome, true);
         case Status::link_lost:
         case Status::closed:
-        case Status::cancelled: return repeat(t, false);
+        case Status::cancelled: return repeat(t, outcome, false);
         case Status::line_busy:
             if (++busy_ < kBusyLimit) return;
             finished_ = true;
@@ -210,11 +210,12 @@ void LineScan::checked(Instant t, const bus::Outcome& outcome) {
     leave(t);
 }
 
-void LineScan::repeat(Instant t, bool garbled) {
+void LineScan::repeat(Instant t, const bus::Outcome& outcome, bool garbled) {
     visit_.found.garbled = visit_.found.garbled || garbled;
     if (++visit_.tries < (garbled ? kTries : 2)) return;
-    if (garbled && visit_.step == Step::ask && std::ranges::find(garbled_, unit()) == garbled_.end())
-        garbled_.push_back(unit());
+    if (garbled && visit_.step == Step::ask &&
+        std::ranges::find(garbled_, unit(), &GarbledUnit::unit) == garbled_.end())
+        garbled_.push_back({unit(), outcome.instead});
     unanswered(t);
 }
 
@@ -300,7 +301,7 @@ void LineScan::leave(Instant t) {
     auto& state = states_[left.value];
     before_.reset();
     if (visit_.proven) {
-        std::erase(garbled_, left);
+        std::erase_if(garbled_, [left](const GarbledUnit& its) { return its.unit == left; });
         found_.push_back(std::move(visit_.found));
     } else if (!second_visit() && state == State::asked) {
         state = State::silent;

@@ -72,7 +72,8 @@ bool TargetScan::setting_finished() const {
 void TargetScan::end_setting() {
     if (!scan_) return;
     requests_ += scan_->requests();
-    for (const auto unit : scan_->garbled()) report(ScanTrouble::Kind::garbled, {}, unit.value);
+    for (const auto& [unit, cut_short] : scan_->garbled())
+        report(ScanTrouble::Kind::garbled, cut_short ? misdirected({}, *cut_short) : Error{}, unit.value);
     if (scan_->end() == ScanEnd::line_busy) report(ScanTrouble::Kind::busy);
     if (scan_->foreign_frames() > 0) report(ScanTrouble::Kind::foreign_master);
     const bool enough = options_.first_only && !scan_->found().empty();

@@ -23,7 +23,8 @@ TEST(DamagedResponse, GarbageAloneIsABadChecksumAtTheDeadline) {
 // The pause that ends a received frame, 30 ms, is not over at the deadline.
 TEST(DamagedResponse, ACompleteResponseWithABadChecksumIsNoTimeout) {
     for (const auto& [received, status] : {std::pair("01 03 02 00 07 F9 87", Status::bad_checksum),
-                                           std::pair("01 03 02 00 07 F9", Status::timeout)}) {
+                                           std::pair("01 03 02 00 07 F9", Status::bad_checksum),
+                                           std::pair("01 07 02 00 07 F9", Status::timeout)}) {
         Rig rig;
         rig.now = at(10ms);
         rig.submit(rig.now, transaction(1, 1, "03 00 00 00 01", 10ms));

@@ -226,7 +226,15 @@ TEST(LineScan, TwoDevicesAtOneAddressAreReported) {
     });
     const auto& scan = line.run();
     EXPECT_TRUE(scan.found().empty());
-    EXPECT_EQ(scan.garbled(), std::vector<UnitId>{UnitId{4}});
+    EXPECT_EQ(scan.garbled(), (std::vector<GarbledUnit>{{UnitId{4}, {}}}));
+}
+
+TEST(LineScan, ResponsesThatAreCutShortAreReported) {
+    Line line(rtu(1, 9), [](std::uint8_t unit, const ByteVector&, std::uint16_t) -> Replies {
+        return unit == 4 ? Replies{{14ms, bytes("04 03 02 FF B6")}} : Replies{};
+    });
+    EXPECT_EQ(line.run().garbled(),
+              (std::vector<GarbledUnit>{{UnitId{4}, Mismatch{Mismatch::Part::length, 5, 7}}}));
 }
 
 TEST(LineScan, ASecondAnswerBehindTheFirstIsReported) {

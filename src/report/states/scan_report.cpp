@@ -131,6 +131,11 @@ std::string trouble_line(const Texts& texts, const ScanTrouble& trouble) {
     switch (trouble.kind) {
         case ScanTrouble::Kind::error: return texts.describe(trouble.error);
         case ScanTrouble::Kind::garbled:
+            if (trouble.error.code != Code{}) {
+                auto error = trouble.error;
+                error.subject = std::string_view(fmt::format("{} --unit {}", where, trouble.unit));
+                return texts.describe(error);
+            }
             return texts("app.scan.garbled", {{"target", where}, {"unit", std::to_string(trouble.unit)}});
         case ScanTrouble::Kind::busy: return texts("app.scan.busy", {{"target", where}});
         case ScanTrouble::Kind::foreign_master: return texts("app.scan.foreign_masters", {{"target", where}});
@@ -148,8 +153,7 @@ file::Json scan_json(const Texts& texts, const ScanFindings& findings) {
         entry.set("target", url_of(trouble.line));
         entry.set("unit",
                   trouble.kind == ScanTrouble::Kind::garbled ? file::Json(trouble.unit) : file::Json());
-        entry.set("code", trouble.kind == ScanTrouble::Kind::error ? file::Json(name(trouble.error.code))
-                                                                   : file::Json());
+        entry.set("code", trouble.error.code == Code{} ? file::Json() : file::Json(name(trouble.error.code)));
         entry.set("text", trouble_line(texts, trouble));
         troubles.push_back(std::move(entry));
     }

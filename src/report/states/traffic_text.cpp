@@ -6,10 +6,8 @@ std::string incident_text(const Texts& texts, wire::Incident incident, Duration 
                           const std::optional<Mismatch>& instead) {
     const auto code = std::string("incident.").append(wire::name(incident));
     if (!instead) return texts(code, {{"time", texts.duration(after)}});
-    const auto what =
-        texts(std::string("error.misdirected.").append(name(instead->part)),
-              {{"came", std::to_string(instead->came)}, {"asked", std::to_string(instead->asked)}});
-    return texts(code + ".instead", {{"time", texts.duration(after)}, {"what", what}});
+    return texts(code + ".instead", {{"time", texts.duration(after)},
+                                     {"what", text::what(texts.language(), misdirected({}, *instead))}});
 }
 
 std::string fault_text(const Texts& texts, wire::FrameFault fault) {

@@ -209,8 +209,6 @@ TEST(Problems, ADeviceThatAnswersForAnotherOneIsNotSilent) {
     expect_contains(text(), "a response to function 4 came, function 3 was asked");
     device.last_foreign = {Mismatch::Part::transaction, 0, 7};
     expect_contains(text(), "a response with transaction id 0 came, 7 was asked");
-    device.last_foreign = {Mismatch::Part::length, 12, 13};  // over TCP
-    expect_contains(text(), "12 of 13 bytes of the response came. The end of the response is missing");
     EXPECT_EQ(device_state_text(english(), device), "answers do not fit");
 }
 

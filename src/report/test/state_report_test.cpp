@@ -184,7 +184,7 @@ TEST(StateReport, ADeviceThatDoesNotAnswerHasACause) {
     snapshot.lines[0].devices[0].state = poll::DeviceState::not_answering;
     snapshot.lines[0].devices[0].failure = Reason::bad_checksum;
     snapshot.values[slot_of("Level").value] = {.quality = Quality::bad, .reason = Reason::not_answering};
-    expect_contains(values_text(english(), values_json(snapshot, kTime, "Level")), "(bad checksum)");
+    expect_contains(values_text(english(), values_json(snapshot, kTime, "Level")), "(damaged response)");
     expect_contains(status_text(english(), status_json(english(), snapshot, kTime)), "answers are damaged");
     snapshot.lines[0].devices[0].failure = Reason::timeout;
     expect_contains(status_text(english(), status_json(english(), snapshot, kTime)),

@@ -66,6 +66,8 @@ TEST(Errors, SayWhatHappened) {
          "tcp://plc: a response of unit 1 came, unit 5 was asked"},
         {misdirected("tcp://plc", {Mismatch::Part::transaction, 7, 8}),
          "tcp://plc: a response with transaction id 7 came, 8 was asked"},
+        {misdirected("tcp://plc", {Mismatch::Part::length, 9, 11}),
+         "tcp://plc: 9 of 11 bytes of the response came"},
         {{Code::io_failed, "x", {EFBIG}}, "x: reading or writing failed: File too large"},
     };
     for (const auto& [error, english] : cases) EXPECT_EQ(what(Language::english, error), english);

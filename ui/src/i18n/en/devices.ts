@@ -2,7 +2,7 @@ import { of } from './plural';
 
 const CAUSES: Record<string, string> = {
   timeout: 'time-out',
-  bad_checksum: 'wrong checksum',
+  bad_checksum: 'damaged response',
   unexpected_reply: 'answer does not fit',
   closed: 'closed by the peer',
   late: 'after the time-out',

@@ -4,7 +4,7 @@ import type { devices as source } from '../en/devices';
 
 const CAUSES: Record<string, string> = {
   timeout: 'таймаут',
-  bad_checksum: 'неверная контрольная сумма',
+  bad_checksum: 'ответ повреждён',
   unexpected_reply: 'ответ не подходит',
   closed: 'закрыто другой стороной',
   late: 'после таймаута',

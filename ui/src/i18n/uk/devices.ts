@@ -4,7 +4,7 @@ import type { devices as source } from '../en/devices';
 
 const CAUSES: Record<string, string> = {
   timeout: 'таймаут',
-  bad_checksum: 'хибна контрольна сума',
+  bad_checksum: 'відповідь пошкоджено',
   unexpected_reply: 'відповідь не підходить',
   closed: 'закрито іншою стороною',
   late: 'після таймауту',

@@ -35,7 +35,7 @@ enum class Code : std::uint16_t {
     closed_by_peer,     ///< the connection, instead of a response; subject
     // Modbus
     modbus_exception = 200,  ///< exception code
-    bad_checksum,
+    bad_checksum,            ///< subject; of a response that is cut short the numbers of `misdirected`
     unexpected_reply,
     not_modbus,   ///< subject, the first bytes that came as a number, how many (at most 8; 0: none),
                   ///< HeaderFault
@@ -78,9 +78,12 @@ struct Error {
     friend bool operator==(const Error&, const Error&) = default;
 };
 
-/// Code::misdirected
+/// Code::misdirected; Mismatch::Part::length: Code::bad_checksum
 [[nodiscard]] inline Error misdirected(std::string_view subject, const Mismatch& mismatch) {
-    return {Code::misdirected, subject, {mismatch.came, mismatch.asked, static_cast<int>(mismatch.part)}};
+    const bool cut_short = mismatch.part == Mismatch::Part::length;
+    return {cut_short ? Code::bad_checksum : Code::misdirected,
+            subject,
+            {mismatch.came, mismatch.asked, static_cast<int>(mismatch.part)}};
 }
 
 /// std::expected is [[nodiscard]] in itself.

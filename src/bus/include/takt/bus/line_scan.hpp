@@ -58,6 +58,13 @@ struct FoundUnit {
     UnitIdentity identity;
 };
 
+/// Its responses do not check.
+struct GarbledUnit {
+    UnitId unit;
+    std::optional<Mismatch> cut_short;  ///< the last one
+    friend bool operator==(const GarbledUnit&, const GarbledUnit&) = default;
+};
+
 enum class ScanEnd : std::uint8_t {
     complete,
     line_busy,  ///< other traffic left no silence for a request
@@ -70,9 +77,9 @@ enum class ScanEnd : std::uint8_t {
 /// scan listens for 30 ms: the response of a second device with the same address may follow.
 ///
 /// A unit whose responses do not check three times in a row is listed in garbled(): two devices with one
-/// address, other line settings, or a bad line. After a time-out the response may still arrive, during the
-/// request to the next unit. The unit is then asked again at the end, with `retry_wait`. After the last unit
-/// the scan listens for that long.
+/// address, other line settings, a bad line, or responses that are cut short. After a time-out the response
+/// may still arrive, during the request to the next unit. The unit is then asked again at the end, with
+/// `retry_wait`. After the last unit the scan listens for that long.
 ///
 /// With `adaptive` each time-out that is shorter than `wait` is followed by a request to a unit that was
 /// found. A server that does not answer it in time may be a gateway that works on the request to the absent
@@ -101,7 +108,7 @@ public:
     /// In the order of discovery; grows during the scan.
     [[nodiscard]] const std::vector<FoundUnit>& found() const { return found_; }
     /// Units that responded, but never with a frame that checks.
-    [[nodiscard]] const std::vector<UnitId>& garbled() const { return garbled_; }
+    [[nodiscard]] const std::vector<GarbledUnit>& garbled() const { return garbled_; }
     /// A gateway reported an absent unit (exceptions 10, 11).
     [[nodiscard]] bool gateway() const { return gateway_; }
     /// Frames of units that are not in the list: the line has another master.
@@ -134,7 +141,7 @@ private:
     void submit(Instant t);
     [[nodiscard]] wire::Request request() const;
     void on_outcome(Instant t, const bus::Outcome& outcome);
-    void repeat(Instant t, bool garbled);
+    void repeat(Instant t, const bus::Outcome& outcome, bool garbled);
     void answered(Instant t, const bus::Outcome& outcome);
     void first_answer(Instant t, const bus::Outcome& outcome);
     void take_device_id(Instant t, const bus::Outcome& outcome);
@@ -164,7 +171,7 @@ private:
     std::array<State, 256> states_{};
     std::vector<UnitId> second_;  // visited again at the end
     std::vector<FoundUnit> found_;
-    std::vector<UnitId> garbled_;
+    std::vector<GarbledUnit> garbled_;
     std::optional<UnitId> before_;  // the last unit, while its response may still arrive
     Visit visit_;
     std::size_t visited_ = 0;

@@ -21,7 +21,7 @@ struct FoundDevice {
 struct ScanTrouble {
     enum class Kind : std::uint8_t {
         error,          ///< the line could not be opened, or its link was lost: `error`
-        garbled,        ///< `unit` responded, but never with a frame that checks
+        garbled,        ///< `unit` responded, but never with a frame that checks; cut short: `error`
         busy,           ///< other traffic leaves the line no silence
         foreign_master  ///< frames of units outside the scan: the line has another master
     };

@@ -88,7 +88,7 @@ enum class Status : std::uint8_t {
     ok,                ///< the normal response; of a broadcast: it was sent and its turnaround has passed
     exception,         ///< the device answered with an exception
     timeout,           ///< no response by the deadline
-    bad_checksum,      ///< bytes were received, but no frame with a good checksum
+    bad_checksum,      ///< bytes were received, but no frame with a good checksum, or only the begin of one
     unexpected_reply,  ///< a good frame of the right unit and function that cannot answer this request
     ambiguous,  ///< serial line: the response may be that to an earlier request. Its unit is in step again
     link_lost,  ///< the port or connection was lost, or closed while several requests waited for a response
@@ -110,8 +110,8 @@ struct Outcome {
     std::uint16_t wire_id = 0;  ///< Framing::tcp: its transaction id on the wire, if it was sent; else 0
     /// What was received instead of the response, and is why there is none. Status::timeout: the response of
     /// another unit or function that would answer this request (serial line: none where another master sent
-    /// a request meanwhile; Framing::tcp: also one with another transaction id). Or Mismatch::Part::length:
-    /// only the begin of the response came.
+    /// a request meanwhile; Framing::tcp: also one with another transaction id). Status::bad_checksum: only
+    /// the begin of the response came (Mismatch::Part::length).
     std::optional<Mismatch> instead;
     /// Bytes of noise that were received between the request and its response.
     std::uint32_t noise = 0;

@@ -75,8 +75,7 @@ class TransactionSlot {
     [[nodiscard]] bool is_cut_short() const { return instead && instead->part == Mismatch::Part::length; }
     /// Has ended, and because of `instead`.
     [[nodiscard]] bool explained() const {
-        return status == Status::timeout ||
-               (is_cut_short() && (status == Status::bad_checksum || status == Status::unexpected_reply));
+        return status == Status::timeout || (is_cut_short() && status == Status::bad_checksum);
     }
     /// The first part in which a frame of another request differs; without a transaction id: unit or
     /// function.
