@@ -54,7 +54,9 @@ bool OutstandingResponse::may_be(UnitId of, const AnswerShape& frame) const {
 
 Ambiguity OutstandingResponse::ambiguity(Instant t) const {
     switch (phase) {
-        case Phase::owed: return t < hold_until ? Ambiguity::held : Ambiguity::doubted;
+        case Phase::owed:
+            if (t < hold_until) return Ambiguity::held;
+            return begun && t >= expected_until ? Ambiguity::begun : Ambiguity::doubted;
         case Phase::suspected: return t < hold_until ? Ambiguity::held : Ambiguity::suspected;
         case Phase::passed: return t < confirm_until || t >= check_at ? Ambiguity::passed : Ambiguity::none;
         case Phase::came: break;
@@ -99,6 +101,7 @@ bool OutstandingResponses::merge() {
             if (second.unit != first.unit || second.shape.function != first.shape.function) continue;
             if (first.wire_id != 0) continue;
             first.other_length = 0;
+            first.begun = first.begun && second.begun;
             first.count =
                 static_cast<std::uint16_t>(std::min<unsigned>(first.count + second.count, UINT16_MAX));
             first.hold_until = std::max(first.hold_until, second.hold_until);
@@ -124,7 +127,9 @@ void OutstandingResponses::add(const OutstandingResponse& response) {
     } else if (full) {
         const auto newest = std::ranges::find_if(all() | std::views::reverse, alike);
         const auto [other_length, count] = std::pair(newest->other_length, newest->count);
+        const bool begun = newest->begun && response.begun;
         *newest = response;
+        newest->begun = begun;
         newest->other_length = other_length;
         newest->count = static_cast<std::uint16_t>(std::min<unsigned>(count + 1U, UINT16_MAX));
         return;
@@ -239,7 +244,7 @@ void OutstandingResponses::confirmed(Instant t, UnitId unit, const AnswerShape& 
         const bool one_length = entry.other_length == entry.shape.pdu_length;
         const Instant certain =
             one_length ? entry.expected_until : std::max(entry.expected_until, entry.confirm_until);
-        if (entry.phase == Phase::suspected && t >= certain) {
+        if ((entry.phase == Phase::suspected || entry.begun) && t >= certain) {
             entry.phase = Phase::passed;
         } else {
             entry.phase = Phase::suspected;

@@ -449,7 +449,7 @@ Instant TransactionCore::confirmation_end(Instant t, const Slot& slot) const {
 
 // The response that is missing was lost, or it is that to this request.
 void TransactionCore::conclude(Instant t, Slot& slot) {
-    const bool in_doubt = slot.unordered || ambiguity(t, slot.unit, slot.shape()) > Ambiguity::passed;
+    const bool in_doubt = slot.unordered || ambiguity(t, slot.unit, slot.shape()) > Ambiguity::begun;
     outstanding_.confirmed(t, slot.unit, slot.shape(), slot.request_end, in_doubt);
     const Instant received_at = slot.received_at;
     if (in_doubt) return finish(received_at, slot, Status::ambiguous);

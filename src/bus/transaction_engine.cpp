@@ -294,11 +294,14 @@ Instant TransactionCore::patient_until(const Slot& slot, Instant hold_until) con
 }
 
 void TransactionCore::expect_response(Instant t, const Slot& slot, Instant hold_until) {
+    const bool begun = !numbered() && slot.is_cut_short() && !echo_.may_come();
+    if (begun) hold_until = t;
     outstanding_.add(
         {.unit = slot.unit,
          .wire_id = numbered() ? slot.wire_id : std::uint16_t{0},
          .in_order = slot.in_order,
          .misdirected = slot.instead && !slot.is_cut_short(),
+         .begun = begun,
          .shape = slot.shape(),
          .end = std::max(slot.request_end, slot.unit_busy_until),
          .expired_at = t,

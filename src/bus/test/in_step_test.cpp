@@ -115,6 +115,38 @@ TEST(InStep, AfterTwoResponsesInDoubtTheUnitIsInStepAgain) {
     EXPECT_EQ(line.last().status, Status::ok);
 }
 
+// Its end is lost, if the begin was no other one: the next response is confirmed, and not in doubt.
+TEST(InStep, AfterAResponseThatIsCutShortTheNextOneIsGood) {
+    for (const bool late : {false, true}) {
+        LineConfig config = kLine;
+        config.echo = Echo::absent;
+        Rig line(config);
+        const auto ask = [&](TransactionId id, const char* request) {
+            auto asked = transaction(id, 1, request, 50ms);
+            asked.longest_delay = 5ms;
+            line.submit(line.now, asked);
+        };
+        line.now = at(10ms);
+        ask(1, kTwo);
+        line.run_until(at(20ms));
+        line.receive(at(20ms), "01 03 04 11 11");
+        line.run_until(at(90ms));
+        ASSERT_EQ(line.outcomes.size(), 1U);
+        EXPECT_EQ(line.last().status, Status::bad_checksum);
+        EXPECT_LE(line.engine.earliest_start(UnitId{1}, {3, 6}), at(90ms)) << "it is not waited for";
+        ask(2, kOthers);
+        line.run_until(at(100ms));
+        if (late) line.receive(at(100ms), rtu(1, kOld));
+        const Instant usual = at(late ? 112ms : 103ms);
+        line.run_until(usual);
+        line.receive(usual, rtu(1, kNew));
+        line.run_until(at(140ms));
+        ASSERT_EQ(line.outcomes.size(), 2U) << late;
+        EXPECT_EQ(line.last().status, Status::ok) << late;
+        EXPECT_EQ(line.last().response.registers()[0], 0x2222) << late;
+    }
+}
+
 // Every response belongs to the request before.
 TEST(InStep, AShiftShowsWhileTheUnitIsHeldAfterAResponseInDoubt) {
     AfterTimeout line;

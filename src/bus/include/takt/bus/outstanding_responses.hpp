@@ -46,6 +46,7 @@ enum class Ambiguity : std::uint8_t {
     none,       ///< no outstanding response looks alike, or it is remembered only
     passed,     ///< one does, but its unit has answered a later request: it comes only from a unit that does
                 ///< not answer in order
+    begun,      ///< one does, but its begin has come: its end is lost, if those bytes were no others
     suspected,  ///< one does, but a later response that looks alike was not followed by another one
     doubted,    ///< one does, and it did not come while it was waited for
     held,       ///< one does, and it is still waited for: the request waits
@@ -76,6 +77,7 @@ struct OutstandingResponse {
     bool overtaken = false;     ///< the response to a later request of its unit came late
     bool out_of_order = false;  ///< Phase::came
     bool misdirected = false;   ///< a frame of another unit came instead, which no request had asked for
+    bool begun = false;         ///< it was cut short
     AnswerShape shape;
     std::uint16_t other_length = 0;  ///< of another response that it may be instead; that of `shape`: none
     Instant end;                     ///< of the request, or of the last answer of the unit before its own
@@ -122,6 +124,9 @@ protected:
 ///   either of them. After the first one it is `suspected`, and requests that look alike wait again: if every
 ///   response belongs to the request before, the next one comes meanwhile. The second one does not count
 ///   before `expected_until`.
+///
+/// One that was cut short is not waited for, and one later response is enough. That one is confirmed, and not
+/// in doubt: the missing one follows only if its begin was something else and it is late as well.
 ///
 /// A response that has passed is remembered until `forget_at`. Meanwhile one response that looks alike is
 /// confirmed each second. If each belongs to the request before, a further frame follows it.

@@ -135,9 +135,9 @@ struct TransactionStorage {
 /// looks alike: as long as the unit usually takes to answer (Transaction::longest_delay). A later frame
 /// replaces the one before, which was late. A frame that is followed by others in the same bytes is confirmed
 /// too. The transaction is ok if all outstanding responses that look alike were received, or if those that
-/// are missing should have come before (Ambiguity::passed). Else it ends as ambiguous; so it does if two
-/// frames came and the unit does not answer in order, and if a frame comes later than the unit usually
-/// answers while one that looks alike is missing.
+/// are missing should have come before (Ambiguity::passed) or were cut short (Ambiguity::begun). Else it ends
+/// as ambiguous; so it does if two frames came and the unit does not answer in order, and if a frame comes
+/// later than the unit usually answers while one that looks alike is missing.
 ///
 /// A serial broadcast (unit 0) has no response: it is ok after the broadcast turnaround. Over Framing::tcp
 /// unit 0 is the server itself.
