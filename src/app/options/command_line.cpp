@@ -122,8 +122,10 @@ void put_into_words(CLI::Option& option, const Texts& texts) {
 OptionError unknown_option_of(const CLI::App& command, const std::string& text) {
     std::vector<std::string> names;
     for (const auto* app = &command; app != nullptr; app = app->get_parent())
-        for (const auto* option : app->get_options())
+        for (const auto* option : app->get_options()) {
+            if (option->get_positional()) names.push_back(option->get_name());
             for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+        }
     const std::vector<std::string_view> candidates(names.begin(), names.end());
     return unknown_option(text, candidates);
 }

@@ -6,6 +6,7 @@
 
 #include "takt/model/fields.hpp"
 #include "takt/model/synonyms.hpp"
+#include "takt/model/target_url.hpp"
 
 namespace takt::app {
 namespace {
@@ -86,11 +87,49 @@ OptionError unknown_option(const std::string& name, std::span<const std::string_
     };
     std::vector<std::string_view> words;
     for (const auto option : options) words.push_back(word_of(option));
-    const auto nearest = model::meant_word("option", words, word_of(name));
-    if (!nearest.empty())
-        return {"app.option.unknown", {{"value", name}, {"nearest", "--" + std::string(nearest)}}};
+    const auto has = [&](std::string_view word) { return std::ranges::find(words, word) != words.end(); };
+    const auto nearest_is = [&](std::string_view word) {
+        const auto option = options[static_cast<std::size_t>(std::ranges::find(words, word) - words.begin())];
+        const bool argument = !option.starts_with('-');
+        return OptionError{argument ? "app.option.unknown.argument" : "app.option.unknown",
+                           {{"value", name}, {"nearest", std::string(option)}}};
+    };
     std::string key(word_of(name));
     std::ranges::replace(key, '-', '_');
+    const auto key_in = [&](model::Object object) {
+        const auto* const field = model::find_field(object, key);
+        return field != nullptr ? field->key : model::synonym(object, key);
+    };
+    // Options that `serve` had before its blank device was a unit of a project.
+    if (has("fill"))
+        for (const auto object : {model::Object::unit, model::Object::bank})
+            if (const auto meant = key_in(object); !meant.empty() && meant != "address")
+                return {"app.option.unknown.key",
+                        {{"value", name},
+                         {"key", std::string(model::location(object)).append(".").append(meant)}}};
+    if (key == "address" && has("unit") && has("START"))
+        return {"app.option.unknown.address", {{"value", name}}};
+    if (const auto meant = model::value_synonym("option", words, key); !meant.empty())
+        return nearest_is(meant);
+    for (const auto object : model::kObjects) {
+        const auto meant = key_in(object);
+        if (meant.empty()) continue;
+        if (has(meant)) return nearest_is(meant);
+        if (const auto option = model::value_synonym("option", words, meant); !option.empty())
+            return nearest_is(option);
+    }
+    const auto of_line = key_in(model::Object::line);
+    const bool serial = std::ranges::find(model::kPortKeys, of_line) != model::kPortKeys.end();
+    if (serial || of_line == "host" || of_line == "tcp_port" || of_line == "port")
+        for (const auto* const target : {"TARGET", "TARGETS", "SOURCE", "PORT", "--target", "--port"})
+            if (std::ranges::find(options, target) != options.end())
+                return {"app.option.unknown.target",
+                        {{"value", name},
+                         {"option", target},
+                         {"example", serial ? "rtu:///dev/ttyUSB0?baud=19200&parity=even&stop_bits=1"
+                                            : "tcp://host:502"}}};
+    if (const auto near = model::meant_word("option", words, word_of(name)); !near.empty())
+        return nearest_is(near);
     const bool known = std::ranges::any_of(
         model::kObjects, [&](model::Object object) { return model::find_field(object, key) != nullptr; });
     if (known) return {"app.option.unknown.key", {{"value", name}, {"key", key}}};

@@ -29,7 +29,9 @@ struct OptionError {
 [[nodiscard]] OptionError word_error(std::string_view option, std::string_view value,
                                      std::string_view allowed);
 
-/// A command has no such option. The nearest one is named, or the key of the project file.
+/// A command has no such option. The nearest one is named, or the argument that takes the value, or the key
+/// of the project file.
+/// @param options  as "--unit", and the arguments of the command as "START"
 [[nodiscard]] OptionError unknown_option(const std::string& name, std::span<const std::string_view> options);
 
 /// The error of a URL that line::parse_target() or the parsers of bus_discover do not accept.

@@ -28,6 +28,16 @@ struct TimeLimit {
 
 constexpr TimeLimit kYear{std::chrono::hours(366 * 24), "8784h"};
 
+/// `1,000ms` as `1000ms, 1.000ms`; empty: it is no duration with a comma.
+std::string without_comma(const std::string& text) {
+    const auto number = text.substr(0, text.find_first_not_of("0123456789,"));
+    std::string meant;
+    for (const auto& form : {model::without_thousands(number), model::with_point(number)})
+        if (!form.empty() && model::parse_duration(form + text.substr(number.size())))
+            meant.append(meant.empty() ? "" : ", ").append(form).append(text.substr(number.size()));
+    return meant;
+}
+
 /// A number with a sign is out of range too.
 Option add_time(Command& command, const std::string& name, TimeLimit least, TimeLimit greatest,
                 std::function<void(Duration)> set, const std::string& help) {
@@ -38,7 +48,11 @@ Option add_time(Command& command, const std::string& name, TimeLimit least, Time
         if (is_negative || too_large || (time && (*time < least.time || *time > greatest.time)))
             reject({"app.option.range",
                     {{"option", name}, {"value", text}, {"least", least.text}, {"greatest", greatest.text}}});
-        if (!time) reject({"app.option.duration", {{"option", name}, {"value", text}}});
+        if (!time) {
+            const auto meant = without_comma(text);
+            reject({meant.empty() ? "app.option.duration" : "app.option.duration.comma",
+                    {{"option", name}, {"value", text}, {"meant", meant}}});
+        }
         set(*time);
     };
     return command.text(name, read, help).value_name("TIME");

@@ -41,6 +41,51 @@ TEST(OptionError, AnOptionOfOtherToolsIsNamed) {
     EXPECT_EQ(unknown_option("--seconds", kOthers).code, "app.option.unknown.unlike");
 }
 
+TEST(OptionError, AnOptionLeadsToTheArgumentTheTargetOrTheProject) {
+    constexpr std::array<std::string_view, 7> kRead{"TARGET", "AREA",      "START",     "COUNT",
+                                                    "--unit", "--timeout", "--attempts"};
+    constexpr std::array<std::string_view, 2> kScan{"TARGET", "--parities"};
+    constexpr std::array<std::string_view, 5> kServe{"FILE", "--fill", "--fault", "--port", "--lang"};
+    const struct {
+        std::span<const std::string_view> options;
+        const char* name;
+        const char* code;
+        const char* meant;
+    } cases[] = {
+        {kRead, "--register", "app.option.unknown.argument", "START"},
+        {kRead, "--count", "app.option.unknown.argument", "COUNT"},
+        {kRead, "--fc", "app.option.unknown.argument", "AREA"},
+        {kRead, "--retries", "app.option.unknown", "--attempts"},
+        {kRead, "--address", "app.option.unknown.address", "--address"},
+        {kRead, "--baud", "app.option.unknown.target",
+         "rtu:///dev/ttyUSB0?baud=19200&parity=even&stop_bits=1"},
+        {kRead, "--host", "app.option.unknown.target", "tcp://host:502"},
+        {kScan, "--parity", "app.option.unknown", "--parities"},
+        {kServe, "--delay", "app.option.unknown", "--fault"},
+        {kServe, "--baudrate", "app.option.unknown.target",
+         "rtu:///dev/ttyUSB0?baud=19200&parity=even&stop_bits=1"},
+        {kServe, "--range", "app.option.unknown.key", "servers[].units[].banks[].items"},
+        {kServe, "--read-only", "app.option.unknown.key", "servers[].units[].banks[].read_only"},
+        {kServe, "--limit", "app.option.unknown.key", "servers[].units[].limits"},
+        {kServe, "--overlay", "app.option.unknown.key", "servers[].units[].banks[].overlay"},
+        {kServe, "--object", "app.option.unknown.key", "servers[].units[].identification"},
+        {kServe, "--server-id", "app.option.unknown.key", "servers[].units[].server_id"},
+        {kServe, "--file", "app.option.unknown.key", "servers[].units[].files"},
+        {kServe, "--fifo", "app.option.unknown.key", "servers[].units[].fifos"},
+        {kServe, "--exception-coils", "app.option.unknown.key", "servers[].units[].exception_coils"},
+        {kServe, "--allow-restart", "app.option.unknown.key", "servers[].units[].restart"},
+        {kServe, "--allow-listen-only", "app.option.unknown.key", "servers[].units[].listen_only"},
+        {kServe, "--retain", "app.option.unknown.key", "servers[].units[].banks[].retain"},
+        {kServe, "--state", "app.option.unknown.key", "servers[].units[].state"},
+        {kServe, "--durability", "app.option.unknown.key", "servers[].units[].durability"},
+    };
+    for (const auto& [options, name, code, meant] : cases) {
+        const auto error = unknown_option(name, options);
+        EXPECT_EQ(error.code, code) << name;
+        EXPECT_EQ(error.arguments.back().second, meant) << name;
+    }
+}
+
 TEST(OptionError, OtherWordsAreKept) {
     EXPECT_EQ(option_error("words: unknown"),
               (OptionError{"app.option.other", {{"words", "words: unknown"}}}));

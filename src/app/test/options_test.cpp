@@ -366,6 +366,7 @@ TEST(Options, WhatIsRejectedAndWhy) {
         {"read tcp://h holding 0 --timeout -1s", "app.option.range", "--timeout"},
         {"read tcp://h holding 0 --timeout 1e9h", "app.option.duration", "--timeout"},
         {"read tcp://h holding 0 --timeout 99999999999h", "app.option.range", "--timeout"},
+        {"run p.yaml --for 1,000ms", "app.option.duration.comma", "--for"},
         {"run p.yaml --for -1ms", "app.option.range", "--for"},
         {"run p.yaml --for -x", "app.option.duration", "--for"},
         {"read tcp://h holding 0 --timeout 9000h", "app.option.range", "--timeout"},

@@ -62,20 +62,9 @@ std::string query_of(const model::PortSettings& meant) {
     return (meant.settings.empty() ? "" : "?") + meant.joined("=", "&");
 }
 
-// The number of "COM3"; 0: it is no such name.
-unsigned com_number(std::string_view text) {
-    constexpr std::string_view kCom = "com";
-    unsigned number = 0;
-    if (text.size() <= kCom.size() || !std::ranges::equal(text.substr(0, kCom.size()), kCom, {}, lower_case))
-        return 0;
-    const auto* const end = text.data() + text.size();
-    const auto read = std::from_chars(text.data() + kCom.size(), end, number);
-    return read.ec == std::errc() && read.ptr == end ? number : 0;
-}
-
 // The serial port that a name without a folder means.
 std::string port_of(std::string_view scheme, std::string_view name, const std::string& query = {}) {
-    const auto com = com_number(name);
+    const auto com = model::com_number(name);
     if (com == 0) return std::string(scheme).append("/dev/").append(name).append(query);
     const auto second = std::string(scheme).append("/dev/ttyS").append(std::to_string(com - 1)).append(query);
     return std::string(scheme).append(kPort).append(query).append(", ").append(second);
@@ -168,6 +157,9 @@ Result<Target> parse_serial_target(Target target, std::string_view rest) {
     const std::string scheme = target.framing == wire::Framing::rtu ? "rtu://" : "ascii://";
     if (path.empty()) return wrong(scheme, scheme + std::string(kPort));
     const auto meant = model::port_settings(path);
+    if (path.starts_with("dev/")) return wrong(path, scheme + "/" + std::string(path).append(query));
+    if (!meant && target.framing == wire::Framing::rtu && model::network_address(path))
+        return wrong(scheme + std::string(path), "rtu+tcp://" + std::string(path));
     if (!path.starts_with('/'))
         return wrong(path, meant ? port_of(scheme, meant->port, query_of(*meant)) : port_of(scheme, path));
     if (meant) return wrong(path.substr(meant->port.size()), scheme + meant->port + query_of(*meant));
@@ -192,11 +184,12 @@ Result<Target> parse_serial_target(Target target, std::string_view rest) {
 
 Result<Target> parse_network_target(Target target, std::string_view scheme, std::string_view rest) {
     target.format.baud = 0;
+    if (rest.starts_with("/dev/")) return wrong(rest, std::string("rtu://").append(rest));
     if (rest.ends_with('/')) rest.remove_suffix(1);
     const auto beyond = rest.find_first_of("/?#@");
     if (beyond != std::string_view::npos) {
         const auto part = rest.substr(beyond);
-        const auto host = part[0] == '@' ? part.substr(1) : rest.substr(0, beyond);
+        const auto host = part[0] == '@' || beyond == 0 ? part.substr(1) : rest.substr(0, beyond);
         auto right = std::string(scheme).append("://").append(host.empty() ? "host:502" : host);
         constexpr std::string_view kUnit = "?unit=";
         if (part.starts_with(kUnit)) right.append(" --unit ").append(part.substr(kUnit.size()));
@@ -217,9 +210,15 @@ std::string with_scheme(std::string_view text) {
         if (!text.starts_with(scheme.name)) continue;
         const auto rest = text.substr(scheme.name.size());
         const auto begin = std::min(rest.find_first_not_of(":;/\\"), rest.size());
-        if (begin == 0 || all_digits(rest.substr(begin))) continue;
+        if (begin == 0) continue;
+        const auto name = rest.substr(begin);
         if (scheme.transport != model::Transport::serial)
-            return std::string(scheme.name).append("://").append(rest.substr(begin));
+            return std::string(scheme.name).append(all_digits(name) ? "://host:" : "://").append(name);
+        if (all_digits(name))
+            return std::string(scheme.name).append("://").append(kPort).append("?baud=").append(name);
+        if (scheme.framing == wire::Framing::rtu && model::network_address(name) &&
+            !model::port_settings(name))
+            return std::string("rtu+tcp://").append(name);
         const auto port = suggestion(rest.substr(rest[begin - 1] == '/' ? begin - 1 : begin));
         if (port.starts_with("rtu://")) return std::string(scheme.name).append(port.substr(3));
     }
@@ -236,7 +235,7 @@ std::string suggestion(std::string_view text) {
     if (settings) text = settings->port;
     if (text.starts_with('/')) return std::string("rtu://").append(text).append(query);
     if (text.starts_with("dev/")) return std::string("rtu:///").append(text);
-    if (text.starts_with("tty") || com_number(text) > 0) return port_of("rtu://", text, query);
+    if (text.starts_with("tty") || model::com_number(text) > 0) return port_of("rtu://", text, query);
     const auto address = split_host_port(text, 1);
     if (address && is_host(address->host)) return std::string("tcp://").append(text);
     if (is_ipv6(text)) return std::string("tcp://[").append(text).append("]");

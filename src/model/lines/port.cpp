@@ -38,10 +38,35 @@ bool listens(const Reader& reader) {
     return find_field(reader.object(), "listen") != nullptr;
 }
 
-/// `port: 502`, meant as `tcp_port`.
-void report_port_number(Reader& reader, std::string_view port) {
-    reader.report(Rule::line_port_number, "port", {},
-                  {{"port", std::string(port)}, {"key", listens(reader) ? "listen" : "host"}});
+/// `port: 502`, meant as `tcp_port`, and `port: 10.0.0.1:502`, meant as `host`. False: it is neither.
+bool report_network(Reader& reader, const std::string& port) {
+    const std::string key(listens(reader) ? "listen" : "host");
+    if (all_digits(port)) {
+        reader.report(Rule::line_port_number, "port", {}, {{"port", port}, {"key", key}});
+        return true;
+    }
+    const auto address = port_settings(port) ? std::nullopt : network_address(port);
+    if (!address) return false;
+    auto keys = std::string("transport: tcp, ").append(key).append(": ").append(address->host);
+    if (!address->tcp_port.empty()) keys.append(", tcp_port: ").append(address->tcp_port);
+    if (address->rtu) keys.append(", framing: rtu");
+    reader.report(Rule::line_port_settings, "port", {}, {{"keys", keys}});
+    return true;
+}
+
+/// `port: "/dev/ttyUSB0,9600"`, `port: COM3`. False: it is no such port.
+bool report_port_settings(Reader& reader, const std::string& port) {
+    const auto meant = port_settings(port);
+    if (!meant) return false;
+    const auto com = com_number(meant->port);
+    auto file = com > 0 ? "/dev/ttyUSB0" : meant->port.starts_with('/') ? meant->port : "/dev/" + meant->port;
+    const auto settings = meant->joined(": ", ", ");
+    Arguments arguments{{"keys", "port: " + std::move(file) + (settings.empty() ? "" : ", " + settings)}};
+    if (com > 0)
+        arguments.insert(arguments.end(),
+                         {{"variant", "com"}, {"device", "/dev/ttyS" + std::to_string(com - 1)}});
+    reader.report(Rule::line_port_settings, "port", {}, std::move(arguments));
+    return true;
 }
 
 }  // namespace
@@ -92,11 +117,7 @@ bool check_host(Reader& reader, std::string_view key, std::string_view host) {
 
 void register_port(Interpretation& state, Reader& reader, const std::string& port) {
     constexpr std::string_view kKey = "port";
-    if (port.empty()) return;
-    if (all_digits(port)) return report_port_number(reader, port);
-    if (const auto meant = port_settings(port))
-        return reader.report(Rule::line_port_settings, kKey, {},
-                             {{"port", meant->port}, {"settings", meant->joined(": ", ", ")}});
+    if (port.empty() || report_network(reader, port) || report_port_settings(reader, port)) return;
     const auto [first, is_new] = state.ports.try_emplace(port, reader, kKey);
     if (!is_new) reader.report(Rule::line_port_twice, kKey, {}, {{"first", state.describe(first->second)}});
 }
@@ -104,9 +125,7 @@ void register_port(Interpretation& state, Reader& reader, const std::string& por
 void report_keys_without_effect(Reader& reader, std::span<const std::string_view> keys,
                                 std::string_view transport) {
     for (const auto key : keys)
-        if (key == "port" && reader.given(key) && all_digits(reader.value(key)->text))
-            report_port_number(reader, reader.value(key)->text);
-        else if (reader.given(key))
+        if (reader.given(key) && (key != "port" || !report_network(reader, reader.value(key)->text)))
             reader.report_without_effect(key, "transport: " + std::string(transport));
 }
 

@@ -27,11 +27,8 @@ char parity_letter(wire::Parity parity) {
 
 /// A device file, or its name: "ttyUSB0", "COM3".
 bool is_port(std::string_view text) {
-    const auto begins_with = [&](std::string_view name) {
-        return text.size() > name.size() &&
-               std::ranges::equal(text.substr(0, name.size()), name, {}, lower_case);
-    };
-    return begins_with("/") || begins_with("com") || begins_with("tty");
+    return (text.size() > 1 && text[0] == '/') || (text.size() > 3 && text.starts_with("tty")) ||
+           com_number(text) > 0;
 }
 
 constexpr std::string_view kSeparators = ",;?&@: ";
@@ -116,6 +113,35 @@ std::string PortSettings::joined(std::string_view equals, std::string_view separ
     return text;
 }
 
+unsigned com_number(std::string_view text) {
+    constexpr std::string_view kCom = "com";
+    unsigned number = 0;
+    if (text.size() <= kCom.size() || !std::ranges::equal(text.substr(0, kCom.size()), kCom, {}, lower_case))
+        return 0;
+    const auto* const end = text.data() + text.size();
+    const auto read = std::from_chars(text.data() + kCom.size(), end, number);
+    return read.ec == std::errc() && read.ptr == end ? number : 0;
+}
+
+std::optional<NetworkAddress> network_address(std::string_view text) {
+    NetworkAddress found;
+    const auto colon = text.find("://");
+    const auto scheme = colon == std::string_view::npos ? std::string_view() : text.substr(0, colon);
+    if (!scheme.empty()) text.remove_prefix(colon + 3);
+    found.rtu = scheme.starts_with("rtu");
+    text = text.substr(0, text.find_first_of("/?#"));
+    found.host = text.substr(0, text.starts_with('[') ? text.find(']') : text.find(':'));
+    if (text.starts_with('[')) found.host.remove_prefix(1);
+    const auto port = text.rfind(':');
+    const bool with_port = port != std::string_view::npos && all_digits(text.substr(port + 1));
+    if (with_port) found.tcp_port = text.substr(port + 1);
+    const bool numbers =
+        found.host.contains('.') && found.host.find_first_not_of("0123456789.") == std::string_view::npos;
+    const bool network = scheme.ends_with("tcp") || scheme == "tls";
+    if (found.host.empty() || !(with_port || numbers || network)) return std::nullopt;
+    return found;
+}
+
 std::optional<PortSettings> port_settings(std::string_view text) {
     bool scheme = false;
     for (const std::string_view prefix : {"rtu://", "ascii://"})
@@ -129,7 +155,8 @@ std::optional<PortSettings> port_settings(std::string_view text) {
         if (at < text.size() && kSeparators.find(text[at]) == std::string_view::npos) continue;
         PortSettings taken{.port = std::string(text.substr(0, at)), .settings = {}};
         if (!take_parts(taken, text.substr(at))) continue;
-        const bool found = (scheme || !taken.settings.empty()) && is_port(taken.port);
+        const bool only_port = !scheme && taken.settings.empty() && taken.port.starts_with('/');
+        const bool found = !only_port && is_port(taken.port);
         return found ? std::optional(std::move(taken)) : std::nullopt;
     }
     return std::nullopt;

@@ -93,29 +93,6 @@ std::string owner_of(std::string_view word, const Node* value, Object object) {
     return owner;
 }
 
-/// `-0,1` as `-0.1`; empty for anything but a number with a decimal comma.
-std::string with_point(std::string_view text) {
-    const auto comma = text.find(',');
-    if (comma == std::string_view::npos) return {};
-    const auto whole = text.substr(text.starts_with('-') ? 1 : 0, comma - (text.starts_with('-') ? 1 : 0));
-    if (!all_digits(whole) || !all_digits(text.substr(comma + 1))) return {};
-    return std::string(text.substr(0, comma)) + '.' + std::string(text.substr(comma + 1));
-}
-
-/// `1,000` as `1000`; empty for anything but digits in groups of three.
-std::string without_thousands(std::string_view text) {
-    constexpr std::size_t kGroup = 3;
-    const auto comma = text.find(',');
-    if (comma > kGroup || text.starts_with('0') || !all_digits(text.substr(0, comma))) return {};
-    std::string meant(text.substr(0, comma));
-    for (auto rest = text.substr(comma); !rest.empty(); rest.remove_prefix(kGroup + 1)) {
-        const auto group = rest.substr(1, kGroup);
-        if (rest[0] != ',' || group.size() < kGroup || !all_digits(group)) return {};
-        meant += group;
-    }
-    return meant;
-}
-
 /// The finding about a number or a duration with commas.
 std::optional<std::pair<Rule, Arguments>> comma_finding(const Field* field, std::string_view text) {
     const bool duration = field != nullptr && field->kind == Kind::duration;
@@ -151,13 +128,21 @@ bool begins_with_letter(std::string_view text) {
     return !text.empty() && ((text[0] >= 'a' && text[0] <= 'z') || (text[0] >= 'A' && text[0] <= 'Z'));
 }
 
-/// The arguments of a key that is the number of a function, such as `fc16`; empty: it is none.
-Arguments function_arguments(std::string_view key) {
+/// The number of a function that is named as `fc16`, `FC 16` or `fc_016`: "16"; empty: it is none.
+std::string function_number(std::string_view name) {
     std::string number;
-    for (const char c : key)
-        if (c != '_' && c != '-') number += lower_case(c);
+    for (const char c : name)
+        if (c != '_' && c != '-' && c != ' ') number += lower_case(c);
     if (!number.starts_with("fc")) return {};
     number.erase(0, number.find_first_not_of('0', 2));
+    return all_digits(number) ? number : std::string();
+}
+
+/// The arguments of the key or value that names a function: its key of a variable. Empty: it names none, or
+/// one that has a key of its own.
+Arguments function_arguments(std::string_view named) {
+    auto number = function_number(named);
+    if (number.empty() || number == "22" || number == "23") return {};
     for (const auto& [name, words] :
          {std::pair{"read: ", std::span<const std::string_view>(kReadFunctions)},
           std::pair{"write: ", std::span<const std::string_view>(kWriteFunctions)}})
@@ -165,8 +150,16 @@ Arguments function_arguments(std::string_view key) {
             if (std::to_string(parse_integer(word)->magnitude) == number)
                 return {{"variant", "function"},
                         {"function", std::string(name).append(word)},
-                        {"number", number}};
-    return {};
+                        {"number", std::move(number)}};
+    return {{"variant", "other_function"}, {"number", std::move(number)}};
+}
+
+/// `1/10` as `0.1`; empty: it is no fraction.
+std::string decimal_of(std::string_view fraction) {
+    const auto slash = std::min(fraction.find('/'), fraction.size());
+    const auto above = parse_number(fraction.substr(0, slash));
+    const auto below = parse_number(fraction.substr(std::min(slash + 1, fraction.size())));
+    return above && below && *below != 0 ? to_text(*above / *below) : std::string();
 }
 
 }  // namespace
@@ -368,7 +361,7 @@ const Node* Reader::number_scalar(std::string_view key) {
         report(finding->first, key, allowed_text(key), std::move(finding->second));
         return nullptr;
     }
-    if (!is_quoted(*found)) return found;
+    if (!is_quoted(*found) || !(parse_number(found->text) || parse_integer(found->text))) return found;
     report(Rule::field_quoted_number, key, allowed_text(key));
     return nullptr;
 }
@@ -389,6 +382,8 @@ void Reader::report_scalar(ScalarError error, const Field& field, Rule malformed
     if (rule == Rule::duration_no_unit)
         arguments.emplace_back("meant",
                                with_units(std::string(scalar_text(value(field.key))), field.range(context_)));
+    const auto decimal = rule == Rule::number_malformed ? decimal_of(scalar_text(value(field.key))) : "";
+    if (!decimal.empty()) arguments = {{"variant", "fraction"}, {"meant", decimal}};
     report(rule, field.key, allowed(field, context_), std::move(arguments));
 }
 
@@ -533,10 +528,11 @@ std::optional<FunctionChoice> Reader::function(std::string_view key) {
         for (const auto word : field.words.subspan(1))
             if (parse_integer(word)->magnitude == parsed->magnitude)
                 return FunctionChoice{static_cast<wire::Function>(parsed->magnitude)};
-    const auto number = parsed ? parsed->magnitude : 0;
+    const auto named = parse_integer(function_number(found->text));
+    const auto number = parsed ? parsed->magnitude : named ? named->magnitude : 0;
     constexpr std::uint64_t kMask = 0x16;
     constexpr std::uint64_t kReadWrite = 0x17;
-    Arguments arguments;
+    auto arguments = function_arguments(found->text);
     if (key == "write" && (number == kMask || number == kReadWrite))
         arguments = {{"variant", number == kMask ? "mask" : "read_write"}};
     report(Rule::function_not_allowed, key, allowed(field, context_), std::move(arguments));

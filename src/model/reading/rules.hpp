@@ -70,7 +70,7 @@ enum class Rule : std::uint8_t {
     host_no_address,
     host_malformed,
     line_port_number,    // {port}
-    line_port_settings,  // {port}, {settings}
+    line_port_settings,  // {keys}, {device}
     backoff_limit,       // {first}
     round_trip_usual,    // {longest}
     burst_alone,

@@ -148,4 +148,25 @@ std::string to_text(Duration duration) {
     std::unreachable();
 }
 
+std::string with_point(std::string_view text) {
+    const auto comma = text.find(',');
+    if (comma == std::string_view::npos) return {};
+    const auto whole = text.substr(text.starts_with('-') ? 1 : 0, comma - (text.starts_with('-') ? 1 : 0));
+    if (!all_digits(whole) || !all_digits(text.substr(comma + 1))) return {};
+    return std::string(text.substr(0, comma)) + '.' + std::string(text.substr(comma + 1));
+}
+
+std::string without_thousands(std::string_view text) {
+    constexpr std::size_t kGroup = 3;
+    const auto comma = text.find(',');
+    if (comma > kGroup || text.starts_with('0') || !all_digits(text.substr(0, comma))) return {};
+    std::string meant(text.substr(0, comma));
+    for (auto rest = text.substr(comma); !rest.empty(); rest.remove_prefix(kGroup + 1)) {
+        const auto group = rest.substr(1, kGroup);
+        if (rest[0] != ',' || group.size() < kGroup || !all_digits(group)) return {};
+        meant += group;
+    }
+    return meant;
+}
+
 }  // namespace takt::model

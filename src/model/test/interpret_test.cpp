@@ -92,6 +92,11 @@ TEST(Interpret, Line) {
         {"{port: 502}", "line.port_number port=502"},
         {"{port: \"/dev/ttyUSB0,9600\"}", "line.port_settings port=/dev/ttyUSB0,9600"},
         {"{port: \"rtu:///dev/ttyUSB0\"}", "line.port_settings port=rtu:///dev/ttyUSB0"},
+        {"{port: \"192.168.0.1:502\"}", "line.port_settings port=192.168.0.1:502"},
+        {"{port: \"tcp://plc\"}", "line.port_settings port=tcp://plc"},
+        {"{transport: tcp, host: plc, port: \"10.0.0.1\"}", "line.port_settings port=10.0.0.1"},
+        {"{port: COM3}", "line.port_settings port=COM3"},
+        {"{port: ttyUSB0}", "line.port_settings port=ttyUSB0"},
         {"{transport: simulated, port: 502}", ""},
         {"{transport: ~, ip: plc, port: ~}",
          "key.unknown ip=ip [name, transport, port, host, tcp_port, framing, baud, parity, stop_bits, "

@@ -52,4 +52,10 @@ struct Integer {
 /// The shortest text that reads back as the same number: "10", "0.1".
 [[nodiscard]] std::string to_text(double number);
 
+/// `-0,1` as `-0.1`; empty for anything but a number with a decimal comma.
+[[nodiscard]] std::string with_point(std::string_view text);
+
+/// `1,000` as `1000`; empty for anything but digits in groups of three.
+[[nodiscard]] std::string without_thousands(std::string_view text);
+
 }  // namespace takt::model

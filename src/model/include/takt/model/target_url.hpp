@@ -36,8 +36,21 @@ struct PortSettings {
 };
 
 /// A serial port with its settings in the notation of other tools: "/dev/ttyUSB0,9600,8E1",
-/// "/dev/ttyUSB0:9600", "/dev/ttyUSB0?baud=9600", "rtu:///dev/ttyUSB0". Nothing if there is only a port, or a
-/// part that has no known meaning.
+/// "/dev/ttyUSB0:9600", "/dev/ttyUSB0?baud=9600", "rtu:///dev/ttyUSB0", "ttyUSB0", "COM3". Nothing if there
+/// is only a device file, or a part that has no known meaning.
 [[nodiscard]] std::optional<PortSettings> port_settings(std::string_view text);
+
+/// The number of "COM3"; 0: it is no such name.
+[[nodiscard]] unsigned com_number(std::string_view text);
+
+struct NetworkAddress {
+    std::string_view host;
+    std::string_view tcp_port;  ///< empty: not given
+    bool rtu = false;           ///< RTU frames over TCP
+};
+
+/// An address of a network where a serial port belongs: "10.0.0.1", "plc:502", "tcp://plc",
+/// "rtu://10.0.0.1:4001". Nothing for a name alone.
+[[nodiscard]] std::optional<NetworkAddress> network_address(std::string_view text);
 
 }  // namespace takt::model
