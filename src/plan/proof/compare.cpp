@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <ranges>
 
 #include "cost/exact_time.hpp"
 #include "requests/grouping.hpp"
@@ -13,11 +14,18 @@ namespace {
 
 using model::Strategy;
 
-/// Read and write of a request count as one transaction each. A write by command only belongs to no plan:
-/// strategy `single` alone has it in a request.
+bool writes(const Request& request) {
+    return request.write_on_change || request.write_trigger;
+}
+
+/// Read and write of a request count as one transaction each.
 bool writes_apart(const Request& request) {
-    return request.read && request.write && request.write_quantity == 0 &&
-           (request.write_on_change || request.write_trigger);
+    return request.read && request.write && request.write_quantity == 0 && writes(request);
+}
+
+/// A write by command only belongs to no plan: strategy `single` alone has it in a request.
+bool is_sent(const Request& request) {
+    return request.read || writes(request);
 }
 
 void add_rates(Cost& cost, const Request& request) {
@@ -47,7 +55,7 @@ Cost cost_of(const model::Line& line, const LinePlan& plan) {
         for (const auto& [asked, answered] : transactions) cost.bytes += asked + answered;
         bus_time += bus_times.sum(device, transactions, estimated_turnaround(device));
     };
-    for (const Request& request : plan.requests) {
+    for (const Request& request : plan.requests | std::views::filter(is_sent)) {
         const model::Device& device = line.devices[request.device];
         add(main_transactions(line.framing, request), device);
         if (writes_apart(request)) add(write_transactions(line.framing, request), device);
@@ -95,9 +103,14 @@ bool asks_for(const model::Line& line, Strategy strategy) {
 RequestCounts request_counts(const model::Line& line, const LinePlan& plan) {
     RequestCounts counts{plan.request_count, plan.ungrouped_requests};
     counts.grouped += static_cast<std::size_t>(std::ranges::count_if(plan.requests, writes_apart));
+    counts.grouped -= static_cast<std::size_t>(
+        std::ranges::count_if(plan.requests, [](const auto& request) { return !is_sent(request); }));
     for (const auto& device : line.devices)
-        counts.ungrouped += static_cast<std::size_t>(std::ranges::count_if(
-            device.variables, [](const auto& v) { return is_read(v) && is_written(v, Strategy::optimal); }));
+        for (const auto& v : device.variables) {
+            const bool written = is_written(v, Strategy::optimal);
+            if (is_read(v) && written) ++counts.ungrouped;
+            if (!is_read(v) && !written && is_written(v, Strategy::single)) --counts.ungrouped;
+        }
     return counts;
 }
 

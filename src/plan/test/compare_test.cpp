@@ -129,6 +129,18 @@ TEST(Compare, CountsWritesOnBothSides) {
     EXPECT_EQ(request_counts(made.lines[0], plan.lines[0]).ungrouped, compared.single.requests);
 }
 
+// A variable that only commands write is in a request of strategy `single` alone; no plan sends it.
+TEST(Compare, CountsWritesOnlyWhereTheyAreSent) {
+    const auto made = project({16}, row(3, int16(0).write(6)));
+    const auto plan = make_plan(made);
+    const auto compared = compare(made, plan).at(0);
+    EXPECT_EQ(compared.single.requests, 0U);
+    EXPECT_EQ(compared.single.bytes, 0U);
+    EXPECT_EQ(compared.single.bus_time, 0ns);
+    EXPECT_EQ(compared.saved.requests, 0);
+    EXPECT_EQ(request_counts(made.lines[0], plan.lines[0]).ungrouped, 0U);
+}
+
 TEST(Compare, SavesNothingWithoutGrouping) {
     auto made = project({16}, row(3, int16(0).read(3)));
     made.lines.push_back(project({16}, {}).lines[0]);

@@ -26,7 +26,8 @@ struct Cost {
 };
 
 /// Counted requests (docs/specification.md, section 4). A read and a write that the plan causes count as two,
-/// also in one entry: by some strategies they are two entries.
+/// also in one entry: by some strategies they are two entries. A write that only commands send does not
+/// count.
 struct RequestCounts {
     std::size_t grouped = 0;
     std::size_t ungrouped = 0;  ///< with grouping off everywhere
