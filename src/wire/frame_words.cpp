@@ -82,7 +82,7 @@ void add_ranges(std::string& out, std::span<const FileRange> ranges,
                 std::span<const std::uint16_t> values = {}) {
     for (const FileRange& range : ranges) {
         const std::size_t end = std::size_t{range.record} + range.length - 1;
-        add(out, "{} file {} record {}", &range == ranges.data() ? "" : ",", range.file, range.record);
+        add(out, "{} file {} record {}", &range == ranges.data() ? ":" : ",", range.file, range.record);
         if (range.length > 1) add(out, "..{}", end);
         if (values.empty()) continue;
         add(out, " ={}", list(values.first(range.length)));
@@ -119,7 +119,7 @@ struct RequestWords {
         add_ranges(out, r.ranges.span(), r.values.span());
     }
     void operator()(const MaskWriteRegisterRequest& r) const {
-        add(out, " {} and 0x{:04X} or 0x{:04X}", r.address.value, r.and_mask, r.or_mask);
+        add(out, " {}: AND 0x{:04X}, OR 0x{:04X}", r.address.value, r.and_mask, r.or_mask);
     }
     void operator()(const ReadWriteMultipleRegistersRequest& r) const {
         add(out, " read {}, write {} ={}", addresses(r.read_start, r.read_quantity),
@@ -182,7 +182,7 @@ struct ResponseWords {
         add_ranges(out, r.ranges.span());
     }
     void operator()(const MaskWriteRegisterResponse& r) const {
-        add(out, "{} and 0x{:04X} or 0x{:04X}", r.address.value, r.and_mask, r.or_mask);
+        add(out, "{}: AND 0x{:04X}, OR 0x{:04X}", r.address.value, r.and_mask, r.or_mask);
     }
     void operator()(const ReadFifoQueueResponse& r) const {
         out += counted_text(r.values.span(), r.values.size());

@@ -25,10 +25,10 @@ Result<FileRange> take_range(Reader& in) {
 }
 
 // The byte count and what it announces: exactly the rest of the PDU.
-Result<void> take_byte_count(Reader& in, std::size_t least) {
+Result<void> take_byte_count(Reader& in, std::size_t least, std::size_t most = kMaxFileBytes) {
     const std::size_t byte_count = in.u8();
     TAKT_CHECK(in.check());
-    TAKT_CHECK(check_range(byte_count, least, kMaxFileBytes));
+    TAKT_CHECK(check_range(byte_count, least, most));
     Reader rest = in;
     (void)rest.take(byte_count);
     return rest.finish();
@@ -43,7 +43,7 @@ std::size_t file_response_length(const ReadFileRecordRequest& request) {
 
 Result<Request> decode_read_file(Reader& in) {
     ReadFileRecordRequest request;
-    TAKT_CHECK(take_byte_count(in, kFileRange));
+    TAKT_CHECK(take_byte_count(in, kFileRange, kMaxFileBytes / kFileRange * kFileRange));
     TAKT_CHECK(check_count(in.left() % kFileRange, 0));
     while (in.left() > 0) {
         TAKT_TRY(const FileRange range, take_range(in));

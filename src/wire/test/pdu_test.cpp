@@ -150,7 +150,7 @@ TEST(PduRequests, RefusesWhatIsNotExactlyARequest) {
         {"10 00 00 00 01 02 00 00 00", {Code::too_long, {}, {9, 8}}},
         {"10 00 00 00 01", {Code::too_short, {}, {5, 6}}},
         {"11 00", {Code::too_long, {}, {2, 1}}},
-        {"14 00", {Code::out_of_range, {}, {0, 7, 251}}},
+        {"14 00", {Code::out_of_range, {}, {0, 7, 245}}},
         {"14 07 05 00 04 00 01 00 02", {Code::malformed, {}, {5, 6}}},
         {"14 07 06 00 04 00 01 FF FE", {Code::out_of_range, {}, {0xFFFE, 1, 124}}},
         {"14 07 06 00 04 00 01 00 00", {Code::out_of_range, {}, {0, 1, 124}}},
