@@ -214,15 +214,11 @@ bool ProbeFindings::any_readable() const {
 }
 
 std::optional<std::uint16_t> ProbeFindings::longest_register_read() const {
-    std::uint16_t accepted = 0;
     std::uint16_t limit = 0;  // 0: none was found
-    for (const auto& [area, step, searched, result] : areas) {
-        if (is_bit_area(area)) continue;
-        accepted = std::max(accepted, result.longest);
-        if (result.limited) limit = limit == 0 ? result.longest : std::min(limit, result.longest);
-    }
-    const auto longest = limit == 0 ? accepted : limit;
-    return longest > 1 ? std::optional(longest) : std::nullopt;
+    for (const auto& [area, step, searched, result] : areas)
+        if (!is_bit_area(area) && result.limited)
+            limit = limit == 0 ? result.longest : std::min(limit, result.longest);
+    return limit > 1 ? std::optional(limit) : std::nullopt;
 }
 
 bool ProbeFindings::one_register_only() const {

@@ -53,10 +53,7 @@ TEST(ProbeReport, KeysOfAProjectFile) {
     auto findings = sample();
     EXPECT_EQ(probe_yaml(findings),
               "offers:\n  coil: [0..7]\n  holding_register: [0..99, 200]\n"
-              "readable:\n  coil: [0..7]\n  holding_register: [0..99, 200]\nregisters_per_request: 16\n");
-    findings.areas[0].result.longest = 100;
-    EXPECT_TRUE(probe_yaml(findings).ends_with("registers_per_request: 100\n")) << "accepted, and no limit";
-    findings.areas[0].result.longest = 16;
+              "readable:\n  coil: [0..7]\n  holding_register: [0..99, 200]\n");
     findings.areas[0].result.limited = true;
     EXPECT_TRUE(probe_yaml(findings).ends_with("registers_per_request: 16\n"));
     findings.areas[1] = area_probe(Area::input_register, {{1, 2}});

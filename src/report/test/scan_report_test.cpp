@@ -184,7 +184,7 @@ TEST(ScanReport, TheProjectHasTheRangesOfTheProbe) {
     const auto& device = project.lines[0].devices[0];
     EXPECT_EQ(device.readable[static_cast<std::size_t>(wire::Area::holding_register)],
               (std::vector<model::ItemRange>{{0, 79}, {100, 100}}));
-    EXPECT_EQ(device.registers_per_request, 80);
+    EXPECT_FALSE(device.registers_per_request_set);
     EXPECT_EQ(device.variables.size(), 64U);
 
     probe.areas[0].result.readable = {{0, 0}};

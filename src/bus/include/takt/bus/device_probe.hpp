@@ -71,8 +71,8 @@ struct ProbeFindings {
     [[nodiscard]] bool complete() const;
     [[nodiscard]] std::size_t requests() const;
     [[nodiscard]] bool any_readable() const;
-    /// Registers of the longest read that the device accepts in every area of registers; nothing: no read had
-    /// more than one register.
+    /// Registers of the longest read that the device accepts in every area of registers; nothing: no read was
+    /// refused for its length, or each of more than one register was.
     [[nodiscard]] std::optional<std::uint16_t> longest_register_read() const;
     /// An area of registers accepts reads of one register alone.
     [[nodiscard]] bool one_register_only() const;
