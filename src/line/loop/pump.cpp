@@ -100,6 +100,7 @@ void Pump::service() {
         if (bytes.empty()) break;
         if (!write(bytes)) return;
     }
+    if (pending_.empty() && options_.written_out) options_.written_out();
     if (pending_.empty() && options_.finished && options_.finished()) return end(std::nullopt);
     if (pending_.empty() && input_end_ && options_.drained()) return end(input_end_);
     arm();

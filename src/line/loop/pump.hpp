@@ -24,6 +24,8 @@ struct PumpOptions {
     Duration write_limit{};
     /// The engine's wake-ups are silences of a line: meet them to the microsecond by spinning at most 80 us.
     bool punctual = false;
+    /// Called when all bytes are written, before `finished`.
+    std::function<void()> written_out;
     /// Returns true if the stream is to be closed once all bytes are written. Called after every call of the
     /// engine.
     std::function<bool()> finished;

@@ -210,6 +210,9 @@ void TcpServer::Impl::serve(os::Descriptor fd, const SocketAddress& address) {
     pumping.pause_reading = true;
     pumping.write_limit = options.write_limit;
     pumping.wants_bytes = [served = connection->session.get()] { return served->wants_bytes(); };
+    pumping.written_out = [connection] {
+        if (connection->session->output_ended()) ::shutdown(connection->stream.fd(), SHUT_WR);
+    };
     pumping.finished = [served = connection->session.get()] { return served->finished(); };
     pumping.drained = [served = connection->session.get()] { return served->drained(); };
     pumping.input_ended = [served = connection->session.get()] { served->on_input_end(); };

@@ -14,7 +14,7 @@ namespace takt::line {
 namespace tcp_test {
 
 /// A session that answers "re:" and the request; "bye" makes it close the connection, after "wait" it
-/// owes another answer.
+/// owes another answer, after "end" it sends nothing more.
 class ScriptSession final : public Session {
 public:
     explicit ScriptSession(int& alive) : alive_(alive) {
@@ -24,6 +24,7 @@ public:
     ~ScriptSession() override { --alive_; }
     Engine& engine() override { return engine_; }
     bool finished() const override { return engine_.input.ends_with("bye"); }
+    bool output_ended() const override { return engine_.input.ends_with("end"); }
     bool drained() const override { return !engine_.input.ends_with("wait"); }
     Instant last_received() const override { return engine_.input.empty() ? accepted_ : now(); }
 
@@ -212,6 +213,18 @@ TEST(TcpServer, AnswersAClientThatHasClosedItsSendingSide) {
     ::shutdown(client.fd.get(), SHUT_WR);
     EXPECT_TRUE(client.is_closed(*loop));
     EXPECT_EQ(client.input, "re:last");
+    EXPECT_TRUE(loop->run_until([&] { return serving.alive == 0; }, kDeadline));
+}
+
+TEST(TcpServer, EndsItsSendingSideBeforeItCloses) {
+    const auto loop = make_loop();
+    const Server serving(*loop);
+    Client client(serving.port());
+    client.write("end");
+    EXPECT_TRUE(client.is_closed(*loop));
+    EXPECT_EQ(client.input, "re:end");
+    EXPECT_EQ(serving.alive, 1);
+    ::shutdown(client.fd.get(), SHUT_WR);
     EXPECT_TRUE(loop->run_until([&] { return serving.alive == 0; }, kDeadline));
 }
 

@@ -15,6 +15,7 @@ constexpr std::size_t kChunk = std::size_t{64} << 10;
 constexpr std::size_t kSmallBody = std::size_t{64} << 10;
 // Of requests behind the one that is executed.
 constexpr std::size_t kMostPipelined = std::size_t{16} << 10;
+constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
 
 std::string host_of(std::string_view peer) {
@@ -63,6 +64,10 @@ bool HttpConnection::finished() const {
     return state_ == State::finished;
 }
 
+bool HttpConnection::output_ended() const {
+    return state_ == State::lingering;
+}
+
 // A stream ends as soon as its browser has closed its side.
 bool HttpConnection::drained() const {
     return stream_ || state_ == State::receiving || state_ == State::finished || state_ == State::lingering;
@@ -99,6 +104,12 @@ void HttpConnection::receive(Instant t) {
 
 /// @returns whether a head is there, and its request was admitted
 bool HttpConnection::receive_head(Instant t) {
+    // Empty lines behind the body of the request before (RFC 9112, 2.2). The last one stays until more is
+    // there, so that the time of the request counts from it.
+    while (input_.size() > kLineEnd.size() && input_.starts_with(kLineEnd)) {
+        input_.erase(0, kLineEnd.size());
+        scanned_ = 0;
+    }
     const auto size = head_size(input_, scanned_);
     scanned_ = size ? 0 : input_.size();
     if (!size && input_.size() > limits_.head.head_bytes) reject(431);

@@ -42,8 +42,9 @@ struct HttpReply {
 ///
 /// Requests are executed one after another. While one is executed, few bytes are read, so that the end of the
 /// connection is noticed. While its answer is sent, nothing is read.
-/// A request that is not complete in time is answered with 408. A rejected request ends the connection, after
-/// the input that is on its way has been dropped for a short time: closing at once could destroy the answer.
+/// A request that is not complete in time is answered with 408. The sending side of a connection ends
+/// right after its last answer. Input that is on its way is dropped for a short time: closing at once could
+/// destroy the answer.
 class HttpConnection final : public line::Session, private Engine {
 public:
     struct Limits {
@@ -90,6 +91,7 @@ public:
     [[nodiscard]] Engine& engine() override { return *this; }
     [[nodiscard]] std::size_t wants_bytes() const override;
     [[nodiscard]] bool finished() const override;
+    [[nodiscard]] bool output_ended() const override;
     [[nodiscard]] bool drained() const override;
     [[nodiscard]] Instant last_received() const override;
     void on_input_end() override;

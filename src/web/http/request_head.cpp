@@ -66,7 +66,7 @@ int read_target(std::string_view target, RequestHead& head) {
     const auto mark = target.find('?');
     auto path = decoded(target.substr(0, mark), false);
     if (!path) return 400;
-    head.path = *std::move(path);
+    head.path = path->empty() ? "/" : *std::move(path);
     auto rest = mark == std::string_view::npos ? std::string_view() : target.substr(mark + 1);
     while (!rest.empty()) {
         const auto part = rest.substr(0, rest.find('&'));
@@ -80,17 +80,31 @@ int read_target(std::string_view target, RequestHead& head) {
     return 0;
 }
 
+/// `http://host/path` as `/path`: its host replaces the field of this name (RFC 9112, 3.2.2). False: it has
+/// another form.
+bool take_authority(std::string_view& target, RequestHead& head) {
+    for (const std::string_view scheme : {"http://", "https://"}) {
+        if (lower_ascii(target.substr(0, scheme.size())) != scheme) continue;
+        target.remove_prefix(scheme.size());
+        const auto end = std::min(target.find_first_of("/?#"), target.size());
+        head.fields.emplace("host", target.substr(0, end));
+        target.remove_prefix(end);
+        return true;
+    }
+    return false;
+}
+
 /// @returns 0 or the status
 int read_request_line(std::string_view line, const HeadLimits& limits, RequestHead& head) {
     const auto method_end = line.find(' ');
     const auto target_end = line.rfind(' ');
     if (method_end == std::string_view::npos || target_end == method_end) return 400;
-    const auto target = line.substr(method_end + 1, target_end - method_end - 1);
+    auto target = line.substr(method_end + 1, target_end - method_end - 1);
     const auto version = line.substr(target_end + 1);
     head.method = line.substr(0, method_end);
     if (!is_token(head.method) || target.find(' ') != std::string_view::npos) return 400;
-    if (target.empty() || target.front() != '/') return 400;
     if (target.size() > limits.target_bytes) return 414;
+    if (!take_authority(target, head) && !target.starts_with('/')) return 400;
     if (!version.starts_with("HTTP/")) return 400;
     head.keeps_alive = version == "HTTP/1.1";
     if (version != "HTTP/1.1" && version != "HTTP/1.0") return 505;

@@ -118,6 +118,26 @@ TEST(HttpConnection, ClosesAfterARejectedRequestNotAtOnce) {
     EXPECT_TRUE(rig.connection->finished());
 }
 
+TEST(HttpConnection, EndsItsSideRightBehindTheLastAnswer) {
+    Rig rig;
+    rig.receive("GET / HTTP/1.0\r\nHost: a\r\n\r\n");
+    EXPECT_FALSE(rig.connection->output_ended());
+    rig.answer("last", true);
+    EXPECT_EQ(rig.sent(), "last");
+    EXPECT_TRUE(rig.connection->output_ended());
+    EXPECT_FALSE(rig.connection->finished());
+}
+
+TEST(HttpConnection, TakesAnEmptyLineBeforeARequest) {
+    Rig rig;
+    for (const char c : "\r\n" + kGet) rig.receive({&c, 1});
+    ASSERT_EQ(rig.requests.size(), 1u);
+    rig.answer("done");
+    EXPECT_EQ(rig.sent(), "done");
+    rig.receive("\r\n\r\n" + kGet);
+    EXPECT_EQ(rig.requests.size(), 2u);
+}
+
 TEST(HttpConnection, LimitsTheTimeOfARequest) {
     Rig rig;
     for (int i = 0; i < 9; ++i) {

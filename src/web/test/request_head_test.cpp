@@ -54,6 +54,17 @@ TEST(RequestHead, DecodesTheTarget) {
         EXPECT_EQ(head.path, its.path) << its.target;
         EXPECT_EQ(head.query, its.query) << its.target;
     }
+    // The absolute form names the host.
+    const std::vector<std::pair<std::string, std::string>> absolute{
+        {"http://localhost:8502/a", "/a"}, {"HTTP://localhost:8502", "/"}, {"https://localhost:8502?b", "/"}};
+    for (const auto& [target, path] : absolute) {
+        const auto [head, status] = parsed("Host: other\r\n", "GET " + target + " HTTP/1.1");
+        EXPECT_EQ(status, 0) << target;
+        EXPECT_EQ(head.path, path) << target;
+        EXPECT_EQ(head.field("host"), "localhost:8502") << target;
+    }
+    for (const auto* target : {"a", "http:/a", "*"})
+        EXPECT_EQ(parsed("", "GET " + std::string(target) + " HTTP/1.1").status, 400) << target;
     for (const auto* target : {"/%", "/%4", "/%4g", "/%g4", "/a?b=%", "/a?%zz=1"})
         EXPECT_EQ(parsed("", "GET " + std::string(target) + " HTTP/1.1").status, 400) << target;
 }
@@ -76,7 +87,7 @@ TEST(RequestHead, RejectsWhatIsNotStrict) {
         {"GET /", "", 400},
         {"GET  HTTP/1.1", "", 400},
         {"GET / / HTTP/1.1", "", 400},
-        {"GET http://a/ HTTP/1.1", "", 400},
+        {"GET ftp://a/ HTTP/1.1", "", 400},
         {"G\tT / HTTP/1.1", "", 400},
         {"GET / HTTP/2.0", "", 505},
         {"GET / XTTP/1.1", "", 400},
