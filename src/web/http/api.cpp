@@ -22,4 +22,12 @@ ApiResponse ApiResponse::error(int status, std::string_view code, std::string te
     return json(object, status);
 }
 
+ApiResponse ApiResponse::wrong_parameter(const ApiRequest& request, std::string_view name,
+                                         std::string allowed) {
+    return error(400, "parameter",
+                 request.texts("web.error.parameter", {{"name", std::string(name)},
+                                                       {"value", std::string(request.parameter(name))},
+                                                       {"allowed", std::move(allowed)}}));
+}
+
 }  // namespace takt::web

@@ -51,6 +51,10 @@ std::optional<Method> method_of(std::string_view name) {
     return std::nullopt;
 }
 
+std::string_view allow_text(Method method) {
+    return method == Method::get ? "GET, HEAD" : method == Method::post ? "POST" : "PUT";
+}
+
 /// The first part of a list, in which it is shortened: "gzip;q=0.5".
 std::string_view take_part(std::string_view& list) {
     const auto part = list.substr(0, list.find(','));
@@ -213,7 +217,8 @@ HttpReply HttpRouter::refuse(const RequestHead& head, const Refusal& why, ReplyF
 HttpReply HttpRouter::serve_page(const RequestHead& head) const {
     const auto* const file = find_page_file(head.path == "/index.html" ? "/" : head.path);
     if (!file) return refuse(head, {404, "not_found"});
-    if (method_of(head.method) != Method::get) return refuse(head, {405, "method"}, {{"Allow", "GET, HEAD"}});
+    if (method_of(head.method) != Method::get)
+        return refuse(head, {405, "method"}, {{"Allow", std::string(allow_text(Method::get))}});
     ReplyFields fields{
         {"ETag", std::string(file->etag)}, {"Cache-Control", "no-cache"}, {"Vary", "Accept-Encoding"}};
     if (has_etag(head, file->etag)) return reply_of(head, 304, "", std::move(fields), "");
@@ -238,9 +243,12 @@ HttpReply HttpRouter::serve_api(HttpRequest request) const {
                                                                        {"X-Accel-Buffering", "no"}})),
                 .stream = std::move(source)};
     }
-    if (!stream && std::ranges::find(routes_, api_path(head), &ApiRoute::path) == routes_.end())
-        return refuse(head, {404, "not_found"});
-    return refuse(head, {405, "method"}, {{"Allow", stream ? "GET" : "GET, POST, PUT"}});
+    std::string allowed = stream ? "GET" : "";
+    for (const auto& route : routes_)
+        if (route.path == api_path(head))
+            allowed.append(allowed.empty() ? "" : ", ").append(allow_text(route.method));
+    if (allowed.empty()) return refuse(head, {404, "not_found"});
+    return refuse(head, {405, "method"}, {{"Allow", allowed}});
 }
 
 ApiResponse HttpRouter::execute(const ApiRoute& route, const ApiRequest& request) const {

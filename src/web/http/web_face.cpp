@@ -23,23 +23,27 @@
 namespace takt::web {
 namespace {
 
-ApiResponse capture_response(const TrafficHub& traffic, const ApiRequest& request) {
+ApiResponse capture_response(TrafficHub& traffic, const ApiRequest& request) {
     auto bytes = traffic.capture();
     if (!bytes) return host_error(request, bytes.error());
+    if (bytes->empty()) return ApiResponse::error(503, "recording", request.texts("web.error.recording"));
     return {.content_type = "application/x-pcapng", .body = *std::move(bytes), .file_name = "takt.pcapng"};
 }
 
-/// Milliseconds since 1970; not a number: `missing`.
-std::int64_t milliseconds_in(std::string_view text, std::int64_t missing) {
-    std::int64_t ms = 0;
+/// @param ms  since 1970; stays without the parameter @returns false: it is no number
+bool take_milliseconds(std::string_view text, std::int64_t& ms) {
+    if (text.empty()) return true;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ms);
-    return error == std::errc() && end == text.data() + text.size() ? ms : missing;
+    return error == std::errc() && end == text.data() + text.size() && ms >= 0;
 }
 
 ApiResponse events_response(const Marks& marks, const ApiRequest& request) {
-    return ApiResponse::json(marks.json(request.texts.language(),
-                                        milliseconds_in(request.parameter("from"), 0),
-                                        milliseconds_in(request.parameter("to"), INT64_MAX)));
+    std::int64_t from = 0;
+    std::int64_t to = INT64_MAX;
+    for (const auto& [name, ms] : {std::pair<std::string_view, std::int64_t&>{"from", from}, {"to", to}})
+        if (!take_milliseconds(request.parameter(name), ms))
+            return ApiResponse::wrong_parameter(request, name, request.texts("web.error.milliseconds"));
+    return ApiResponse::json(marks.json(request.texts.language(), from, to));
 }
 
 /// The registers of a variable as its last response had them.

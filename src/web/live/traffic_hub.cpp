@@ -22,11 +22,11 @@ std::string missed_event(std::uint64_t count) {
 struct TrafficHub::Ring final : StreamRing {
     using StreamRing::StreamRing;
 
-    std::chrono::steady_clock::time_point registers_until;  ///< the tap stays open until then
+    std::chrono::steady_clock::time_point tap_until;  ///< the tap stays open until then
     WireRegisters registers;
 
     [[nodiscard]] bool wanted() const override {
-        return StreamRing::wanted() || std::chrono::steady_clock::now() < registers_until;
+        return StreamRing::wanted() || std::chrono::steady_clock::now() < tap_until;
     }
     void clear() override {
         StreamRing::clear();
@@ -60,7 +60,7 @@ void TrafficHub::close() {
 void TrafficHub::registers(const std::function<void(const WireRegisters&)>& visit) {
     {
         const std::lock_guard lock(ring_->mutex);
-        ring_->registers_until = std::chrono::steady_clock::now() + kRegistersWanted;
+        ring_->tap_until = std::chrono::steady_clock::now() + kTapKept;
         visit(ring_->registers);
     }
     ring_->changed.notify_all();
@@ -106,7 +106,14 @@ void TrafficHub::tick() {
     if (left_out > 0) push(missed_event(left_out));
 }
 
-Result<std::string> TrafficHub::capture() const {
+Result<std::string> TrafficHub::capture() {
+    bool tapped = false;
+    {
+        const std::lock_guard lock(ring_->mutex);
+        tapped = ring_->wanted();
+        ring_->tap_until = std::chrono::steady_clock::now() + kTapKept;
+    }
+    ring_->changed.notify_all();
     TAKT_TRY(auto session, host_.open_session({.events = false, .traffic = true, .from_beginning = true}));
     std::deque<host::TrafficRecord> last;
     for (int count = 0; count < kMostTrafficRecords; ++count) {
@@ -115,6 +122,7 @@ Result<std::string> TrafficHub::capture() const {
         last.push_back(*std::move(record));
         if (last.size() > kMostCaptured) last.pop_front();
     }
+    if (last.empty() && !tapped) return std::string();
     const WallTime clock;
     report::TrafficCapture capture([&](const auto& record) { return session->line_of(record); });
     std::string bytes;

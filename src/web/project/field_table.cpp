@@ -1,6 +1,7 @@
 #include "project/field_table.hpp"
 
 #include <algorithm>
+#include <expected>
 #include <map>
 #include <optional>
 
@@ -19,23 +20,31 @@ using model::Field;
 using model::Kind;
 using model::Object;
 
-template <class Words>
-std::optional<std::size_t> word_index(const Words& words, std::string_view word) {
+/// Sets `value` to the word of the query parameter; without one it stays.
+/// @returns the answer to an unknown word
+template <class Words, class Enum>
+std::optional<ApiResponse> take_word(const ApiRequest& request, std::string_view name, const Words& words,
+                                     Enum& value) {
+    const auto word = request.parameter(name);
+    if (word.empty()) return std::nullopt;
     const auto found = std::ranges::find(words, word);
-    if (found == words.end()) return std::nullopt;
-    return static_cast<std::size_t>(found - words.begin());
+    if (found == words.end()) {
+        std::string allowed;
+        for (const auto each : words) allowed.append(allowed.empty() ? "" : ", ").append(each);
+        return ApiResponse::wrong_parameter(request, name, std::move(allowed));
+    }
+    value = static_cast<Enum>(found - words.begin());
+    return std::nullopt;
 }
 
-/// The context of the query; unknown words count as missing. The framing follows the transport.
-Context context_of(const ApiRequest& request) {
+/// The context of the query. The framing follows the transport.
+std::expected<Context, ApiResponse> context_of(const ApiRequest& request) {
     Context context;
-    if (const auto profile = word_index(model::kProfiles, request.parameter("profile")))
-        context.profile = static_cast<model::Profile>(*profile);
-    if (const auto transport = word_index(model::kTransports, request.parameter("transport")))
-        context.transport = static_cast<model::Transport>(*transport);
+    auto wrong = take_word(request, "profile", model::kProfiles, context.profile);
+    if (!wrong) wrong = take_word(request, "transport", model::kTransports, context.transport);
     if (context.transport == model::Transport::tcp) context.framing = wire::Framing::tcp;
-    if (const auto framing = word_index(model::kFramings, request.parameter("framing")))
-        context.framing = static_cast<wire::Framing>(*framing);
+    if (!wrong) wrong = take_word(request, "framing", model::kFramings, context.framing);
+    if (wrong) return std::unexpected(*std::move(wrong));
     return context;
 }
 
@@ -187,12 +196,13 @@ Json field_json(Object object, const Field& field, const Context& context, const
 
 ApiResponse field_table(const ApiRequest& request) {
     const auto context = context_of(request);
-    const Defaults defaults(context);
+    if (!context) return context.error();
+    const Defaults defaults(*context);
     Json::Object objects;
     for (const auto object : model::kObjects) {
         Json::Object keys;
         for (const auto& field : model::fields(object))
-            keys.emplace_back(field.key, field_json(object, field, context, defaults));
+            keys.emplace_back(field.key, field_json(object, field, *context, defaults));
         objects.emplace_back(file::object_name(object), Json(std::move(keys)));
     }
     auto json = Json::object();

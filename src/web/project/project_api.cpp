@@ -84,6 +84,12 @@ std::expected<SentProject, ApiResponse> sent_in(const ApiRequest& request, const
     return SentProject{*std::move(object), *std::move(document)};
 }
 
+std::optional<ApiResponse> missing_member(const ApiRequest& request, const Json& object,
+                                          std::string_view key) {
+    if (file::text_in(file::member(object, key)) != nullptr) return std::nullopt;
+    return project_refusal(request, 400, "malformed", {{"subject", std::string(key)}});
+}
+
 const Node* root_of(const SavedPtr& saved) {
     return saved->alone.readable ? &saved->alone.document.root : nullptr;
 }
@@ -224,6 +230,8 @@ struct ProjectApi::Impl {
     std::expected<Edited, ApiResponse> edited(const ApiRequest& request, const SavedPtr& saved) const {
         auto sent = sent_in(request, root_of(saved));
         if (!sent) return std::unexpected(std::move(sent.error()));
+        if (auto missing = missing_member(request, sent->object, "revision"))
+            return std::unexpected(*std::move(missing));
         if (string_member(sent->object, "revision") != saved->revision)
             return std::unexpected(
                 project_refusal(request, 409, "changed_on_disk", {{"file", options.file}}));
@@ -245,6 +253,7 @@ struct ProjectApi::Impl {
     ApiResponse take_over(const ApiRequest& request, const SavedPtr& saved) {
         auto sent = sent_in(request, root_of(saved));
         if (!sent) return std::move(sent.error());
+        if (auto missing = missing_member(request, sent->object, "path")) return *std::move(missing);
         file::without_origins(sent->document);
         auto read = file::load_document(options.file, std::move(sent->document),
                                         restricted_reader(options.file, saved->alone.document.root));

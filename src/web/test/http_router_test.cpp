@@ -102,6 +102,9 @@ TEST(HttpRouter, AnswersWithTheStatusOfEachMistake) {
     EXPECT_TRUE(get("/api/v1/long", marked, "DELETE").starts_with("HTTP/1.1 405 "));
     EXPECT_TRUE(get("/api/v1/events", marked, "POST").starts_with("HTTP/1.1 405 "));
     EXPECT_TRUE(get("/", marked, "POST").starts_with("HTTP/1.1 405 "));
+    EXPECT_NE(get("/api/v1/long", marked, "PUT").find("\r\nAllow: GET, HEAD\r\n"), std::string::npos);
+    EXPECT_NE(get("/api/v1/echo", marked, "PUT").find("\r\nAllow: GET, HEAD, POST\r\n"), std::string::npos);
+    EXPECT_NE(get("/api/v1/events", marked, "PUT").find("\r\nAllow: GET\r\n"), std::string::npos);
     EXPECT_TRUE(get("/api/v1/echo", "", "POST").starts_with("HTTP/1.1 403 "));
 }
 

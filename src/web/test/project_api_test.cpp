@@ -339,6 +339,9 @@ TEST_F(ProjectApiTest, TakesNothingOverThatIsNoTableOrHasMistakes) {
           "lines[0].devices[0].variables[0]", "lines[0].devices[18446744073709551616]"})
         EXPECT_EQ(code_of(take(path)), "422 take_over") << path;
     EXPECT_EQ(take("lines[0].devices[0].variables").status, 200);
+    const auto whole = body_of(*project().find("document"));
+    for (const auto* const address : {"/project/take_over", "/project/diff"})
+        EXPECT_EQ(code_of(call(Method::post, address, whole)), "400 malformed") << address;
 }
 
 TEST_F(ProjectApiTest, NeitherReadsNorNamesOtherFilesOfTheHost) {
@@ -444,6 +447,11 @@ TEST_F(ProjectApiTest, GivesFieldsSchemaAndImportedRows) {
     EXPECT_EQ(text_at(*device, {"attempts", "default"}), "3");
     EXPECT_EQ(text_at(*table.find("objects"), {"output", "quota_mb", "default"}), "4096");
     EXPECT_EQ(text_at(*table.find("objects"), {"line", "devices", "object"}), "device");
+    for (const auto* const name : {"profile", "transport", "framing"}) {
+        const auto wrong = call(Method::get, "/fields", {}, {{name, "nonsense"}});
+        EXPECT_EQ(code_of(wrong), "400 parameter");
+        EXPECT_NE(wrong.body.find(name), std::string::npos) << wrong.body;
+    }
     EXPECT_NE(call(Method::get, "/schema").body.find("draft/2020-12"), std::string::npos);
     auto pasted = Json::object();
     pasted.set("text",

@@ -29,6 +29,17 @@ TEST(TrafficHub, StreamsFramesWithTheirWords) {
     EXPECT_EQ(russian.find("read holding"), std::string::npos);
 }
 
+TEST(TrafficHub, BeginsToRecordWithTheFirstCapture) {
+    RunningHost running(kProject);
+    TrafficHub hub(running.access(), [] {});
+    EXPECT_EQ(hub.capture().value(), "");
+    const auto frames = [&] { return hub.capture().value().find("Boiler") != std::string::npos; };
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!frames() && std::chrono::steady_clock::now() < limit)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    EXPECT_TRUE(frames());
+}
+
 TEST(TrafficHub, CapturesWhatTheTapSaw) {
     RunningHost running(kProject);
     TrafficHub hub(running.access(), [] {});

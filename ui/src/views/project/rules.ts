@@ -1,6 +1,6 @@
 // The permitted ranges of fields, from the table that the messages of the program use too (/fields).
 import { signal } from '@preact/signals';
-import { get } from '../../api/client';
+import { ApiError, get } from '../../api/client';
 import type { FieldRule, FieldTable, Mapping } from '../../api/types';
 import { formatDuration, formatNumber, t } from '../../i18n';
 import { at, isMapping, type Path, textAt } from '../../store/document';
@@ -19,7 +19,11 @@ function tableFor(profile: string, transport: string, framing: string): FieldTab
       .then((answer) => {
         tables.value = { ...tables.peek(), [key]: answer.objects };
       })
-      .catch(() => asked.delete(key));
+      .catch((error) => {
+        // A word of the draft is none: the ranges of the usual words are shown.
+        if (error instanceof ApiError && error.status === 400) tableFor('generic', 'serial', 'rtu');
+        else asked.delete(key);
+      });
   }
   const all = tables.value;
   // Until the ranges of a new protocol are here, those of another one have the same keys.

@@ -50,6 +50,9 @@ struct ApiResponse {
     /// {"error":{"code","text"}}
     /// @param code  stable, as in "read_only"
     [[nodiscard]] static ApiResponse error(int status, std::string_view code, std::string text);
+    /// The query parameter `name` has none of the allowed values.
+    [[nodiscard]] static ApiResponse wrong_parameter(const ApiRequest& request, std::string_view name,
+                                                     std::string allowed);
 };
 
 /// Called on a thread of the server; several run at the same time.
