@@ -19,6 +19,8 @@ export interface Column<Row> {
   wraps?: boolean;
   /** In the first line of a narrow grid. */
   foldedWidth?: string;
+  /** Of a column that has the value of a hidden one too where it folds. */
+  foldedTitle?: string;
   cell: (row: Row, index: number) => ComponentChildren;
   cellClass?: (row: Row, index: number) => string;
 }
@@ -206,7 +208,7 @@ export function Grid<Row>(props: GridProps<Row>) {
                 onClick: () => props.onSort?.(column.key),
               })}
             >
-              {column.title}
+              {isBelow(column) && column.foldedTitle ? column.foldedTitle : column.title}
               {sorted && <span aria-hidden="true">{props.sort?.down ? '▾' : '▴'}</span>}
             </div>
           );

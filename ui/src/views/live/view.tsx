@@ -181,6 +181,7 @@ function columns(): Column<Row>[] {
     {
       key: 'quality',
       title: texts.quality,
+      foldedTitle: `${texts.quality}, ${texts.age.toLowerCase()}`,
       width: 'minmax(132px, 2.6fr)',
       sortable: true,
       folds: 'figure',

@@ -63,7 +63,7 @@ function columns(): Column<frames.NumberedFrame>[] {
     {
       key: 'raw',
       title: texts.columns.raw,
-      width: '224px',
+      width: '204px',
       folds: 'hidden',
       cell: (its) => its.raw && <code title={its.raw}>{its.raw}</code>,
     },
