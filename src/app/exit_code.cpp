@@ -16,6 +16,7 @@ ExitCode exit_code(const Error& error) {
         case Code::busy:
         case Code::connection_lost:
         case Code::closed_by_peer:
+        case Code::tls_failed:
         case Code::io_failed:
         case Code::replaced: return ExitCode::cannot_open;
         case Code::timed_out: return ExitCode::timed_out;

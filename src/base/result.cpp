@@ -22,6 +22,7 @@ std::string_view name(Code code) {
         case Code::timed_out: return "timed_out";
         case Code::io_failed: return "io_failed";
         case Code::replaced: return "replaced";
+        case Code::tls_failed: return "tls_failed";
         case Code::modbus_exception: return "modbus_exception";
         case Code::bad_checksum: return "bad_checksum";
         case Code::unexpected_reply: return "unexpected_reply";
@@ -29,6 +30,28 @@ std::string_view name(Code code) {
         case Code::misdirected: return "misdirected";
     }
     return "unknown";
+}
+
+std::string_view name(TlsFault fault) {
+    constexpr std::array<std::string_view, kTlsFaults> kNames{"other",
+                                                              "not_tls",
+                                                              "version",
+                                                              "algorithms",
+                                                              "no_certificate",
+                                                              "untrusted",
+                                                              "expired",
+                                                              "not_yet_valid",
+                                                              "revoked",
+                                                              "other_name",
+                                                              "purpose",
+                                                              "revocation_list",
+                                                              "refused",
+                                                              "refused_untrusted",
+                                                              "refused_expired",
+                                                              "refused_revoked",
+                                                              "file",
+                                                              "key"};
+    return kNames[static_cast<std::size_t>(fault)];
 }
 
 std::string_view name(Mismatch::Part part) {

@@ -131,6 +131,11 @@ Mismatch::Part mismatch_part(const Error& error) {
     return static_cast<Mismatch::Part>(error.numbers[2]);
 }
 
+TlsFault tls_fault(const Error& error) {
+    const auto fault = static_cast<std::size_t>(error.numbers[0]);
+    return fault < kTlsFaults ? static_cast<TlsFault>(fault) : TlsFault::other;
+}
+
 // The type that takes a negative number which an unsigned type does not: "-5 → 0..65535".
 std::string_view signed_type(const Error& error) {
     const auto subject = error.subject.view();
@@ -159,6 +164,7 @@ std::string advice_key(const Error& error) {
             return header_fault(error) == HeaderFault::off_by_one ? "advice.not_modbus.length"
                                                                   : "advice.not_modbus";
         case Code::unexpected_reply: return "advice.unexpected_reply";
+        case Code::tls_failed: return std::string("advice.tls_failed.").append(name(tls_fault(error)));
         case Code::misdirected:
             return mismatch_part(error) == Mismatch::Part::unit ? "advice.misdirected.unit"
                                                                 : "advice.misdirected.other";
@@ -202,6 +208,7 @@ std::string variant_of(const Error& error) {
     if (came_late(error)) return ".late";
     if (is_cut_short(error)) return ".length";
     if (error.code == Code::misdirected) return std::string(".").append(name(mismatch_part(error)));
+    if (error.code == Code::tls_failed) return std::string(".").append(name(tls_fault(error)));
     if (!has_numbers(error)) return "";
     return error.code == Code::not_modbus ? std::string(header_variant(error)) : ".numbers";
 }

@@ -13,8 +13,17 @@ constexpr Code kCodes[] = {
     Code::not_found,    Code::overflow,     Code::not_writable,     Code::queue_full,       Code::syntax,
     Code::cannot_open,  Code::busy,         Code::connection_lost,  Code::timed_out,        Code::io_failed,
     Code::replaced,     Code::bad_checksum, Code::modbus_exception, Code::unexpected_reply, Code::not_modbus,
-    Code::misdirected,
+    Code::misdirected,  Code::tls_failed,
 };
+
+TEST(Errors, EveryFaultOfTlsHasAText) {
+    for (const auto language : kLanguages)
+        for (std::size_t fault = 0; fault < kTlsFaults; ++fault) {
+            const Error error{Code::tls_failed, "plc:802", {static_cast<std::int64_t>(fault)}};
+            EXPECT_EQ(describe(language, error).find("tls_failed"), std::string::npos) << fault;
+            EXPECT_EQ(advice(language, error).empty(), fault == 0) << fault;
+        }
+}
 
 constexpr std::int64_t number(HeaderFault fault) {
     return static_cast<std::int64_t>(fault);

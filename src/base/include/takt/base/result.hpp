@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <string_view>
@@ -33,6 +34,7 @@ enum class Code : std::uint16_t {
     io_failed,          ///< subject, operating system's error number
     replaced,           ///< the file that is open was deleted or replaced; subject
     closed_by_peer,     ///< the connection, instead of a response; subject
+    tls_failed,         ///< subject (host:port or file), TlsFault
     // Modbus
     modbus_exception = 200,  ///< exception code
     bad_checksum,            ///< subject; of a response that is cut short the numbers of `misdirected`
@@ -49,6 +51,34 @@ enum class HeaderFault : std::uint8_t {
     length,      ///< bytes 5 and 6, the length, are not 2..254
     off_by_one,  ///< the length differs by one from that of the response
 };
+
+/// Why there is no TLS connection.
+enum class TlsFault : std::uint8_t {
+    other,
+    not_tls,     ///< the peer sends something else
+    version,     ///< both sides have no version in common: 1.2, 1.3
+    algorithms,  ///< nor algorithms
+    // the certificate of the peer
+    no_certificate,
+    untrusted,  ///< it leads to none of the roots
+    expired,
+    not_yet_valid,
+    revoked,
+    other_name,       ///< it names another host
+    purpose,          ///< it is not for this side of a connection
+    revocation_list,  ///< there is no list of its issuer, or an old one
+    // the own certificate: the peer refuses it
+    refused,
+    refused_untrusted,
+    refused_expired,
+    refused_revoked,
+    // a file
+    file,  ///< no certificate, key or list in PEM
+    key,   ///< it does not belong to the certificate
+};
+inline constexpr std::size_t kTlsFaults = 18;
+/// "other", "not_tls", …
+std::string_view name(TlsFault fault);
 
 /// In what a response differs from the one that its request waits for.
 struct Mismatch {
