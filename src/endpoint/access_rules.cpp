@@ -25,6 +25,8 @@ void AccessRules::set(const std::vector<model::AccessRule>& rules) {
             storage.units.push_back({static_cast<std::uint8_t>(first), static_cast<std::uint8_t>(last)});
         for (const auto [first, last] : rule.items) storage.items.push_back({first, last});
         storage.networks = rule.networks;
+        storage.roles = rule.roles;
+        storage.role_views.assign(storage.roles.begin(), storage.roles.end());
     }
     for (std::size_t i = 0; i < rules.size(); ++i) {
         const model::AccessRule& rule = rules[i];
@@ -32,6 +34,7 @@ void AccessRules::set(const std::vector<model::AccessRule>& rules) {
         own.networks = storage_[i].networks;
         own.serial = rule.serial;
         own.every_peer = rule.every_peer;
+        own.roles = storage_[i].role_views;
         own.units = storage_[i].units;
         if (!rule.every_function) own.functions = {};
         for (const std::uint8_t code : rule.functions) own.functions.add(code);

@@ -45,6 +45,7 @@ TokenBucket full_bucket(const RateLimit& rate) {
 struct AccessControl::Query {
     const wire::RequestView& request;
     std::optional<IpAddress> peer;
+    std::string_view role;
     UnitId unit;
     bool writes = request.effect() == wire::Effect::write;
     // Function 43: MEI type 14, or another one.
@@ -70,6 +71,7 @@ bool AccessControl::fits(const AccessRule& rule, const Query& query) const {
         return range.first <= query.unit.value && query.unit.value <= range.last;
     };
     if (!rule.units.empty() && std::ranges::none_of(rule.units, holds)) return false;
+    if (!rule.roles.empty() && std::ranges::find(rule.roles, query.role) == rule.roles.end()) return false;
     if (rule.every_peer) return true;
     if (!query.peer) return rule.serial;
     return std::ranges::any_of(rule.networks,
@@ -90,7 +92,7 @@ unsigned AccessControl::next_unit(unsigned unit) const {
 Decision AccessControl::decide_units(const Context& context, std::span<const UnitRange> units,
                                      const wire::RequestView& request, Deciders& deciders) const {
     if (rules_.empty()) return Decision::allowed;
-    Query query{request, parse_peer(context.peer), {}};
+    Query query{request, parse_peer(context.peer), context.role, {}};
     for (const UnitRange& range : units)
         for (unsigned unit = range.first; unit <= range.last; unit = next_unit(unit)) {
             query.unit = UnitId{static_cast<std::uint8_t>(unit)};

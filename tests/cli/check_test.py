@@ -266,17 +266,6 @@ def test_a_csv_table_of_variables_is_judged_in_its_own_lines(project):
         == [("table.csv", 3), ("table.csv", 4)]
 
 
-@pytest.mark.parametrize("language, part", [("en", "not supported"), ("ru", "не поддерживается"),
-                                            ("uk", "не підтримується")])
-def test_tls_is_an_error_until_it_exists(project, language, part):
-    path = project("takt: 1\nlines: [{name: L, transport: tls, host: plc, devices: [{name: D, address: 1, "
-                   "variables: [{name: V, type: int, register: 0, read: 3}]}]}]\n")
-    [finding] = findings(path, "--lang", language)
-    assert (finding["code"], finding["value"], finding["line"]) == ("line.tls", "tls", 2)
-    assert finding["allowed"] == "serial, tcp, simulated" and part in finding["message"]
-    assert "transport: tcp" in finding["advice"]
-
-
 OUTPUT = """takt: 1
 lines:
   - name: L

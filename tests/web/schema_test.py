@@ -56,7 +56,7 @@ WRONG = {
     "register": put(VARIABLE + ("register", ), 65536),
     "boolean": put(VARIABLE + ("write_on_change", ), "yes"),
     "list": put(("lines", ), {"name": "x"}),
-    "transport": put(("lines", 0, "transport"), "tls"),
+    "transport": put(("lines", 0, "transport"), "udp"),
     "version": put(("takt", ), 2),
 }
 

@@ -24,6 +24,7 @@ constexpr std::array<std::string_view, model::kObjects.size()> kNames{"project",
                                                                       "faults",
                                                                       "backoff",
                                                                       "round_trip",
+                                                                      "tls",
                                                                       "areas",
                                                                       "server",
                                                                       "unit",
@@ -62,11 +63,11 @@ constexpr std::array<std::string_view, 14> kKinds{
     "local_bool", "local_integer", "constant", "reference", "list", "mapping", "words"};
 
 constexpr auto kContexts = [] {
-    std::array<model::Context, 18> all{};
+    std::array<model::Context, 24> all{};
     std::size_t i = 0;
     for (const auto profile : {model::Profile::generic, model::Profile::owen_kc1})
-        for (const auto transport :
-             {model::Transport::serial, model::Transport::tcp, model::Transport::simulated})
+        for (const auto transport : {model::Transport::serial, model::Transport::tcp, model::Transport::tls,
+                                     model::Transport::simulated})
             for (const auto framing : {wire::Framing::rtu, wire::Framing::ascii, wire::Framing::tcp})
                 all[i++] = {profile, transport, framing};
     return all;

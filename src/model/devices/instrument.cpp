@@ -174,7 +174,7 @@ Instrument interpret_instrument(Interpretation& state, const Node& node, const s
     instrument.location = node.location;
     instrument.name = read_name(state, reader, state.line_names);
     const bool tls = report_tls(reader);
-    const auto [serial, tcp] = kServerTransports;
+    const auto [serial, tcp] = kInstrumentTransports;
     instrument.serial =
         !tls && reader.word("transport").value_or(names_host(reader) ? tcp : serial) == serial;
     read_instrument_port(state, reader, instrument, tls);

@@ -7,12 +7,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint16_t kModbusTlsPort = 802;
 constexpr std::string_view kLineSerialKeys[] = {"port", "baud", "parity", "stop_bits", "data_bits", "rs485"};
 
 /// The transport as written, even if the profile forbids it: the following keys are checked against it.
 Transport stated_transport(Reader& reader, Profile profile) {
-    if (report_tls(reader)) return Transport::tls;
     const Node* const node = reader.value("transport");
     if (const auto transport = reader.choice<Transport>("transport")) return *transport;
     if (node != nullptr)
@@ -23,12 +21,13 @@ Transport stated_transport(Reader& reader, Profile profile) {
 }
 
 void read_line_port(Interpretation& state, Reader& reader, Line& line) {
-    const bool network = line.transport == Transport::tcp || line.transport == Transport::tls;
+    const bool network = is_network(line.transport);
     const std::string_view key = network ? "host" : "port";
     line.port = reader.text(key).value_or("");
     if (network) check_host(reader, key, line.port);
     line.tcp_port = line.transport == Transport::tls ? kModbusTlsPort : line.tcp_port;
     if (const auto port = reader.integer("tcp_port")) line.tcp_port = static_cast<std::uint16_t>(*port);
+    line.tls = read_tls(state, reader, line.transport, "client");
     reader.text(network ? "port" : "host");
     if (line.transport == Transport::simulated) return;
     report_missing_port(reader, key, name(line.transport));
@@ -63,7 +62,7 @@ void read_connection(Reader& reader, Line& line) {
     if (const auto most = reader.integer("connections_per_host"))
         rules.per_host = static_cast<std::uint16_t>(*most);
     line.length_tolerance = reader.boolean("length_tolerance").value_or(false);
-    if (line.transport != Transport::tcp && line.transport != Transport::tls) {
+    if (!is_network(line.transport)) {
         for (const auto key :
              {"connection", "idle_close", "pause_after_connect", "connections_per_host", "length_tolerance"})
             reader.report_needs(key, "transport: tcp");
@@ -119,7 +118,7 @@ Line interpret_line(Interpretation& state, const Node& node, const std::string& 
     line.location = node.location;
     line.name = read_name(state, reader, state.line_names);
     line.transport = state.context.transport = stated_transport(reader, state.context.profile);
-    const bool network = line.transport == Transport::tcp || line.transport == Transport::tls;
+    const bool network = is_network(line.transport);
     line.framing = state.context.framing =
         reader.choice<wire::Framing>("framing").value_or(network ? wire::Framing::tcp : wire::Framing::rtu);
     read_line_port(state, reader, line);

@@ -79,6 +79,28 @@ bool report_tls(Reader& reader) {
     return true;
 }
 
+TlsFiles read_tls(Interpretation& state, Reader& reader, Transport transport, std::string_view own) {
+    if (transport != Transport::tls) {
+        reader.report_needs("tls", "transport: tls");
+        return {};
+    }
+    const auto& project = state.document.files.empty() ? std::string() : state.document.files.front();
+    const auto folder = project.substr(0, project.rfind('/') + 1);
+    const auto beside = [&](const std::string& file) { return file.starts_with('/') ? file : folder + file; };
+    TlsFiles files = files_in(folder + std::string(kCertificateFolder), own);
+    const Node* const given = reader.mapping("tls");
+    if (given == nullptr) return files;
+    Reader keys(state.findings, *given, reader.path_of("tls"), Object::tls, state.context);
+    if (const auto file = keys.text("ca")) files.ca = beside(*file);
+    if (const auto file = keys.text("certificate")) files.certificate = beside(*file);
+    if (const auto file = keys.text("key")) files.key = beside(*file);
+    if (const auto file = keys.text("crl")) files.crl = beside(*file);
+    files.server_name = keys.text("server_name").value_or("");
+    if (!files.server_name.empty()) check_host(keys, "server_name", files.server_name);
+    if (listens(reader)) keys.report_needs("server_name", "lines");
+    return files;
+}
+
 bool report_missing_port(Reader& reader, std::string_view key, std::string_view transport) {
     if (reader.node().find(key) != nullptr || reader.misspelt(key)) return false;
     Arguments arguments{{"key", std::string(key)}, {"transport", std::string(transport)}};

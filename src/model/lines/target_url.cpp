@@ -12,13 +12,7 @@ namespace takt::model {
 namespace {
 
 bool is_network(const Line& line) {
-    return line.transport == Transport::tcp || line.transport == Transport::tls;
-}
-
-std::string_view scheme_of(const Line& line) {
-    if (line.transport == Transport::tls) return "tls";
-    if (line.transport == Transport::tcp) return line.framing == wire::Framing::rtu ? "rtu+tcp" : "tcp";
-    return line.framing == wire::Framing::ascii ? "ascii" : "rtu";
+    return is_network(line.transport);
 }
 
 char parity_letter(wire::Parity parity) {
@@ -77,6 +71,12 @@ bool take_parts(PortSettings& taken, std::string_view parts) {
 }
 
 }  // namespace
+
+std::string_view scheme_of(const Line& line) {
+    if (line.transport == Transport::tls) return "tls";
+    if (line.transport == Transport::tcp) return line.framing == wire::Framing::rtu ? "rtu+tcp" : "tcp";
+    return line.framing == wire::Framing::ascii ? "ascii" : "rtu";
+}
 
 std::string host_and_port(std::string_view host, std::uint16_t port) {
     const bool ipv6 = host.find(':') != std::string_view::npos;

@@ -24,6 +24,7 @@ inline constexpr Field kNameKey{.key = "name", .required = true, .range = kName}
 inline constexpr Field kPortKey{.key = "port", .range = between<1, 255>};
 inline constexpr Field kHostKey{.key = "host", .range = between<1, 255>};
 inline constexpr Field kTcpPortKey{.key = "tcp_port", .kind = Kind::integer, .range = between<1, 65535>};
+inline constexpr Field kTlsKey{.key = "tls", .kind = Kind::mapping, .object = Object::tls};
 inline constexpr Field kBaudKey{.key = "baud", .kind = Kind::integer, .range = baud};
 inline constexpr Field kParityKey{.key = "parity", .kind = Kind::word, .words = kParities};
 inline constexpr Field kStopBitsKey{.key = "stop_bits", .kind = Kind::integer, .range = between<1, 2>};

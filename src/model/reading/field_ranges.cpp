@@ -55,7 +55,6 @@ std::int64_t most_written_registers(const Context& context) {
 
 bool transport_fits(std::size_t word, const Context& context) {
     const auto transport = static_cast<Transport>(word);
-    if (transport == Transport::tls) return false;  // not implemented (docs/specification.md, section 8)
     return context.profile == Profile::generic || transport == Transport::serial ||
            transport == Transport::simulated;
 }

@@ -29,6 +29,7 @@ constexpr ObjectFields kObjectFields[] = {
     {Object::faults, "faults", kFaults},
     {Object::backoff, "backoff", kBackoff},
     {Object::round_trip, "round_trip", kRoundTrip},
+    {Object::tls, "lines[].tls", kTls},
     {Object::areas, "lines[].devices[].readable", kByArea},
     {Object::server, "servers[]", kServer},
     {Object::unit, "servers[].units[]", kUnit},

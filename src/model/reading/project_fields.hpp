@@ -29,6 +29,7 @@ inline constexpr auto kLine = joined(
         kPortKey,
         kHostKey,
         kTcpPortKey,
+        kTlsKey,
     },
     kFrameKeys,
     {
@@ -147,6 +148,14 @@ inline constexpr Field kRoundTrip[] = {
     {.key = "usual", .kind = Kind::duration, .range = kShortTime},
     {.key = "exchanges", .kind = Kind::integer, .required = true, .range = between<100, 1'000'000'000'000>},
     {.key = "in_flight", .kind = Kind::integer, .range = between<1, 16>},
+};
+
+inline constexpr Field kTls[] = {
+    {.key = "ca", .range = kPath, .names_host_resource = true, .directs_secret = true},
+    {.key = "certificate", .range = kPath, .names_host_resource = true},
+    {.key = "key", .range = kPath, .names_host_resource = true, .secret = true},
+    {.key = "crl", .range = kPath, .names_host_resource = true},
+    {.key = "server_name", .range = between<1, 253>, .directs_secret = true},
 };
 
 inline constexpr Field kBackoff[] = {

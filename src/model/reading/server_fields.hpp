@@ -14,6 +14,7 @@ inline constexpr auto kServer = joined(
         kPortKey,
         {.key = "listen", .range = between<1, 255>},
         kTcpPortKey,
+        kTlsKey,
     },
     kFrameKeys,
     {
@@ -33,6 +34,7 @@ inline constexpr auto kServer = joined(
 
 inline constexpr Field kAccess[] = {
     {.key = "peers", .kind = Kind::list},
+    {.key = "roles", .kind = Kind::list},
     {.key = "units", .kind = Kind::ranges, .range = kUnitId},
     {.key = "functions", .kind = Kind::list},
     {.key = "area", .kind = Kind::word, .words = kAreas},

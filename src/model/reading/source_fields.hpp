@@ -94,7 +94,7 @@ inline constexpr Field kSink[] = {
 
 inline constexpr Field kInstrument[] = {
     kNameKey,
-    {.key = "transport", .kind = Kind::word, .words = kServerTransports},
+    {.key = "transport", .kind = Kind::word, .words = kInstrumentTransports},
     kPortKey,
     kHostKey,
     kTcpPortKey,

@@ -42,6 +42,17 @@ void read_peers(Interpretation& state, Reader& reader, AccessRule& rule) {
                     });
 }
 
+/// `none` is the role of a client whose certificate has none.
+void read_roles(Interpretation& state, Reader& reader, AccessRule& rule) {
+    constexpr std::size_t kLongest = 64;
+    for_each_scalar(state, reader, "roles", Rule::field_out_of_range, "none, 1..64 bytes", {},
+                    [&rule](const std::string& text) {
+                        if (text.empty() || text.size() > kLongest) return false;
+                        rule.roles.push_back(text == "none" ? "" : text);
+                        return true;
+                    });
+}
+
 void read_rule_functions(Interpretation& state, Reader& reader, AccessRule& rule) {
     rule.every_function = !reader.given("functions");
     const auto add = [&rule](std::span<const std::uint8_t> codes) {
@@ -96,6 +107,7 @@ AccessRule interpret_rule(Interpretation& state, const Node& node, const std::st
     AccessRule rule;
     rule.location = node.location;
     read_peers(state, reader, rule);
+    read_roles(state, reader, rule);
     read_rule_units(state, reader, rule);
     read_rule_functions(state, reader, rule);
     read_items(state, reader, rule);

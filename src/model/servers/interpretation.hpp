@@ -147,7 +147,14 @@ std::vector<AccessRule> read_access(Interpretation& state, Reader& reader);
 /// The keys of a connection to a host.
 inline constexpr std::string_view kClientKeys[] = {"host", "tcp_port"};
 
-/// Whether the transport is TLS, which is reported: it is not implemented.
+/// Of Modbus over TLS, registered with the IANA as mbap-s.
+inline constexpr std::uint16_t kModbusTlsPort = 802;
+
+/// The files of `tls`, or those of a plant of `takt certs` beside the project.
+/// @param own  "client", "server": the name of the own certificate there
+TlsFiles read_tls(Interpretation& state, Reader& reader, Transport transport, std::string_view own);
+
+/// Whether the transport of an instrument is TLS, which is reported: instruments have none.
 bool report_tls(Reader& reader);
 
 /// A host, and no port or a number meant as `tcp_port`: a network, without `transport`.

@@ -41,10 +41,12 @@ void note_listener(Interpretation& state, Reader& reader, const Server& server) 
 }
 
 void read_server_port(Interpretation& state, Reader& reader, Server& server) {
-    const bool network = server.transport == Transport::tcp;
+    const bool network = is_network(server.transport);
     const std::string_view key = network ? "listen" : "port";
     server.port = reader.text(key).value_or("");
+    if (server.transport == Transport::tls) server.tcp_port = kModbusTlsPort;
     if (const auto port = reader.integer("tcp_port")) server.tcp_port = static_cast<std::uint16_t>(*port);
+    server.tls = read_tls(state, reader, server.transport, "server");
     report_missing_port(reader, key, name(server.transport));
     if (!network)
         register_port(state, reader, server.port);
@@ -179,8 +181,9 @@ Server interpret_server(Interpretation& state, const Node& node, const std::stri
     Server server;
     server.location = node.location;
     server.name = read_name(state, reader, state.line_names);
-    const bool serial = !report_tls(reader) && reader.word("transport") == kServerTransports[0];
-    server.transport = state.context.transport = serial ? Transport::serial : Transport::tcp;
+    server.transport = state.context.transport =
+        reader.choice<Transport>("transport").value_or(Transport::tcp);
+    const bool serial = server.transport == Transport::serial;
     server.framing = state.context.framing =
         reader.choice<wire::Framing>("framing").value_or(serial ? wire::Framing::rtu : wire::Framing::tcp);
     read_server_port(state, reader, server);

@@ -80,9 +80,9 @@ TEST(Interpret, Line) {
         {"{name: ~}", "field.missing name="},
         {"{name: \"\"}", "field.length name= [1..128]"},
         {"{name: [a]}", "field.not_a_value name="},
-        {"{transport: rs485}", "field.unknown_word transport=rs485 [serial, tcp, simulated]"},
+        {"{transport: rs485}", "field.unknown_word transport=rs485 [serial, tcp, tls, simulated]"},
         {"{transport: modbus-tcp, host: plc, port: ~}",
-         "field.unknown_word transport=modbus-tcp [serial, tcp, simulated]"},
+         "field.unknown_word transport=modbus-tcp [serial, tcp, tls, simulated]"},
         {"{port: ~}", "line.port_missing port="},
         {"{port: ~, transport: simulated}", ""},
         {"{transport: tcp, host: plc, port: ~}", ""},
@@ -99,7 +99,7 @@ TEST(Interpret, Line) {
         {"{port: ttyUSB0}", "line.port_settings port=ttyUSB0"},
         {"{transport: simulated, port: 502}", ""},
         {"{transport: ~, ip: plc, port: ~}",
-         "key.unknown ip=ip [name, transport, port, host, tcp_port, framing, baud, parity, stop_bits, "
+         "key.unknown ip=ip [name, transport, port, host, tcp_port, tls, framing, baud, parity, stop_bits, "
          "data_bits, rs485, order, request_gap, frame_gap, byte_timeout, connection, idle_close, "
          "pause_after_connect, connections_per_host, length_tolerance, relay_interval, command_interval, "
          "command_burst, devices]"},
@@ -121,15 +121,21 @@ TEST(Interpret, Line) {
         {"{transport: tcp, host: 10.0.0.1., port: ~}", "host.no_address host=10.0.0.1."},
         {"{transport: tcp, host: 255.255.255.255, port: ~}", ""},
         {"{transport: tcp, host: plc7, port: ~}", ""},
-        {"{transport: tls, host: plc, port: ~}", "line.tls transport=tls [serial, tcp, simulated]"},
+        {"{transport: tls, host: plc, port: ~}", ""},
+        {"{transport: tls, host: plc, port: ~, tls: {ca: a, certificate: b, key: c, crl: d, server_name: e}}",
+         ""},
+        {"{transport: tls, host: plc, port: ~, tls: {server_name: \"plc:802\"}}",
+         "host.with_port server_name=plc:802"},
+        {"{transport: tls, host: plc, port: ~, tls: {root: a}}",
+         "key.unlike root=root [ca, certificate, key, crl, server_name]"},
+        {"{transport: tcp, host: plc, port: ~, tls: {ca: a}}", "field.needs tls="},
         {"{transport: tcp, host: plc, port: ~, tcp_port: 0}", "field.out_of_range tcp_port=0 [1..65535]"},
         {"{transport: tcp, host: plc, port: ~, tcp_port: 65535}", ""},
         {"{transport: tcp, host: plc}", "?field.without_effect port=/dev/ttyS0"},
         {"{tcp_port: 502}", "?field.without_effect tcp_port=502"},
         {"{framing: tcp}", "field.not_here framing=tcp [rtu, ascii]"},
         {"{transport: tcp, host: plc, port: ~, framing: ascii}", "field.not_here framing=ascii [rtu, tcp]"},
-        {"{transport: tls, host: plc, port: ~, framing: rtu}",
-         "line.tls transport=tls [serial, tcp, simulated]; field.not_here framing=rtu [tcp]"},
+        {"{transport: tls, host: plc, port: ~, framing: rtu}", "field.not_here framing=rtu [tcp]"},
         {"{transport: simulated, framing: tcp}", ""},
         {"{baud: 0}", "field.out_of_range baud=0 [50..10000000]"},
         {"{baud: 230400}", ""},
@@ -152,7 +158,8 @@ TEST(Interpret, Line) {
         {"{devices: []}", "field.empty devices="},
         {"{devices: {a: b}}", "field.not_a_list devices="},
         {"{bauds: 9600}",
-         "key.unknown bauds=bauds [name, transport, port, host, tcp_port, framing, baud, parity, stop_bits, "
+         "key.unknown bauds=bauds [name, transport, port, host, tcp_port, tls, framing, baud, parity, "
+         "stop_bits, "
          "data_bits, rs485, order, request_gap, frame_gap, byte_timeout, connection, idle_close, "
          "pause_after_connect, connections_per_host, length_tolerance, relay_interval, command_interval, "
          "command_burst, devices]"},
@@ -199,6 +206,9 @@ TEST(Interpret, DefaultsOfALineFollowItsTransportAndFraming) {
     EXPECT_EQ(line("{transport: tcp, host: plc, port: ~}").tcp_port, 502);
     EXPECT_EQ(line("{transport: tcp, host: plc, port: ~}").format.baud, 0U);
     EXPECT_EQ(line("{transport: tls, host: plc, port: ~}").tcp_port, 802);
+    EXPECT_EQ(line("{transport: tls, host: plc, port: ~}").tls, files_in("certs/", "client"));
+    EXPECT_EQ(line("{transport: tls, host: plc, port: ~, tls: {ca: /etc/root.pem, server_name: boiler}}").tls,
+              (TlsFiles{"/etc/root.pem", "certs/client.pem", "certs/client.key", "", "boiler"}));
     EXPECT_EQ(line("{transport: simulated}").framing, wire::Framing::rtu);
     EXPECT_EQ(line("{}", "{profile: owen-kc1}").order, PollOrder::address);
     EXPECT_EQ(line("{}", "{profile: owen-kc1}").request_gap, 12ms);

@@ -198,7 +198,7 @@ TEST(PlanningKeys, OfADevice) {
 TEST(PlanningKeys, RequestsInFlightNeedTransactionIds) {
     const Case lines[] = {
         {kTcp, ""},
-        {"{transport: tls, host: plc, port: ~}", "line.tls transport=tls [serial, tcp, simulated]"},
+        {"{transport: tls, host: plc, port: ~}", ""},
         {"{transport: simulated, framing: tcp}", ""},
         {"{transport: tcp, host: plc, port: ~, framing: rtu}", "?field.without_effect in_flight=16"},
         {"{transport: simulated}", "?field.without_effect in_flight=16"},

@@ -123,10 +123,21 @@ TEST(Servers, OnASerialLine) {
         read("{name: S, transport: serial, port: p, strict: true, units: []}").project.servers.at(0).strict);
 }
 
-TEST(Servers, TlsIsOneFinding) {
-    EXPECT_EQ(findings_text("{name: S, transport: tls, listen: *, tcp_port: 802, units: [{address: 1, banks: "
-                            "[{area: coil, items: [0..9]}]}]}"),
-              "line.tls transport=tls [serial, tcp]");
+TEST(Servers, HaveTlsOnItsPort) {
+    const auto server = read("{name: S, transport: tls, listen: *, units: []}").project.servers.at(0);
+    EXPECT_EQ(server.tcp_port, 802);
+    EXPECT_EQ(server.tls, files_in("certs/", "server"));
+    EXPECT_EQ(
+        findings_text("{name: S, transport: tls, listen: *, tls: {server_name: plc}, units: [{address: 1, "
+                      "banks: [{area: coil, items: [0..9]}]}]}"),
+        "field.needs server_name=plc");
+}
+
+TEST(Servers, AnAccessRuleNamesRoles) {
+    const auto server =
+        read("{name: S, listen: *, access: [{roles: [Operator, none], rule: allow}], units: []}")
+            .project.servers.at(0);
+    EXPECT_EQ(server.access.at(0).roles, (std::vector<std::string>{"Operator", ""}));
 }
 
 TEST(Servers, RetainAllOfABank) {

@@ -30,9 +30,9 @@ Request write_holding(int address) {
 constexpr std::string_view kPeer = "192.0.2.7:50100";
 
 struct Rules {
-    Decision decide(const Request& bytes, std::string_view peer = kPeer, int unit = 1,
-                    Instant t = Instant{}) {
-        const Context context{t, UnitId{static_cast<std::uint8_t>(unit)}, false, peer, {}};
+    Decision decide(const Request& bytes, std::string_view peer = kPeer, int unit = 1, Instant t = Instant{},
+                    std::string_view role = {}) {
+        const Context context{t, UnitId{static_cast<std::uint8_t>(unit)}, false, peer, role};
         return control.decide(context, context.unit, wire::RequestView(bytes));
     }
     void set(std::vector<AccessRule> with) {
@@ -74,6 +74,20 @@ TEST(Access, TheFirstRuleThatFitsCounts) {
     EXPECT_EQ(rules.decide(read_holding(0, 1)), Decision::allowed);
     std::swap(rules.rules[0], rules.rules[1]);
     EXPECT_EQ(rules.decide(write_holding(0)), Decision::allowed);
+}
+
+TEST(Access, RolesOfCertificates) {
+    Rules rules;
+    const std::array<std::string_view, 2> writers{"Operator", "Engineer"};
+    const std::array<std::string_view, 1> nobody{""};
+    rules.set({{.roles = writers, .permission = Permission::allow},
+               {.roles = nobody, .permission = Permission::read_only}});
+    EXPECT_EQ(rules.decide(write_holding(0), kPeer, 1, {}, "Operator"), Decision::allowed);
+    EXPECT_EQ(rules.decide(write_holding(0), kPeer, 1, {}, "operator"), Decision::denied);
+    EXPECT_EQ(rules.decide(write_holding(0), kPeer, 1, {}, "Operator "), Decision::denied);
+    EXPECT_EQ(rules.decide(write_holding(0), kPeer, 1, {}, ""), Decision::read_only);
+    EXPECT_EQ(rules.decide(read_holding(0, 1), kPeer, 1, {}, ""), Decision::allowed);
+    EXPECT_EQ(rules.decide(read_holding(0, 1), kPeer, 1, {}, "Viewer"), Decision::denied);
 }
 
 TEST(Access, PeersByTheirNetworkOrSerialPort) {

@@ -149,9 +149,10 @@ struct WebServer::Impl {
         serving.shared_peers = options.proxies;
         serving.evict_after = kEvictAfter;
         serving.log = options.log;
-        TAKT_TRY(server, line::TcpServer::listen(
-                             *loop, options.address,
-                             [this](Instant t, std::string_view peer) { return accept(t, peer); }, serving));
+        TAKT_TRY(server,
+                 line::TcpServer::listen(
+                     *loop, options.address,
+                     [this](Instant t, const line::Peer& peer) { return accept(t, peer.address); }, serving));
         port = server->port();
         thread = std::thread([this] {
             os::name_thread("takt-web");

@@ -42,7 +42,7 @@ std::expected<Context, ApiResponse> context_of(const ApiRequest& request) {
     Context context;
     auto wrong = take_word(request, "profile", model::kProfiles, context.profile);
     if (!wrong) wrong = take_word(request, "transport", model::kTransports, context.transport);
-    if (context.transport == model::Transport::tcp) context.framing = wire::Framing::tcp;
+    if (model::is_network(context.transport)) context.framing = wire::Framing::tcp;
     if (!wrong) wrong = take_word(request, "framing", model::kFramings, context.framing);
     if (wrong) return std::unexpected(*std::move(wrong));
     return context;
@@ -63,11 +63,11 @@ std::string word_of(const Words& words, Enum value) {
 class Defaults {
 public:
     explicit Defaults(const Context& context) {
-        const bool tcp = context.transport == model::Transport::tcp;
+        const bool network = model::is_network(context.transport);
         const auto text = "takt: 1\nprofile: " + word_of(model::kProfiles, context.profile) +
                           "\nlines: [{name: l, transport: " + word_of(model::kTransports, context.transport) +
                           ", framing: " + word_of(model::kFramings, context.framing) +
-                          (tcp ? ", host: h" : ", port: p") +
+                          (network ? ", host: h" : ", port: p") +
                           ", devices: [{name: d, address: 1, variables: [{name: v, type: int16, register: 0, "
                           "read: 0x03}]}]}]\n";
         const auto checked = model::interpret(file::load_text("", text).document);

@@ -39,6 +39,8 @@ private:
         std::vector<serve::UnitRange> units;
         std::vector<serve::AddressRange> items;
         std::vector<Network> networks;
+        std::vector<std::string> roles;
+        std::vector<std::string_view> role_views;  // of `roles`
     };
     static constexpr std::size_t kPeers = 256;  // with rate limits at a time
 

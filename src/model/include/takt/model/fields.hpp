@@ -30,8 +30,9 @@ inline constexpr std::array<std::string_view, 1> kTurnarounds{"learn"};
 inline constexpr std::array<std::string_view, 3> kWriteSingle{"allowed", "only", "never"};
 inline constexpr std::array<std::string_view, 4> kAreas{"coil", "discrete_input", "input_register",
                                                         "holding_register"};
-/// Words for servers and overlays: the first and the last ones of their enums.
-inline constexpr std::array<std::string_view, 2> kServerTransports{"serial", "tcp"};
+/// Words for servers, instruments and overlays: the first or the last ones of their enums.
+inline constexpr std::array<std::string_view, 3> kServerTransports{"serial", "tcp", "tls"};
+inline constexpr std::array<std::string_view, 2> kInstrumentTransports{"serial", "tcp"};
 inline constexpr std::array<std::string_view, 2> kRegisterAreas{"input_register", "holding_register"};
 inline constexpr std::array<std::string_view, 3> kAccessVerdicts{"allow", "read_only", "deny"};
 inline constexpr std::array<std::string_view, 3> kDurabilities{"ack", "100ms", "none"};
@@ -68,6 +69,7 @@ enum class Object : std::uint8_t {
     faults,
     backoff,
     round_trip,
+    tls,
     areas,
     server,
     unit,

@@ -10,12 +10,17 @@
 #include "takt/base/time.hpp"
 #include "takt/model/device.hpp"
 #include "takt/model/document.hpp"
+#include "takt/model/tls_files.hpp"
 #include "takt/wire/frame.hpp"
 #include "takt/wire/line_timing.hpp"
 
 namespace takt::model {
 
 enum class Transport : std::uint8_t { serial, tcp, tls, simulated };
+/// A connection to a host, as opposed to a port of this computer.
+[[nodiscard]] constexpr bool is_network(Transport transport) {
+    return transport == Transport::tcp || transport == Transport::tls;
+}
 enum class Rs485 : std::uint8_t { automatic, kernel, rts, none };
 enum class PollOrder : std::uint8_t { deadline, address };
 
@@ -48,6 +53,7 @@ struct Line {
     Transport transport = Transport::serial;
     std::string port;  ///< serial: the device file; tcp, tls: host name or address
     std::uint16_t tcp_port = 502;
+    TlsFiles tls;  ///< with Transport::tls
     wire::Framing framing = wire::Framing::rtu;
     wire::CharacterFormat format;  ///< of serial and simulated serial lines
     Rs485 rs485 = Rs485::automatic;

@@ -117,6 +117,7 @@ struct AccessRule {
     std::vector<Network> networks;
     bool serial = false;                  ///< peers on serial ports
     bool every_peer = true;               ///< none are named
+    std::vector<std::string> roles;       ///< of clients' certificates; "": no role. Empty: all
     std::vector<ItemRange> units;         ///< 0..255; empty: all
     std::vector<std::uint8_t> functions;  ///< codes
     bool every_function = true;           ///< none are named
@@ -153,9 +154,10 @@ struct Relay {
 struct Server {
     std::string name;
     SourceLocation location;
-    Transport transport = Transport::tcp;  ///< serial or tcp
-    std::string port;                      ///< serial: the device file; tcp: the address to listen on
+    Transport transport = Transport::tcp;  ///< serial, tcp or tls
+    std::string port;                      ///< serial: the device file; else the address to listen on
     std::uint16_t tcp_port = 502;
+    TlsFiles tls;  ///< with Transport::tls
     wire::Framing framing = wire::Framing::tcp;
     wire::CharacterFormat format;  ///< serial
     Rs485 rs485 = Rs485::automatic;
@@ -163,7 +165,7 @@ struct Server {
     Duration turnaround{};                  ///< least time before an answer
     std::optional<Duration> byte_timeout;   ///< serial: longest pause between two bytes of a request
     std::optional<Duration> frame_timeout;  ///< serial: longest time from its first byte to its last
-    ListenLimits limits;                    ///< tcp
+    ListenLimits limits;                    ///< tcp, tls
     std::vector<AccessRule> access;         ///< empty: everything is allowed
     std::string audit;              ///< file of writes and refusals, relative to the project's; empty: none
     std::vector<ServerUnit> units;  ///< may be empty where it relays

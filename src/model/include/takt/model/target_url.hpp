@@ -16,6 +16,9 @@ namespace takt::model {
 /// "host:502", "[::1]:502".
 [[nodiscard]] std::string host_and_port(std::string_view host, std::uint16_t port);
 
+/// "tcp", "tls", "rtu+tcp", "rtu", "ascii"
+[[nodiscard]] std::string_view scheme_of(const Line& line);
+
 /// "tcp://host:502", "rtu:///dev/ttyUSB0?baud=9600&parity=none&stop_bits=1", for ASCII with
 /// "&data_bits=7", and with "&rs485=rts" where it is not automatic.
 [[nodiscard]] std::string url_of(const Line& line);

@@ -52,10 +52,11 @@ struct RateLimit {
 struct AccessRule {
     enum class Permission : std::uint8_t { allow, read_only, deny };
 
-    std::span<const Network> networks;  ///< of TCP peers
-    bool serial = false;                ///< peers on serial ports
-    bool every_peer = true;             ///< `networks` and `serial` do not count
-    std::span<const UnitRange> units;   ///< empty: every unit
+    std::span<const Network> networks;        ///< of TCP peers
+    bool serial = false;                      ///< peers on serial ports
+    bool every_peer = true;                   ///< `networks` and `serial` do not count
+    std::span<const std::string_view> roles;  ///< Context::role is one of them; empty: any, or none
+    std::span<const UnitRange> units;         ///< empty: every unit
     FunctionSet functions = FunctionSet::all();
     /// Function 43 with MEI type 14, which reads, and with the other types, which may write. They count
     /// beside `functions`.
