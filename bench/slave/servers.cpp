@@ -42,9 +42,9 @@ void serve_takt(const Ready& ready) {
     line::SlaveSessions sessions;
     line::TcpServerOptions options;
     options.max_connections = kMostConnections;
-    const auto factory = [&](Instant, std::string_view peer) {
+    const auto factory = [&](Instant, const line::Peer& peer) {
         serve::TcpConfig config;
-        config.peer.assign(peer);
+        config.peer.assign(peer.address);
         return std::make_unique<line::SlaveSession>(config, devices, sessions);
     };
     const auto server = std::move(line::TcpServer::listen(*loop, {"127.0.0.1", 0}, factory, options)).value();

@@ -32,7 +32,7 @@ Error Client::timed_out() const {
 Error Client::link_lost() const {
     auto error = fail(Code::connection_lost, options_.target).error();
     const auto why = connection_->link_error();
-    if (why && why->code == Code::not_modbus) {
+    if (why && (why->code == Code::not_modbus || why->code == Code::tls_failed)) {
         error.code = why->code;
         error.numbers = why->numbers;
     }

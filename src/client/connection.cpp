@@ -64,7 +64,7 @@ public:
         driver.connect_limit = options.timeout;
         driver.on_link = [this](Instant, bool, const std::optional<Error>& why) { link_error_ = why; };
         driver.on_close = [this](Instant, const std::optional<Error>& why) {
-            if (why && why->code == Code::not_modbus) link_error_ = why;
+            if (why && (why->code == Code::not_modbus || why->code == Code::tls_failed)) link_error_ = why;
         };
         driver.must_reconnect = [this] { return engine_.must_reconnect(); };
         TAKT_TRY(driver_, open_line(loop_, line, reopened_, driver));

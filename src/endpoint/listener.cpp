@@ -6,6 +6,7 @@
 
 #include "takt/endpoint/serial_notices.hpp"
 #include "takt/line/serial_port.hpp"
+#include "takt/model/target_url.hpp"
 
 namespace takt::endpoint {
 namespace {
@@ -59,9 +60,10 @@ Result<void> Listener::open_tcp() {
     config.framing = spec_.line.framing;
     config.frame_deadline = spec_.limits.frame_timeout;
     config.idle_deadline = spec_.limits.idle_timeout;
-    const auto factory = [this, config](Instant, std::string_view peer) -> std::unique_ptr<line::Session> {
+    const auto factory = [this, config](Instant, const line::Peer& peer) -> std::unique_ptr<line::Session> {
         serve::TcpConfig own = config;
-        own.peer.assign(peer);
+        own.peer.assign(peer.address);
+        own.role.assign(peer.role);
         auto session = std::make_unique<line::SlaveSession>(own, responder_, sessions_, traffic_.get());
         if (!environment_.faults) return session;
         return std::make_unique<FaultySession>(std::move(session), config.framing, *environment_.faults,
@@ -72,6 +74,9 @@ Result<void> Listener::open_tcp() {
     limits.max_per_peer = spec_.limits.max_per_peer;
     limits.write_limit = spec_.limits.write_timeout;
     limits.log = environment_.serve_log;
+    if (spec_.line.transport == model::Transport::tls) {
+        TAKT_TRY(limits.tls, tls::Context::load(tls::Side::server, spec_.line.tls));
+    }
     TAKT_TRY(server_, line::TcpServer::listen(environment_.loop, *spec_.address, factory, limits));
     return {};
 }
@@ -116,8 +121,7 @@ void Listener::note_link(bool up, const std::optional<Error>& why) {
 }
 
 std::string Listener::name() const {
-    if (server_)
-        return (spec_.line.framing == wire::Framing::tcp ? "tcp://" : "rtu+tcp://") + server_->name();
+    if (server_) return std::string(model::scheme_of(spec_.line)).append("://").append(server_->name());
     return fmt::format("{} {} {} bit/s", wire::name(spec_.line.framing), spec_.line.port,
                        spec_.line.format.baud);
 }

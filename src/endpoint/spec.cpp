@@ -29,7 +29,8 @@ Result<ListenerSpec> serial_listener(const std::string& port, const model::Line&
 Result<ListenerSpec> tcp_listener(const std::string& address, model::Line line) {
     TAKT_TRY(const auto listen, line::parse_listen(address));
     if (line.is_serial()) line.framing = wire::Framing::tcp;
-    line.transport = model::Transport::tcp;
+    line.transport = listen.certificates ? model::Transport::tls : model::Transport::tcp;
+    if (listen.certificates) line.tls = model::files_in(*listen.certificates, "server");
     line.port = address;
     return ListenerSpec{.line = std::move(line), .address = listen};
 }
@@ -55,7 +56,8 @@ ListenerSpec server_listener(const model::Server& server) {
     listener.line.framing = server.framing;
     listener.line.format = server.format;
     listener.line.rs485 = server.rs485;
-    if (server.transport == model::Transport::tcp)
+    listener.line.tls = server.tls;
+    if (model::is_network(server.transport))
         listener.address = line::ListenAddress{server.port == "*" ? "" : server.port, server.tcp_port};
     listener.strict = server.strict;
     listener.turnaround = server.turnaround;

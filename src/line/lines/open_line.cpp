@@ -31,15 +31,18 @@ Result<std::unique_ptr<Driver>> open_line(Loop& loop, const model::Line& line, E
             settings.rs485 = line.rs485;
             return open_serial(loop, settings, engine, options);
         }
-        case model::Transport::tcp: {
+        case model::Transport::tcp:
+        case model::Transport::tls: {
             DriverOptions tcp = options;
+            if (line.transport == model::Transport::tls) {
+                TAKT_TRY(tcp.tls, tls::Context::load(tls::Side::client, line.tls));
+            }
             tcp.acknowledge_at_once = line.framing != wire::Framing::tcp;
             return connect_tcp(loop, line.port, line.tcp_port, engine, tcp);
         }
         case model::Transport::simulated: return std::make_unique<OwnSimulation>(loop, line, engine, options);
-        case model::Transport::tls: break;
     }
-    return fail(Code::unsupported, model::name(line.transport));
+    return fail(Code::unsupported, "transport");
 }
 
 }  // namespace takt::line

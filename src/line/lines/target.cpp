@@ -23,15 +23,15 @@ struct Scheme {
     wire::Framing framing;
     std::uint16_t tcp_port;
 };
+constexpr std::uint16_t kTlsPort = 802;
 constexpr std::array kSchemes{
     Scheme{"tcp", model::Transport::tcp, wire::Framing::tcp, 502},
-    Scheme{"tls", model::Transport::tls, wire::Framing::tcp, 802},
+    Scheme{"tls", model::Transport::tls, wire::Framing::tcp, kTlsPort},
     Scheme{"rtu+tcp", model::Transport::tcp, wire::Framing::rtu, 502},
     Scheme{"rtu", model::Transport::serial, wire::Framing::rtu, 0},
     Scheme{"ascii", model::Transport::serial, wire::Framing::ascii, 0},
 };
-// tls is read, but no driver has it yet.
-constexpr std::array<std::string_view, 4> kSchemeNames{"tcp", "rtu+tcp", "rtu", "ascii"};
+constexpr std::array<std::string_view, 5> kSchemeNames{"tcp", "tls", "rtu+tcp", "rtu", "ascii"};
 constexpr std::string_view kPort = "/dev/ttyUSB0";
 
 std::unexpected<Error> wrong(std::string_view part, std::string_view right = {}) {
@@ -182,9 +182,21 @@ Result<Target> parse_serial_target(Target target, std::string_view rest) {
     return target;
 }
 
+// Takes "?certs=FOLDER" from the end of a TLS address. @returns the folder with a slash at its end
+std::string take_certificates(std::string_view& address) {
+    constexpr std::string_view kKey = "?certs=";
+    const auto begin = address.find(kKey);
+    if (begin == std::string_view::npos) return std::string(model::kCertificateFolder);
+    std::string folder(address.substr(begin + kKey.size()));
+    address = address.substr(0, begin);
+    if (!folder.empty() && !folder.ends_with('/')) folder += '/';
+    return folder;
+}
+
 Result<Target> parse_network_target(Target target, std::string_view scheme, std::string_view rest) {
     target.format.baud = 0;
     if (rest.starts_with("/dev/")) return wrong(rest, std::string("rtu://").append(rest));
+    if (target.transport == model::Transport::tls) target.certificates = take_certificates(rest);
     if (rest.ends_with('/')) rest.remove_suffix(1);
     const auto beyond = rest.find_first_of("/?#@");
     if (beyond != std::string_view::npos) {
@@ -254,6 +266,7 @@ model::Line Target::as_line() const {
     line.framing = framing;
     line.format = format;
     line.rs485 = rs485;
+    if (transport == model::Transport::tls) line.tls = model::files_in(certificates, "client");
     return line;
 }
 
@@ -280,10 +293,17 @@ Result<Target> parse_target(std::string_view url) {
 
 Result<ListenAddress> parse_listen(std::string_view text) {
     constexpr std::string_view kScheme = "tcp://";
-    if (text.starts_with(kScheme)) text.remove_prefix(kScheme.size());
+    constexpr std::string_view kTlsScheme = "tls://";
+    ListenAddress address;
+    if (text.starts_with(kScheme)) {
+        text.remove_prefix(kScheme.size());
+    } else if (text.starts_with(kTlsScheme)) {
+        text.remove_prefix(kTlsScheme.size());
+        address.certificates = take_certificates(text);
+        address.port = kTlsPort;
+    }
     if (text.find("://") != std::string_view::npos) return wrong(text, "127.0.0.1:502");
     TAKT_TRY(const HostPort given, split_host_port(text, 0));
-    ListenAddress address;
     if (given.port) address.port = *given.port;
     in_addr ipv4{};
     if (given.host.empty() || given.host == "*") {

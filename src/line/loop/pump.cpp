@@ -143,6 +143,7 @@ std::size_t Pump::readable_bytes() const {
 void Pump::arm() {
     if (readable_bytes() > 0) watch_.want_read();
     Instant wakeup = engine_.next_wakeup();
+    if (stream_.has_buffered() && readable_bytes() > 0) wakeup = std::min(wakeup, now());
     // While output is pending the engine may ask to be woken immediately. The limit prevents a busy loop.
     constexpr Duration kWhilePending = std::chrono::milliseconds(1);
     if (!pending_.empty()) wakeup = std::max(wakeup, now() + kWhilePending);

@@ -5,6 +5,7 @@
 
 #include "loop/pump.hpp"
 #include "network/backoff.hpp"
+#include "network/handshake.hpp"
 #include "network/resolver.hpp"
 #include "takt/line/connect_gate.hpp"
 #include "takt/line/connection_limit.hpp"
@@ -114,7 +115,7 @@ private:
         if (!opened) return attempt_failed(opened.error());
         socket_ = *std::move(opened);
         set_connection_options(socket_.get());
-        if (::connect(socket_.get(), address.get(), address.length) == 0) return connected();
+        if (::connect(socket_.get(), address.get(), address.length) == 0) return greet();
         if (errno != EINPROGRESS) return attempt_failed(cannot_open(errno));
         connecting_ = std::make_unique<Watch>(loop_, socket_.get(), [] {}, [this] { judge_connection(); });
         connecting_->want_write();
@@ -130,7 +131,26 @@ private:
         // TCP simultaneous open: a connect to a closed local port succeeds when the kernel picks that very
         // port as the source port. The result is a connection to itself.
         if (is_connected_to_itself(socket_.get())) return attempt_failed(cannot_open(ECONNREFUSED));
-        connected();
+        greet();
+    }
+
+    // The gate counts a handshake as a part of the attempt: it is most of its work.
+    void greet() {
+        stop_connecting();
+        if (!options_.tls) {
+            auto stream = std::make_unique<SocketStream>(std::move(socket_), name_);
+            if (options_.acknowledge_at_once) stream->acknowledge_at_once();
+            return connected(std::move(stream));
+        }
+        auto begun = tls::Connection::begin(options_.tls, socket_.get(), host_, name_);
+        if (!begun) return attempt_failed(begun.error());
+        const auto done = [this](Result<std::unique_ptr<ByteStream>> stream, const std::string&) {
+            if (!stream) return attempt_failed(stream.error());
+            connected(*std::move(stream));
+        };
+        handshake_ = std::make_unique<Handshake>(loop_, std::move(socket_), *std::move(begun), nullptr, done);
+        waits_for_ = Wait::attempt;
+        call_at(now() + options_.connect_limit);
     }
 
     void attempt_failed(const Error& why) {
@@ -143,16 +163,16 @@ private:
 
     void stop_connecting() {
         connecting_.reset();
+        handshake_.reset();
         if (timer_) timer_->set(kNever);
     }
 
-    void connected() {
+    void connected(std::unique_ptr<ByteStream> stream) {
         stop_connecting();
         pass_ = {};
         timer_.reset();
         std::vector<SocketAddress>().swap(addresses_);
-        stream_ = std::make_unique<SocketStream>(std::move(socket_), name_);
-        if (options_.acknowledge_at_once) stream_->acknowledge_at_once();
+        stream_ = std::move(stream);
         PumpOptions pumping;
         pumping.finished = options_.must_reconnect;
         pumping.write_limit = kWriteLimit;
@@ -218,7 +238,8 @@ private:
     std::size_t next_ = 0;
     os::Descriptor socket_;  // while connecting
     std::unique_ptr<Watch> connecting_;
-    std::unique_ptr<SocketStream> stream_;
+    std::unique_ptr<Handshake> handshake_;
+    std::unique_ptr<ByteStream> stream_;
     std::unique_ptr<Pump> pump_;
     ConnectGate::Pass pass_;
     Instant connected_at_;

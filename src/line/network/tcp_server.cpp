@@ -11,26 +11,25 @@
 #include <array>
 #include <cerrno>
 #include <list>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "loop/pump.hpp"
+#include "network/handshake.hpp"
 #include "takt/line/socket.hpp"
 #include "takt/os/descriptor.hpp"
 
 namespace takt::line {
 
 struct ServedConnection {
-    ServedConnection(os::Descriptor fd, std::string peer, std::size_t& of_peer,
-                     std::unique_ptr<Session> served)
-        : stream(std::move(fd), std::move(peer)), from_peer(of_peer), session(std::move(served)) {}
-
-    SocketStream stream;
+    std::unique_ptr<ByteStream> stream;
+    std::string peer;
     std::size_t& from_peer;  // connections of its address
     std::unique_ptr<Session> session;
-    std::unique_ptr<Pump> pump;
+    std::unique_ptr<Pump> pump = nullptr;
 };
 
 namespace {
@@ -84,7 +83,9 @@ struct TcpServer::Impl {
           factory(std::move(sessions)),
           options(with),
           watch(on_loop, listener.get(), [this] { accept_some(); }),
-          resume(on_loop, [this](Instant) { watch.want_read(); }) {}
+          resume(on_loop, [this](Instant) { watch.want_read(); }) {
+        if (options.tls) handshakes.emplace(loop, options.tls, options.handshake_limit);
+    }
 
     Loop& loop;
     os::Descriptor listener;
@@ -98,11 +99,16 @@ struct TcpServer::Impl {
     std::list<ServedConnection> connections;
     Instant next_refusal_log = Instant::min();
     Instant next_stall_log = Instant::min();
+    Instant next_tls_log = Instant::min();
+    std::optional<Handshakes> handshakes;
     Watch watch;
     Timer resume;
 
     void accept_some();
     void serve(os::Descriptor fd, const SocketAddress& address);
+    void establish(std::unique_ptr<ByteStream> stream, const std::string& peer, std::string_view role);
+    void leave(const std::string& peer);
+    void note_no_tls(const Error& why);
     /// Connections that an address may have.
     [[nodiscard]] std::size_t most_of(std::string_view peer) const;
     [[nodiscard]] bool evict(const std::size_t* only_peer);
@@ -196,28 +202,61 @@ void TcpServer::Impl::serve(os::Descriptor fd, const SocketAddress& address) {
     const auto known = peers.find(host_of(peer));
     if (known != peers.end() && known->second >= most_of(peer) && !evict(&known->second))
         return refuse(peer, counters.over_peer_limit);
-    if (connections.size() >= options.max_connections && !evict(nullptr))
-        return refuse(peer, counters.over_limit);
-    auto session = factory(now(), peer);
+    const std::size_t open = connections.size() + (handshakes ? handshakes->size() : 0);
+    if (open >= options.max_connections && !evict(nullptr)) return refuse(peer, counters.over_limit);
+    set_connection_options(fd.get());
+    if (!handshakes) {
+        auto stream = std::make_unique<SocketStream>(std::move(fd), peer);
+        return establish(std::move(stream), peer, {});
+    }
+    ++peers[host_of(peer)];
+    handshakes->begin(std::move(fd), peer,
+                      [this, peer](Result<std::unique_ptr<ByteStream>> stream, const std::string& role) {
+                          leave(peer);
+                          if (!stream) return note_no_tls(stream.error());
+                          establish(*std::move(stream), peer, role);
+                      });
+}
+
+void TcpServer::Impl::leave(const std::string& peer) {
+    const auto from = peers.find(host_of(peer));
+    if (--from->second == 0) peers.erase(from);
+}
+
+void TcpServer::Impl::note_no_tls(const Error& why) {
+    ++counters.refused;
+    ++counters.no_tls;
+    const Instant t = now();
+    if (t < next_tls_log) return;
+    next_tls_log = after(t, kLogPause);
+    const std::string times = std::to_string(counters.no_tls);
+    options.log.message(
+        LogLevel::warning, "log.client_tls",
+        std::vector<LogArgument>{{.name = "reason", .error = &why}, {.name = "count", .text = times}});
+}
+
+void TcpServer::Impl::establish(std::unique_ptr<ByteStream> stream, const std::string& peer,
+                                std::string_view role) {
+    auto session = factory(now(), {.address = peer, .role = role});
     if (!session) return refuse(peer, counters.by_factory);
     ++counters.accepted;
     std::size_t& of_peer = peers[host_of(peer)];
     ++of_peer;
-    set_connection_options(fd.get());
-    connections.emplace_front(std::move(fd), std::move(peer), of_peer, std::move(session));
+    connections.push_front(
+        {.stream = std::move(stream), .peer = peer, .from_peer = of_peer, .session = std::move(session)});
     const auto connection = connections.begin();
     PumpOptions pumping;
     pumping.pause_reading = true;
     pumping.write_limit = options.write_limit;
     pumping.wants_bytes = [served = connection->session.get()] { return served->wants_bytes(); };
     pumping.written_out = [connection] {
-        if (connection->session->output_ended()) ::shutdown(connection->stream.fd(), SHUT_WR);
+        if (connection->session->output_ended()) ::shutdown(connection->stream->fd(), SHUT_WR);
     };
     pumping.finished = [served = connection->session.get()] { return served->finished(); };
     pumping.drained = [served = connection->session.get()] { return served->drained(); };
     pumping.input_ended = [served = connection->session.get()] { served->on_input_end(); };
     connection->pump = std::make_unique<Pump>(
-        loop, connection->stream, connection->session->engine(), std::move(pumping),
+        loop, *connection->stream, connection->session->engine(), std::move(pumping),
         [this, connection](Instant, const std::optional<Error>& why) { closed(connection, why); });
     connection->session->attach([pump = connection->pump.get()] { pump->poke(); });
     connection->pump->start();
@@ -230,12 +269,12 @@ void TcpServer::Impl::closed(std::list<ServedConnection>::iterator connection,
         const Instant t = now();
         if (t >= next_stall_log) {
             next_stall_log = after(t, kLogPause);
-            warn("log.client_stalled", connection->stream.peer(), counters.write_stalls);
+            warn("log.client_stalled", connection->peer, counters.write_stalls);
         }
     }
     counters.bytes_read += connection->pump->counters().bytes_read;
     counters.bytes_written += connection->pump->counters().bytes_written;
-    if (--connection->from_peer == 0) peers.erase(host_of(connection->stream.peer()));
+    leave(connection->peer);
     connections.erase(connection);
 }
 

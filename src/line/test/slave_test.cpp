@@ -40,7 +40,7 @@ TEST(Slave, AnswersOnASerialPort) {
 
 struct TcpSlave {
     explicit TcpSlave(Loop& loop) {
-        const auto factory = [this](Instant, std::string_view) {
+        const auto factory = [this](Instant, const Peer&) {
             return std::make_unique<SlaveSession>(serve::TcpConfig{}, devices, sessions);
         };
         server = std::move(TcpServer::listen(loop, {"127.0.0.1", 0}, factory)).value();

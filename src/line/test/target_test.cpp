@@ -208,8 +208,22 @@ TEST(Listen, ReadsAddresses) {
         EXPECT_EQ(address->port, row.port) << row.text;
     }
     for (const char* wrong :
-         {"", "plc:502", "1502x", "127.0.0.1:65536", "::1:502:x", "tls://127.0.0.1:802", "[::1"})
+         {"", "plc:502", "1502x", "127.0.0.1:65536", "::1:502:x", "[::1", "ssl://127.0.0.1"})
         EXPECT_FALSE(parse_listen(wrong)) << wrong;
+}
+
+TEST(Listen, TlsHasCertificatesOfAFolder) {
+    EXPECT_EQ(parse_listen("127.0.0.1:502")->certificates, std::nullopt);
+    const auto usual = parse_listen("tls://127.0.0.1");
+    EXPECT_EQ(usual->port, 802);
+    EXPECT_EQ(usual->certificates, "certs/");
+    EXPECT_EQ(parse_listen("tls://*:8802?certs=/etc/takt")->certificates, "/etc/takt/");
+}
+
+TEST(Targets, TlsHasCertificatesOfAFolder) {
+    EXPECT_EQ(parse_target("tls://plc")->as_line().tls, model::files_in("certs/", "client"));
+    EXPECT_EQ(parse_target("tls://plc:8802?certs=plant")->as_line().tls, model::files_in("plant/", "client"));
+    EXPECT_FALSE(parse_target("tcp://plc?certs=plant"));
 }
 
 TEST(Listen, TakesANameOfThisMachine) {

@@ -37,9 +37,7 @@ private:
 struct Server {
     explicit Server(Loop& loop, const TcpServerOptions& options = {},
                     const ListenAddress& where = {"127.0.0.1", 0}) {
-        const auto factory = [this](Instant, std::string_view) {
-            return std::make_unique<ScriptSession>(alive);
-        };
+        const auto factory = [this](Instant, const Peer&) { return std::make_unique<ScriptSession>(alive); };
         server = std::move(TcpServer::listen(loop, where, factory, options)).value();
     }
     [[nodiscard]] std::uint16_t port() const { return server->port(); }

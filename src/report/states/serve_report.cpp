@@ -31,7 +31,8 @@ std::string connections_text(const Texts& texts, const std::string& where, const
                                              {"count", std::to_string(counts.refused)},
                                              {"limit", std::to_string(counts.over_limit)},
                                              {"peer", std::to_string(counts.over_peer_limit)},
-                                             {"descriptors", std::to_string(counts.no_descriptors)}}) +
+                                             {"descriptors", std::to_string(counts.no_descriptors)},
+                                             {"tls", std::to_string(counts.no_tls)}}) +
                 '\n';
     const std::uint64_t ended = connections.bad_headers + connections.frame_deadlines +
                                 connections.idle_deadlines + counts.write_stalls + counts.evicted;
@@ -53,6 +54,7 @@ Json connections_json(const Connections& connections) {
     refused.set("connections", counts.over_limit);
     refused.set("connections_per_peer", counts.over_peer_limit);
     refused.set("descriptors", counts.no_descriptors);
+    refused.set("tls", counts.no_tls);
     auto ended = Json::object();
     ended.set("bad_header", connections.bad_headers);
     ended.set("frame_timeout", connections.frame_deadlines);

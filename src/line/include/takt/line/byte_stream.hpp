@@ -24,6 +24,9 @@ public:
 
     /// Writes as many bytes as are accepted now. @returns their number, possibly 0
     [[nodiscard]] virtual Result<std::size_t> write(Bytes bytes) = 0;
+
+    /// Whether read() has bytes that no event of the descriptor will announce.
+    [[nodiscard]] virtual bool has_buffered() const { return false; }
 };
 
 }  // namespace takt::line

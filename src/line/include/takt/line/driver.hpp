@@ -13,6 +13,7 @@
 #include "takt/line/serial_port.hpp"
 #include "takt/line/target.hpp"
 #include "takt/model/project.hpp"
+#include "takt/tls/context.hpp"
 
 namespace takt::sim {
 class SimulatedLine;
@@ -24,7 +25,7 @@ class ConnectGate;
 class ConnectionLimit;
 
 /// Called when the link comes up (`why` is empty), goes down, or an attempt fails. `why`: cannot_open, busy,
-/// timed_out, connection_lost, io_failed or (TCP) not_modbus, with the port or host as subject.
+/// timed_out, connection_lost, io_failed or (TCP) not_modbus, tls_failed, with the port or host as subject.
 /// Order: right before the engine's on_link(up), right after its on_link(down). Called on the loop's thread,
 /// never from the driver's constructor. It may stop the loop but not destroy the driver.
 using LinkListener = std::function<void(Instant t, bool up, const std::optional<Error>& why)>;
@@ -49,6 +50,9 @@ struct DriverOptions {
     /// TCP: the limit of connections to its host, and how many there may be; nullptr: without limit.
     ConnectionLimit* connection_limit = nullptr;
     std::size_t connections_per_host = 1;
+    /// TCP: the connection is TLS with it; nullptr: plain. The handshake has a time of its own,
+    /// `connect_limit` again.
+    std::shared_ptr<const tls::Context> tls = nullptr;
     /// TCP: SocketStream::acknowledge_at_once().
     bool acknowledge_at_once = false;
 };
@@ -96,7 +100,7 @@ public:
                                                     const DriverOptions& options = {});
 
 /// The line of a project with its master: serial, tcp or simulated (with its devices as the project
-/// describes them). @returns unsupported ("tls"), else as above
+/// describes them). @returns as above; of TLS the errors of tls::Context::load()
 [[nodiscard]] Result<std::unique_ptr<Driver>> open_line(Loop& loop, const model::Line& line, Engine& engine,
                                                         const DriverOptions& options = {});
 

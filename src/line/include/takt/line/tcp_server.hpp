@@ -14,8 +14,10 @@
 #include "takt/base/log.hpp"
 #include "takt/base/network.hpp"
 #include "takt/base/result.hpp"
+#include "takt/line/byte_stream.hpp"
 #include "takt/line/loop.hpp"
 #include "takt/line/target.hpp"
+#include "takt/tls/context.hpp"
 
 namespace takt::line {
 
@@ -42,9 +44,14 @@ public:
     virtual void attach(std::function<void()> /*poke*/) {}  // NOLINT(performance-*): overriders keep it
 };
 
-/// @param peer  "10.0.0.5:49152", "[::1]:49152"
+/// The other end of an accepted connection.
+struct Peer {
+    std::string_view address;  ///< "10.0.0.5:49152", "[::1]:49152"
+    std::string_view role;     ///< of its certificate (tls::role_of()); empty: none
+};
+
 /// @returns nullptr: the connection is refused (closed at once)
-using SessionFactory = std::function<std::unique_ptr<Session>(Instant t, std::string_view peer)>;
+using SessionFactory = std::function<std::unique_ptr<Session>(Instant t, const Peer& peer)>;
 
 struct TcpServerOptions {
     std::size_t max_connections = 256;  ///< one beyond is accepted and closed at once
@@ -56,8 +63,10 @@ struct TcpServerOptions {
     /// A client that accepts no bytes of an answer for this long is disconnected. At most one answer waits;
     /// meanwhile nothing is read from the client.
     Duration write_limit = std::chrono::seconds(10);
-    Log log{};  ///< refused and stalled connections are logged, each kind at most once a
-                ///< second
+    /// Connections are TLS with it; nullptr: plain TCP.
+    std::shared_ptr<const tls::Context> tls = nullptr;
+    Duration handshake_limit = std::chrono::seconds(5);  ///< of TLS, from accepting to its end
+    Log log{};  ///< refused, failed and stalled connections are logged, each kind at most once a second
 };
 
 struct TcpServerCounters {
@@ -67,6 +76,7 @@ struct TcpServerCounters {
     std::uint64_t over_peer_limit = 0;  ///< of these: beyond max_per_peer
     std::uint64_t by_factory = 0;       ///< of these: the factory returned nullptr
     std::uint64_t no_descriptors = 0;   ///< of these: no descriptors were left
+    std::uint64_t no_tls = 0;           ///< of these: the handshake failed
     std::uint64_t evicted = 0;          ///< closed for new ones
     std::uint64_t write_stalls = 0;     ///< cut off after write_limit
     std::uint64_t bytes_read = 0;       ///< of closed connections
