@@ -9,7 +9,7 @@ import { ByteOrderBlock } from './byte_order_block';
 import { readOnly, setKey, setKeys } from './edit';
 import { bound, isWrong, KeyField, objectAt, Row } from './field';
 import { hintText, keyText, profileOf, rulesAt, wordText } from './rules';
-import { framingOf, transportOf } from './tree';
+import { framingOf, isNetwork, transportOf } from './tree';
 import { protocolText } from './words';
 
 const MORE = [
@@ -123,7 +123,7 @@ export function More({ name, children }: { name: string; children: ComponentChil
 export function DeviceForm({ path }: { path: Path }) {
   const device = objectAt(path);
   const line = at(draft.value, path.slice(0, 2));
-  const tcp = isMapping(line) && transportOf(line) === 'tcp';
+  const tcp = isMapping(line) && isNetwork(transportOf(line));
   const off = strategyOf(device, profileOf(draft.value)) === 'single';
   const field = (name: string, rest = {}) => (
     <KeyField key={name} path={path} object="device" name={name} {...rest} />

@@ -11,7 +11,7 @@ import { type CellKind, durationText, isYes, milliseconds, nodeText, plainType, 
 import { isProtected, readOnly, setKey } from './edit';
 import { LocalPick } from './local_pick';
 import { boundText, hintText, keyText, rangeText, rulesAt, wordText } from './rules';
-import { serverTransportOf, transportOf } from './tree';
+import { isNetwork, serverTransportOf, transportOf } from './tree';
 import { functionChoice, protocolText, wordType } from './words';
 
 const NO_FINDINGS: Finding[] = [];
@@ -150,7 +150,7 @@ function fallbackText(path: Path, name: string, rule: FieldRule): string {
   if (name === 'transport' && path[0] !== 'outputs') return wordText(transportAt(path));
   if (name === 'framing') {
     const transport = transportAt(path);
-    return protocolText(transport, transport === 'tcp' ? 'tcp' : 'rtu');
+    return protocolText(transport, isNetwork(transport) ? 'tcp' : 'rtu');
   }
   return defaultText(rule);
 }

@@ -7,7 +7,7 @@ import { More } from './device_form';
 import { KeyField, objectAt } from './field';
 import { Part } from './parts';
 import { VariableTable } from './table';
-import { serverTransportOf, transportOf } from './tree';
+import { isNetwork, serverTransportOf, transportOf } from './tree';
 
 function Fields(props: { path: Path; object: string; names: string[] }) {
   return (
@@ -44,8 +44,8 @@ const SERIAL = ['baud', 'parity', 'stop_bits', 'data_bits'];
 export function LineForm({ path }: { path: Path }) {
   const texts = t.value.project;
   const transport = transportOf(objectAt(path));
-  const where = transport === 'serial' ? ['port'] : transport === 'tcp' ? ['host', 'tcp_port'] : [];
-  const characters = transport === 'tcp' ? [] : SERIAL;
+  const where = transport === 'serial' ? ['port'] : isNetwork(transport) ? ['host', 'tcp_port'] : [];
+  const characters = isNetwork(transport) ? [] : SERIAL;
   return (
     <div class="form">
       {transport === 'simulated' && <p class="banner info">{texts.importing.simulated}</p>}
@@ -59,7 +59,7 @@ export function LineForm({ path }: { path: Path }) {
         {[
           ...(transport === 'serial' ? ['rs485'] : []),
           'byte_timeout',
-          ...(transport === 'tcp'
+          ...(isNetwork(transport)
             ? ['connection', 'idle_close', 'pause_after_connect', 'connections_per_host', 'length_tolerance']
             : []),
           'relay_interval',
@@ -75,7 +75,7 @@ export function LineForm({ path }: { path: Path }) {
 
 export function ServerForm({ path }: { path: Path }) {
   const texts = t.value.project;
-  const tcp = serverTransportOf(objectAt(path)) === 'tcp';
+  const tcp = isNetwork(serverTransportOf(objectAt(path)));
   const where = tcp ? ['listen', 'tcp_port'] : ['port'];
   return (
     <div class="form">

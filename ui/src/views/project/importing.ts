@@ -5,7 +5,7 @@ import { formatPath, freeName, listAt, type Path, textAt } from '../../store/doc
 import { rawOf } from './cells';
 import { COLUMNS, type TableObject } from './columns';
 import { namesIn } from './rows';
-import { transportOf } from './tree';
+import { isNetwork, transportOf } from './tree';
 
 /** The import dialog: the text so far and the table where it was pasted; null: it is closed. */
 export const importing = signal<{ text: string; path: Path | null } | null>(null);
@@ -169,7 +169,7 @@ export function completed(rows: ImportedRow[], devices: Mapping[], name: string)
 
 /** The framing of the line that the windows of its devices call their protocol; undefined: none or TCP. */
 export function framingIn(rows: ImportedRow[], line: Mapping): string | undefined {
-  if (transportOf(line) === 'tcp') return undefined;
+  if (isNetwork(transportOf(line))) return undefined;
   const word = String(rows.find((its) => its.protocol)?.protocol ?? '').toLowerCase();
   return ['rtu', 'ascii'].find((its) => word.endsWith(its));
 }

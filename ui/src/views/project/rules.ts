@@ -6,7 +6,7 @@ import { formatDuration, formatNumber, t } from '../../i18n';
 import { at, isMapping, type Path, textAt } from '../../store/document';
 import { draft } from '../../store/project';
 import { milliseconds } from './cells';
-import { framingOf, serverTransportOf, transportOf } from './tree';
+import { framingOf, isNetwork, serverTransportOf, transportOf } from './tree';
 
 const tables = signal<Record<string, FieldTable>>({});
 const asked = new Set<string>();
@@ -40,7 +40,7 @@ export function rulesAt(path: Path, object: string): Record<string, FieldRule> {
   if (path[0] === 'lines' && isMapping(owner)) [transport, framing] = [transportOf(owner), framingOf(owner)];
   if (path[0] === 'servers' && isMapping(owner)) {
     transport = serverTransportOf(owner);
-    framing = textAt(owner, ['framing']) ?? (transport === 'tcp' ? 'tcp' : 'rtu');
+    framing = textAt(owner, ['framing']) ?? (isNetwork(transport) ? 'tcp' : 'rtu');
   }
   return tableFor(profileOf(document), transport, framing)[object] ?? {};
 }

@@ -17,20 +17,23 @@ export interface TreeItem {
   children: boolean;
 }
 
+/** A connection to a host. */
+export const isNetwork = (transport: string) => transport === 'tcp' || transport === 'tls';
+
 export function transportOf(line: Mapping): string {
   if (typeof line.transport === 'string') return line.transport;
   return line.host !== undefined && line.port === undefined ? 'tcp' : 'serial';
 }
 export function framingOf(line: Mapping): string {
   if (typeof line.framing === 'string') return line.framing;
-  return transportOf(line) === 'tcp' ? 'tcp' : 'rtu';
+  return isNetwork(transportOf(line)) ? 'tcp' : 'rtu';
 }
 export const serverTransportOf = (server: Mapping): string =>
   typeof server.transport === 'string' ? server.transport : server.port === undefined ? 'tcp' : 'serial';
 
 /** The word of a simulated line is translated where it is shown. */
 const medium = (transport: string) =>
-  transport === 'simulated' ? transport : transport === 'tcp' || transport === 'tls' ? 'TCP' : 'RS485';
+  transport === 'simulated' ? transport : isNetwork(transport) ? 'TCP' : 'RS485';
 const textOf = (node: Node | number | undefined) => (typeof node === 'string' ? node : '');
 
 /** All items in the order they are shown. `isOpen` says whether the children of an item are shown. */
