@@ -307,10 +307,12 @@ def test_exit_codes(tmp_path, project):
     assert unwritable.read_text() == "mine"
     takt("listen", path, "--write", unwritable, "--force")
     assert "takt: 1" in unwritable.read_text()
-    for unit in (0, 250):  # no device of a project
-        path.write_bytes(pcap(147, [frame("rtu", unit, b"\x06\0\0\0\x01")]))
-        assert "is not written" in takt("listen", path, "--write", tmp_path / "none.yaml").err
-        assert not (tmp_path / "none.yaml").exists()
+    path.write_bytes(pcap(147, [frame("rtu", 250, b"\x06\0\0\0\x01")]))  # no device of a project
+    assert "is not written" in takt("listen", path, "--write", tmp_path / "none.yaml").err
+    assert not (tmp_path / "none.yaml").exists()
+    path.write_bytes(pcap(147, [frame("rtu", 0, b"\x06\0\0\0\x01")]))
+    takt("listen", path, "--write", tmp_path / "broadcasts.yaml")
+    assert "address: 0" in (tmp_path / "broadcasts.yaml").read_text()
 
 
 def test_a_port_that_is_lost_ends_with_the_summary():
