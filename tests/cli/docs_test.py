@@ -81,6 +81,7 @@ KEYS = {
     "limit": [("Units", "key of a limit")],
     "source": [("Variables of a server", "source")],
     "sink": [("Variables of a server", "destination")],
+    "tls": [("Certificates", "key")],
     "access": [("Access rules", "key")],
     "instrument": [("Instruments", "key")],
     "exchange": [("Instruments", "key of an exchange")],

@@ -1,4 +1,4 @@
-"""Modbus over TLS with mutual certificates and roles (Modbus/TCP Security v36; docs/security.md): `takt` on
+"""Modbus over TLS with mutual certificates and roles (Modbus/TCP Security v36; SECURITY.md): `takt` on
 both sides, and with OpenSSL's command line, Python's ssl and pymodbus as peers."""
 import contextlib
 import pathlib

@@ -151,11 +151,11 @@ inline constexpr Field kRoundTrip[] = {
 };
 
 inline constexpr Field kTls[] = {
-    {.key = "ca", .range = kPath, .names_host_resource = true, .directs_secret = true},
+    {.key = "ca", .range = kPath, .names_host_resource = true},
     {.key = "certificate", .range = kPath, .names_host_resource = true},
-    {.key = "key", .range = kPath, .names_host_resource = true, .secret = true},
+    {.key = "key", .range = kPath, .names_host_resource = true},
     {.key = "crl", .range = kPath, .names_host_resource = true},
-    {.key = "server_name", .range = between<1, 253>, .directs_secret = true},
+    {.key = "server_name", .range = between<1, 253>},
 };
 
 inline constexpr Field kBackoff[] = {
