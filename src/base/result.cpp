@@ -33,25 +33,25 @@ std::string_view name(Code code) {
 }
 
 std::string_view name(TlsFault fault) {
-    constexpr std::array<std::string_view, kTlsFaults> kNames{"other",
-                                                              "not_tls",
-                                                              "version",
-                                                              "algorithms",
-                                                              "no_certificate",
-                                                              "untrusted",
-                                                              "expired",
-                                                              "not_yet_valid",
-                                                              "revoked",
-                                                              "other_name",
-                                                              "purpose",
-                                                              "revocation_list",
-                                                              "refused",
-                                                              "refused_untrusted",
-                                                              "refused_expired",
-                                                              "refused_revoked",
-                                                              "file",
-                                                              "key"};
-    return kNames[static_cast<std::size_t>(fault)];
+    constexpr std::array<std::string_view, kTlsFaults> kTlsFaultNames{"other",
+                                                                      "not_tls",
+                                                                      "version",
+                                                                      "algorithms",
+                                                                      "no_certificate",
+                                                                      "untrusted",
+                                                                      "expired",
+                                                                      "not_yet_valid",
+                                                                      "revoked",
+                                                                      "other_name",
+                                                                      "purpose",
+                                                                      "revocation_list",
+                                                                      "refused",
+                                                                      "refused_untrusted",
+                                                                      "refused_expired",
+                                                                      "refused_revoked",
+                                                                      "file",
+                                                                      "key"};
+    return kTlsFaultNames[static_cast<std::size_t>(fault)];
 }
 
 std::string_view name(Mismatch::Part part) {

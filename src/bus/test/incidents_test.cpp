@@ -109,7 +109,7 @@ TEST(Incidents, AResponseThatIsCutShortIsDamaged) {
     LineConfig terminal = early_silence;  // the request may be repeated
     terminal.echo = Echo::untimed;
     for (const auto& serial : {kLine, early_silence, terminal})
-        for (const std::uint16_t missing : {1, 3, 6}) {
+        for (const auto missing : {std::uint16_t{1}, std::uint16_t{3}, std::uint16_t{6}}) {
             const auto left = [missing](unsigned whole) {
                 return Mismatch{length, static_cast<std::uint16_t>(whole - missing),
                                 static_cast<std::uint16_t>(whole)};

@@ -72,7 +72,7 @@ private:
 class LoadTest : public testing::Test {
 protected:
     LoadTest() : loop(*line::Loop::create()) {
-        server = *line::TcpServer::listen(*loop, {"127.0.0.1", 0}, [this](Instant, std::string_view) {
+        server = *line::TcpServer::listen(*loop, {"127.0.0.1", 0}, [this](Instant, const line::Peer&) {
             return std::make_unique<ScriptSession>(script, number);
         });
         options.target.target = "tcp://127.0.0.1:" + std::to_string(server->port());
@@ -256,7 +256,7 @@ private:
 };
 
 TEST_F(LoadTest, LateResponsesInOneReadKeepTheirOwnContents) {
-    server = *line::TcpServer::listen(*loop, {"127.0.0.1", 0}, [](Instant, std::string_view) {
+    server = *line::TcpServer::listen(*loop, {"127.0.0.1", 0}, [](Instant, const line::Peer&) {
         return std::make_unique<LatePairSession>(150ms);
     });
     options.target.target = "rtu+tcp://127.0.0.1:" + std::to_string(server->port());

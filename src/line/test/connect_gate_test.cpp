@@ -112,7 +112,7 @@ TEST(ConnectGate, HostsThatHangOrRefuseDelayNoOther) {
     const auto loop = make_loop();
     ConnectGate gate(*loop, {.most = 4, .undecided_limit = 5ms});
     const Swallowing swallowing;
-    const auto make = [](Instant, std::string_view) { return std::make_unique<Quiet>(); };
+    const auto make = [](Instant, const Peer&) { return std::make_unique<Quiet>(); };
     const auto server = std::move(TcpServer::listen(*loop, {"127.0.0.1", 0}, make, {})).value();
     std::uint16_t refusing = 0;
     {

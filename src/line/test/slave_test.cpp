@@ -159,7 +159,7 @@ TEST(PendingAnswers, HoldUpTheirOwnConnectionAlone) {
     const auto loop = make_loop();
     SlowWriter slow;
     SlaveSessions sessions;
-    const auto server = std::move(TcpServer::listen(*loop, {"127.0.0.1", 0}, [&](Instant, std::string_view) {
+    const auto server = std::move(TcpServer::listen(*loop, {"127.0.0.1", 0}, [&](Instant, const Peer&) {
                             return std::make_unique<SlaveSession>(serve::TcpConfig{}, slow, sessions);
                         })).value();
     const std::string write = tcp_frame(1, {6, 0, 9, 0, 1});
@@ -190,7 +190,7 @@ TEST(PendingAnswers, AreSentToAPeerThatClosedItsSideBeforeTheConnectionEnds) {
     const auto loop = make_loop();
     SlowWriter slow;
     SlaveSessions sessions;
-    const auto server = std::move(TcpServer::listen(*loop, {"127.0.0.1", 0}, [&](Instant, std::string_view) {
+    const auto server = std::move(TcpServer::listen(*loop, {"127.0.0.1", 0}, [&](Instant, const Peer&) {
                             return std::make_unique<SlaveSession>(serve::TcpConfig{}, slow, sessions);
                         })).value();
     ScriptEngine writer;
