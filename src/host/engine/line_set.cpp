@@ -10,7 +10,7 @@ namespace takt::host {
 namespace {
 
 auto connection(const model::Line& line) {
-    return std::tie(line.name, line.transport, line.port, line.tcp_port, line.framing, line.rs485,
+    return std::tie(line.name, line.transport, line.port, line.tcp_port, line.tls, line.framing, line.rs485,
                     line.connection, line.format.baud, line.format.parity, line.format.stop_bits,
                     line.format.data_bits);
 }

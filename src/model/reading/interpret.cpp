@@ -122,9 +122,9 @@ void note_overlaps(Interpretation& state) {
 void note_shared_hosts(Interpretation& state) {
     const auto& lines = state.project.lines;
     for (std::size_t i = 0; i < lines.size(); ++i) {
-        if (lines[i].transport != Transport::tcp || lines[i].connection.per_host) continue;
+        if (!is_network(lines[i].transport) || lines[i].connection.per_host) continue;
         const auto same = [&](const Line& other) {
-            return other.transport == Transport::tcp && other.port == lines[i].port &&
+            return is_network(other.transport) && other.port == lines[i].port &&
                    other.tcp_port == lines[i].tcp_port;
         };
         const auto first = std::find_if(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(i), same);
