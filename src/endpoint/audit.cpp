@@ -37,6 +37,7 @@ AuditRecord record_of(const serve::Context& context) {
     AuditRecord record;
     record.time = line::wall_clock(context.time);
     record.peer.assign(context.peer);
+    record.role.assign(context.role);
     record.unit = context.unit.value;
     record.broadcast = context.broadcast;
     return record;

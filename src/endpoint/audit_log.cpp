@@ -68,6 +68,7 @@ std::string audit_line(const AuditRecord& record) {
     const bool refused = record.event == AuditRecord::Event::refused;
     auto object = event(refused ? "refused" : "write", record.time);
     object.set("peer", record.peer.view());
+    if (!record.role.empty()) object.set("role", record.role.view());
     object.set("unit", record.unit);
     object.set("function", record.function);
     if (record.broadcast) object.set("broadcast", true);

@@ -95,6 +95,7 @@ serve::Answer RequestHandler::relay(const serve::Context& context, const wire::R
     path.relayed = token;
     Waiting& waiting = relayed_[token];
     waiting.peer.assign(context.peer);
+    waiting.role.assign(context.role);
     waiting.unit = context.unit;
     waiting.broadcast = context.broadcast;
     waiting.bytes.assign(request.pdu());
@@ -105,7 +106,8 @@ serve::Answer RequestHandler::relay(const serve::Context& context, const wire::R
 void RequestHandler::set_access(const std::vector<model::AccessRule>& rules) {
     access_.set(rules);
     for (auto& [token, waiting] : relayed_) {
-        const serve::Context context{line::now(), waiting.unit, waiting.broadcast, waiting.peer.view(), {}};
+        const serve::Context context{line::now(), waiting.unit, waiting.broadcast, waiting.peer.view(),
+                                     waiting.role.view()};
         const RequestPath path = path_of(context);
         const auto decision = access_.decide_again(context, executors(context, path), waiting.request);
         if (decision == Decision::allowed || !routes_.refuse(token, wire::ExceptionCode::illegal_function))

@@ -249,6 +249,21 @@ TEST(RequestHandler, ADeniedClientGetsNoSharedAndNoCachedAnswer) {
     EXPECT_EQ(bench.answers.given.size(), 1u);
 }
 
+TEST(RequestHandler, WhatWaitsKeepsTheRoleOfItsClient) {
+    Bench bench;
+    auto operators = allow();
+    operators.roles = {"Operator"};
+    bench.handler.set_access({operators});
+    const auto bytes = pdu("06 00 00 00 05");
+    const serve::Context context{kNow, UnitId{7}, false, "192.0.2.1:5", "Operator"};
+    EXPECT_EQ(bench.handler.handle(context, wire::RequestView(bytes.span())).kind, Kind::pending);
+    bench.handler.set_access({operators});
+    EXPECT_TRUE(bench.gateway.has_next()) << "the same rules allow it";
+    operators.permission = model::AccessPermission::deny;
+    bench.handler.set_access({operators, allow()});
+    EXPECT_FALSE(bench.gateway.has_next());
+}
+
 TEST(RequestHandler, RulesThatChangeDecideAgainWhatWaits) {
     Bench bench;
     bench.record();

@@ -36,6 +36,7 @@ struct AuditRecord {
     std::chrono::system_clock::time_point time;
     Event event = Event::write;
     InplaceString<64> peer;
+    InplaceString<64> role;                  ///< of its certificate; empty: none
     std::uint8_t unit = 0;                   ///< as in the request
     std::optional<std::uint8_t> own_unit;    ///< the own unit that handled the request, if it is another one
     bool broadcast = false;                  ///< to all units, of a serial line behind the server too

@@ -67,6 +67,7 @@ private:
     /// A relayed request without an answer yet, for rules that change meanwhile.
     struct Waiting {
         InplaceString<64> peer;
+        InplaceString<64> role;
         UnitId unit;
         bool broadcast = false;
         wire::Pdu bytes;
