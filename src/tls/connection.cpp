@@ -25,7 +25,17 @@ TlsFault fault_of_certificate(long verification) {
         case X509_V_ERR_CRL_HAS_EXPIRED:
         case X509_V_ERR_CRL_NOT_YET_VALID:
         case X509_V_ERR_CRL_SIGNATURE_FAILURE: return TlsFault::revocation_list;
-        default: return TlsFault::untrusted;
+        case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT:
+        case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
+        case X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE:
+        case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
+        case X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN:
+        case X509_V_ERR_CERT_SIGNATURE_FAILURE:
+        case X509_V_ERR_CERT_UNTRUSTED: return TlsFault::untrusted;
+        case X509_V_ERR_EE_KEY_TOO_SMALL:
+        case X509_V_ERR_CA_KEY_TOO_SMALL:
+        case X509_V_ERR_CA_MD_TOO_WEAK: return TlsFault::algorithms;
+        default: return TlsFault::other;
     }
 }
 
@@ -64,9 +74,15 @@ TlsFault fault_of_reason(int reason) {
     }
 }
 
+// A peer that ends inside the handshake mostly does not know TLS.
+Error of_handshake(Error error) {
+    if (error.code != Code::connection_lost) return error;
+    return {Code::tls_failed, error.subject, {static_cast<int>(TlsFault::not_tls), 0, 0}};
+}
+
 // RFC 6066, 3: an address is no name of a server.
 bool expect(SSL* ssl, const std::string& host, const std::string& name) {
-    SSL_set_hostflags(ssl, X509_CHECK_FLAG_NO_PARTIAL_WILDCARDS);
+    SSL_set_hostflags(ssl, X509_CHECK_FLAG_NO_PARTIAL_WILDCARDS | X509_CHECK_FLAG_NEVER_CHECK_SUBJECT);
     if (!parse_ip(host) && SSL_set_tlsext_host_name(ssl, host.c_str()) != 1) return false;
     if (!parse_ip(name)) return SSL_set1_host(ssl, name.c_str()) == 1;
     return X509_VERIFY_PARAM_set1_ip_asc(SSL_get0_param(ssl), name.c_str()) == 1;
@@ -107,10 +123,18 @@ Result<Connection::Progress> Connection::handshake() {
         case SSL_ERROR_NONE: break;
         case SSL_ERROR_WANT_READ: return Progress::wants_read;
         case SSL_ERROR_WANT_WRITE: return Progress::wants_write;
-        default: return std::unexpected(failure(result));
+        default: break;
     }
+    if (result != 1) return std::unexpected(of_handshake(failure(result)));
     const X509* const certificate = SSL_get0_peer_certificate(ssl_.get());
-    role_ = certificate ? role_of(*certificate) : std::string();
+    const auto fault = [&](TlsFault what) {
+        return std::unexpected(
+            Error{Code::tls_failed, std::string_view(peer_), {static_cast<int>(what), 0, 0}});
+    };
+    if (certificate == nullptr) return fault(TlsFault::no_certificate);
+    // OpenSSL checks the certificate of a session when it begins, not when it is resumed.
+    if (X509_cmp_current_time(X509_get0_notAfter(certificate)) <= 0) return fault(TlsFault::expired);
+    role_ = role_of(*certificate);
     open_ = true;
     return Progress::done;
 }
@@ -118,18 +142,15 @@ Result<Connection::Progress> Connection::handshake() {
 // Errors of the system are in errno, so nothing may come between the call and this one.
 Error Connection::failure(int result) {
     const int system = errno;
-    open_ = false;
     const auto lost = [&](int number) {
         return Error{Code::connection_lost, std::string_view(peer_), {number, 0, 0}};
     };
     const int kind = SSL_get_error(ssl_.get(), result);
+    open_ = open_ && kind == SSL_ERROR_ZERO_RETURN;
     const int reason = ERR_GET_REASON(ERR_peek_error());
     const long verification = SSL_get_verify_result(ssl_.get());
     ERR_clear_error();
-    if (kind == SSL_ERROR_ZERO_RETURN) {
-        SSL_set_shutdown(ssl_.get(), SSL_SENT_SHUTDOWN | SSL_RECEIVED_SHUTDOWN);  // the session stays valid
-        return lost(0);
-    }
+    if (kind == SSL_ERROR_ZERO_RETURN) return lost(0);  // the other direction stays open
     if (kind == SSL_ERROR_SYSCALL) return lost(system);
     const auto fault = reason == SSL_R_CERTIFICATE_VERIFY_FAILED ? fault_of_certificate(verification)
                                                                  : fault_of_reason(reason);

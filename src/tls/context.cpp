@@ -21,7 +21,16 @@ constexpr const char* kSuites =
     "ECDHE-RSA-AES256-GCM-SHA384:ECDHE-ECDSA-CHACHA20-POLY1305:ECDHE-RSA-CHACHA20-POLY1305";
 constexpr const char* kGroups = "P-256:X25519:P-384";
 constexpr std::size_t kMostBytes = 4 << 20;            // of a file: the bundles of systems have 300 KiB
-constexpr std::uint8_t kSessionId[] = "takt";          // a server that asks for certificates must have one
+constexpr long kMostSessions = 512;                    // that may be resumed; each has 12 KB
+constexpr long kSessionSeconds = 600;
+constexpr std::uint8_t kSessionId[] = "takt";  // a server that asks for certificates must have one
+
+// The certificate, or its key, is too weak for the level of security.
+bool is_weak() {
+    const int reason = ERR_GET_REASON(ERR_peek_last_error());
+    return reason == SSL_R_EE_KEY_TOO_SMALL || reason == SSL_R_CA_KEY_TOO_SMALL ||
+           reason == SSL_R_CA_MD_TOO_WEAK;
+}
 
 template <auto free>
 struct Freed {
@@ -66,7 +75,7 @@ Result<void> for_each_object(const std::string& path, Read read, const Take& tak
     TAKT_TRY(const Bio file, open_file(path));
     bool any = false;
     while (Object object{read(file.get(), nullptr, no_passphrase, nullptr)}) {
-        if (!take(object.get())) return unusable(path, TlsFault::file);
+        if (!take(object.get())) return unusable(path, is_weak() ? TlsFault::algorithms : TlsFault::file);
         any = true;
     }
     const auto end = ERR_peek_last_error();
@@ -113,7 +122,10 @@ void Context::set_rules() {
     SSL_CTX_set_mode(context, SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER |
                                   SSL_MODE_RELEASE_BUFFERS);
     SSL_CTX_set_verify(context, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, nullptr);
-    if (side_ == Side::server) SSL_CTX_set_session_id_context(context, kSessionId, sizeof kSessionId - 1);
+    if (side_ == Side::client) return;
+    SSL_CTX_set_session_id_context(context, kSessionId, sizeof kSessionId - 1);
+    SSL_CTX_sess_set_cache_size(context, kMostSessions);
+    SSL_CTX_set_timeout(context, kSessionSeconds);
 }
 
 Result<void> Context::trust(const model::TlsFiles& files) {

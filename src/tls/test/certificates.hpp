@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,8 @@
 namespace takt::tls {
 
 struct Identity {
-    EVP_PKEY* key = nullptr;
-    X509* certificate = nullptr;
+    std::shared_ptr<EVP_PKEY> key;
+    std::shared_ptr<X509> certificate;
 };
 
 struct Wanted {
@@ -60,25 +61,25 @@ inline void add_role(X509* to, const std::vector<std::uint8_t>& der) {
 /// A certificate with a key of its own, signed by `issuer`, or by itself.
 inline Identity make(const Wanted& wanted, const Identity* issuer = nullptr) {
     static long serial = 0;
-    Identity made{EVP_EC_gen("P-256"), X509_new()};
-    X509* const it = made.certificate;
+    const Identity made{{EVP_EC_gen("P-256"), EVP_PKEY_free}, {X509_new(), X509_free}};
+    X509* const it = made.certificate.get();
     const Identity& by = issuer ? *issuer : made;
     X509_set_version(it, 2);
     ASN1_INTEGER_set(X509_get_serialNumber(it), ++serial);
     X509_gmtime_adj(X509_getm_notBefore(it), wanted.begins);
     X509_gmtime_adj(X509_getm_notAfter(it), wanted.ends);
-    X509_set_pubkey(it, made.key);
+    X509_set_pubkey(it, made.key.get());
     X509_NAME_add_entry_by_txt(X509_get_subject_name(it), "CN", MBSTRING_UTF8,
                                reinterpret_cast<const unsigned char*>(wanted.name.c_str()), -1, -1, 0);
-    X509_set_issuer_name(it, X509_get_subject_name(by.certificate));
+    X509_set_issuer_name(it, X509_get_subject_name(by.certificate.get()));
     const bool root = wanted.usage.empty();
-    add(it, by.certificate, NID_basic_constraints, root ? "critical,CA:TRUE" : "critical,CA:FALSE");
-    add(it, by.certificate, NID_key_usage,
+    add(it, by.certificate.get(), NID_basic_constraints, root ? "critical,CA:TRUE" : "critical,CA:FALSE");
+    add(it, by.certificate.get(), NID_key_usage,
         root ? "critical,keyCertSign,cRLSign" : "critical,digitalSignature");
-    if (!root) add(it, by.certificate, NID_ext_key_usage, wanted.usage.c_str());
-    if (!wanted.also.empty()) add(it, by.certificate, NID_subject_alt_name, wanted.also.c_str());
+    if (!root) add(it, by.certificate.get(), NID_ext_key_usage, wanted.usage.c_str());
+    if (!wanted.also.empty()) add(it, by.certificate.get(), NID_subject_alt_name, wanted.also.c_str());
     for (const auto& role : wanted.roles) add_role(it, role);
-    X509_sign(it, by.key, EVP_sha256());
+    X509_sign(it, by.key.get(), EVP_sha256());
     return made;
 }
 
@@ -98,8 +99,8 @@ public:
 
     [[nodiscard]] std::string write(const std::string& name, const Identity& what, bool key = false) const {
         return with(name, [&](BIO* out) {
-            key ? PEM_write_bio_PrivateKey(out, what.key, nullptr, nullptr, 0, nullptr, nullptr)
-                : PEM_write_bio_X509(out, what.certificate);
+            key ? PEM_write_bio_PrivateKey(out, what.key.get(), nullptr, nullptr, 0, nullptr, nullptr)
+                : PEM_write_bio_X509(out, what.certificate.get());
         });
     }
 
@@ -108,19 +109,19 @@ public:
                                          const std::vector<Identity>& revoked) const {
         X509_CRL* const list = X509_CRL_new();
         X509_CRL_set_version(list, 1);
-        X509_CRL_set_issuer_name(list, X509_get_subject_name(issuer.certificate));
+        X509_CRL_set_issuer_name(list, X509_get_subject_name(issuer.certificate.get()));
         ASN1_TIME* const time = X509_gmtime_adj(nullptr, -60);
         X509_CRL_set1_lastUpdate(list, time);
         for (const auto& identity : revoked) {
             X509_REVOKED* const entry = X509_REVOKED_new();
-            X509_REVOKED_set_serialNumber(entry, X509_get_serialNumber(identity.certificate));
+            X509_REVOKED_set_serialNumber(entry, X509_get_serialNumber(identity.certificate.get()));
             X509_REVOKED_set_revocationDate(entry, time);
             X509_CRL_add0_revoked(list, entry);
         }
         X509_gmtime_adj(time, 86400);
         X509_CRL_set1_nextUpdate(list, time);
         ASN1_TIME_free(time);
-        X509_CRL_sign(list, issuer.key, EVP_sha256());
+        X509_CRL_sign(list, issuer.key.get(), EVP_sha256());
         const auto path = with(name, [&](BIO* out) { PEM_write_bio_X509_CRL(out, list); });
         X509_CRL_free(list);
         return path;
