@@ -39,6 +39,10 @@ Handshakes::Handshakes(Loop& loop, std::shared_ptr<const tls::Context> context, 
 void Handshakes::begin(os::Descriptor socket, const std::string& peer, Greeted done) {
     auto connection = tls::Connection::begin(context_, socket.get(), {}, peer);
     if (!connection) return done(std::unexpected(connection.error()), {});
+    if (pending_.size() >= kMost) {
+        const auto waits = std::ranges::find(pending_, false, &Pending::ready);
+        give_up(waits == pending_.end() ? pending_.begin() : waits);
+    }
     pending_.emplace_back(peer, after(now(), limit_), std::move(done));
     const auto entry = std::prev(pending_.end());
     entry->handshake.emplace(
@@ -54,16 +58,17 @@ void Handshakes::begin(os::Descriptor socket, const std::string& peer, Greeted d
 }
 
 void Handshakes::on_time(Instant t) {
-    if (!pending_.empty() && pending_.front().ends <= t) {
-        const auto milliseconds = limit_ / std::chrono::milliseconds(1);
-        const std::string peer = pending_.front().peer;
-        return end(pending_.begin(), fail(Code::timed_out, peer, milliseconds), {});
-    }
+    if (!pending_.empty() && pending_.front().ends <= t) return give_up(pending_.begin());
     const auto next = std::ranges::find(pending_, true, &Pending::ready);
     if (next == pending_.end()) return arm();
     next->ready = false;
     next->handshake->step();
     arm();
+}
+
+void Handshakes::give_up(Entry entry) {
+    const std::string peer = entry->peer;
+    end(entry, fail(Code::tls_failed, peer, static_cast<int>(TlsFault::not_tls)), {});
 }
 
 // The owner may begin others in `done`, but not destroy this object.

@@ -42,10 +42,13 @@ private:
 
 /// The handshakes of a server. A step costs up to some milliseconds of computing, so the loop takes one in a
 /// turn, in which it also serves what else is ready: a flood of handshakes delays nothing by more than one
-/// step. The loop must outlive it. The loop's thread only.
+/// step. There are at most kMost: a further one ends the oldest that waits for its peer, so that peers that
+/// say nothing keep nobody out. The loop must outlive it. The loop's thread only.
 class Handshakes {
 public:
-    /// @param limit  of each handshake; then it fails with timed_out (peer, milliseconds)
+    static constexpr std::size_t kMost = 64;
+
+    /// @param limit  of each handshake; then it fails as one with a peer that does not speak TLS
     Handshakes(Loop& loop, std::shared_ptr<const tls::Context> context, Duration limit);
 
     /// @param peer  the subject of errors
@@ -65,6 +68,7 @@ private:
     using Entry = std::list<Pending>::iterator;
 
     void on_time(Instant t);
+    void give_up(Entry entry);
     void end(Entry entry, Result<std::unique_ptr<ByteStream>> stream, const std::string& role);
     void arm();
 

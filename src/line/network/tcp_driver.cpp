@@ -60,6 +60,10 @@ private:
 
     Error cannot_open(int number) const { return fail(Code::cannot_open, name_, number).error(); }
 
+    Error no_tls() const {
+        return fail(Code::tls_failed, name_, static_cast<int>(TlsFault::not_tls)).error();
+    }
+
     // Created on first use: a connection that stays up needs no timer.
     void call_at(Instant t) {
         if (!timer_) timer_ = std::make_unique<Timer>(loop_, [this](Instant t) { on_time(t); });
@@ -70,7 +74,7 @@ private:
         switch (waits_for_) {
             case Wait::back_off: return open();
             case Wait::permit: return enter_gate();
-            case Wait::attempt: return attempt_failed(cannot_open(ETIMEDOUT));
+            case Wait::attempt: return attempt_failed(handshake_ ? no_tls() : cannot_open(ETIMEDOUT));
             case Wait::need: break;
         }
         if (t >= engine_.next_wakeup()) engine_.on_tick(t);

@@ -202,8 +202,8 @@ void TcpServer::Impl::serve(os::Descriptor fd, const SocketAddress& address) {
     const auto known = peers.find(host_of(peer));
     if (known != peers.end() && known->second >= most_of(peer) && !evict(&known->second))
         return refuse(peer, counters.over_peer_limit);
-    const std::size_t open = connections.size() + (handshakes ? handshakes->size() : 0);
-    if (open >= options.max_connections && !evict(nullptr)) return refuse(peer, counters.over_limit);
+    if (connections.size() >= options.max_connections && !evict(nullptr))
+        return refuse(peer, counters.over_limit);
     set_connection_options(fd.get());
     if (!handshakes) {
         auto stream = std::make_unique<SocketStream>(std::move(fd), peer);
@@ -214,6 +214,8 @@ void TcpServer::Impl::serve(os::Descriptor fd, const SocketAddress& address) {
                       [this, peer](Result<std::unique_ptr<ByteStream>> stream, const std::string& role) {
                           leave(peer);
                           if (!stream) return note_no_tls(stream.error());
+                          if (connections.size() >= options.max_connections && !evict(nullptr))
+                              return refuse(peer, counters.over_limit);
                           establish(*std::move(stream), peer, role);
                       });
 }

@@ -1,6 +1,7 @@
 // Serial ports and their driver on real pseudo-terminals.
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 
@@ -322,7 +323,7 @@ TEST(OpenLine, ChoosesTheTransport) {
     EXPECT_EQ((*serial)->name(), pty.path);
     const auto tls = open_line(*loop, parse_target("tls://127.0.0.1").value().as_line(), engine);
     ASSERT_FALSE(tls);
-    EXPECT_EQ(tls.error(), (Error{Code::unsupported, "tls", {}}));
+    EXPECT_EQ(tls.error(), (Error{Code::cannot_open, "certs/ca.pem", {ENOENT, 0, 0}}));
 }
 
 }  // namespace serial_test

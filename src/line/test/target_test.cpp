@@ -93,7 +93,7 @@ TEST(Target, NamesThePartThatIsWrong) {
         {"rtu+tpc://plc", Code::syntax, "rtu+tpc://plc → rtu+tcp://plc"},
         {"rtu:///dev/ttyS0?buad=9600", Code::syntax, "buad=9600 → baud=9600"},
         {"rtu:///dev/ttyS0?parity=evn", Code::syntax, "parity=evn → parity=even"},
-        {"udp://plc", Code::syntax, "udp://plc → tcp, rtu+tcp, rtu, ascii"},
+        {"udp://plc", Code::syntax, "udp://plc → tcp, tls, rtu+tcp, rtu, ascii"},
         // host and port
         {"tcp://", Code::syntax, " → host:502"},
         {"tcp://:502", Code::syntax, ":502 → host:502"},
