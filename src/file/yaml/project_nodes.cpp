@@ -53,6 +53,14 @@ void set_ranges(Node& node, const model::Device& device, Ranges ranges) {
     if (!device.group_requests) set(node, "group_requests", scalar("false"));
 }
 
+Node tls_node(const model::TlsFiles& files) {
+    auto node = collection(Node::Kind::mapping);
+    set(node, "ca", scalar(files.ca));
+    set(node, "certificate", scalar(files.certificate));
+    set(node, "key", scalar(files.key));
+    return node;
+}
+
 }  // namespace
 
 std::string range_text(const model::ItemRange& range) {
@@ -73,6 +81,7 @@ Node line_node(const model::Line& line) {
     auto node = collection(Node::Kind::mapping);
     set(node, "name", scalar(line.name));
     for (const auto& [key, text] : connection_keys(line)) set(node, key, scalar(text));
+    if (line.transport == model::Transport::tls) set(node, "tls", tls_node(line.tls));
     set(node, "devices", collection(Node::Kind::list));
     return node;
 }

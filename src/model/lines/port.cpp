@@ -47,7 +47,10 @@ bool report_network(Reader& reader, const std::string& port) {
     }
     const auto address = port_settings(port) ? std::nullopt : network_address(port);
     if (!address) return false;
-    auto keys = std::string("transport: tcp, ").append(key).append(": ").append(address->host);
+    auto keys = std::string(port.starts_with("tls://") ? "transport: tls, " : "transport: tcp, ")
+                    .append(key)
+                    .append(": ")
+                    .append(address->host);
     if (!address->tcp_port.empty()) keys.append(", tcp_port: ").append(address->tcp_port);
     if (address->rtu) keys.append(", framing: rtu");
     reader.report(Rule::line_port_settings, "port", {}, {{"keys", keys}});
@@ -80,16 +83,14 @@ bool report_tls(Reader& reader) {
 }
 
 TlsFiles read_tls(Interpretation& state, Reader& reader, Transport transport, std::string_view own) {
-    if (transport != Transport::tls) {
-        reader.report_needs("tls", "transport: tls");
-        return {};
-    }
     const auto& project = state.document.files.empty() ? std::string() : state.document.files.front();
     const auto folder = project.substr(0, project.rfind('/') + 1);
     const auto beside = [&](const std::string& file) { return file.starts_with('/') ? file : folder + file; };
     TlsFiles files = files_in(folder + std::string(kCertificateFolder), own);
     const Node* const given = reader.mapping("tls");
-    if (given == nullptr) return files;
+    const bool used = transport == Transport::tls;
+    if (!used) reader.report_needs("tls", "transport: tls");
+    if (given == nullptr) return used ? files : TlsFiles{};
     Reader keys(state.findings, *given, reader.path_of("tls"), Object::tls, state.context);
     if (const auto file = keys.text("ca")) files.ca = beside(*file);
     if (const auto file = keys.text("certificate")) files.certificate = beside(*file);
@@ -98,7 +99,7 @@ TlsFiles read_tls(Interpretation& state, Reader& reader, Transport transport, st
     files.server_name = keys.text("server_name").value_or("");
     if (!files.server_name.empty()) check_host(keys, "server_name", files.server_name);
     if (listens(reader)) keys.report_needs("server_name", "lines");
-    return files;
+    return used ? files : TlsFiles{};
 }
 
 bool report_missing_port(Reader& reader, std::string_view key, std::string_view transport) {

@@ -86,7 +86,12 @@ std::string host_and_port(std::string_view host, std::uint16_t port) {
 
 std::string url_of(const Line& line) {
     auto url = std::string(scheme_of(line)).append("://");
-    if (is_network(line)) return url.append(host_and_port(line.port, line.tcp_port));
+    if (is_network(line)) {
+        url.append(host_and_port(line.port, line.tcp_port));
+        const auto folder = line.tls.ca.substr(0, line.tls.ca.rfind('/') + 1);
+        const bool named = line.transport == Transport::tls && folder != kCertificateFolder;
+        return named && files_in(folder, "client") == line.tls ? url.append("?certs=").append(folder) : url;
+    }
     const auto& format = line.format;
     url.append(line.port).append("?baud=").append(std::to_string(format.baud));
     url.append("&parity=").append(kParities[static_cast<std::size_t>(format.parity)]);

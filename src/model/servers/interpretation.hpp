@@ -150,7 +150,7 @@ inline constexpr std::string_view kClientKeys[] = {"host", "tcp_port"};
 /// Of Modbus over TLS, registered with the IANA as mbap-s.
 inline constexpr std::uint16_t kModbusTlsPort = 802;
 
-/// The files of `tls`, or those of a plant of `takt certs` beside the project.
+/// The files of `tls`, or those of the folder `certs` beside the project.
 /// @param own  "client", "server": the name of the own certificate there
 TlsFiles read_tls(Interpretation& state, Reader& reader, Transport transport, std::string_view own);
 
