@@ -246,7 +246,8 @@ def project_texts(path, folder):
             run.process.terminate()
             run.finish(code=None)
     for now, was in replaced.items():
-        said = {name: text.replace(now, was) for name, text in said.items()}
+        whole = rf"(?<![\d.]){re.escape(now)}(?!\d)"  # a port, not the middle of another number
+        said = {name: re.sub(whole, was, text) for name, text in said.items()}
     return {name: text.replace(str(folder), "FOLDER") for name, text in said.items()}
 
 
