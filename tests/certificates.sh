@@ -25,8 +25,10 @@ leaf broken client "$client\n$role=DER:0c:20:41"
 leaf serverasclient client "extendedKeyUsage=serverAuth\n$role=ASN1:UTF8String:Operator"
 leaf expired client "$client\n$role=ASN1:UTF8String:Operator" 0
 leaf revoked client "$client\n$role=ASN1:UTF8String:Operator"
-printf '[ca]\ndefault_ca=c\n[c]\ndatabase=index\ncrlnumber=number\ndefault_md=sha256\ndefault_crl_days=30\n' > ca.cnf
-printf 'certificate=root.pem\nprivate_key=root.key\n' >> ca.cnf
+{
+  printf '[ca]\ndefault_ca=c\n[c]\ndatabase=index\ncrlnumber=number\ndefault_md=sha256\n'
+  printf 'default_crl_days=30\ncertificate=root.pem\nprivate_key=root.key\n'
+} > ca.cnf
 : > index
 echo 01 > number
 openssl ca -config ca.cnf -revoke revoked/client.pem 2>/dev/null

@@ -222,7 +222,7 @@ def test_a_response_of_another_unit_on_a_serial_line(project, pair, tmp_path):
 
 def test_not_read_yet(plant):
     result = takt("ctl", plant, "get", "Order", code=1)
-    assert result.out == "ok Order never_read\n" and "never read" in result.err
+    assert result.out == "ok Order never_read\n" and "no value yet" in result.err
 
 
 @pytest.mark.parametrize("words, code, error", [

@@ -22,6 +22,7 @@ servers:
     transport: tls
     listen: 127.0.0.1
     tcp_port: {port}
+    max_per_peer: 256
     tls: {{ca: root.pem, certificate: server/server.pem, key: server/server.key, crl: root.crl}}
     access:
       - {{roles: [Operator], rule: allow}}
@@ -216,6 +217,15 @@ def test_slow_handshakes_delay_nobody(plant, panel):
     finally:
         for one in slow:
             one.close()
+
+
+def test_silent_clients_keep_nobody_out(plant, panel):
+    """More of them than there may be connections; one that was there before stays."""
+    with connect(plant, panel, "operator") as good, contextlib.ExitStack() as silent:
+        for _ in range(300):
+            with contextlib.suppress(OSError):
+                silent.enter_context(socket.create_connection(("127.0.0.1", panel), timeout=DEADLINE))
+        assert ask(good, "03 0000 0001") == "03020000"
 
 
 def test_requests_while_others_shake_hands(plant, panel):

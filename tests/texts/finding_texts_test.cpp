@@ -169,7 +169,8 @@ std::vector<std::string> bad_projects() {
             "{name: E, type: int, register: 7, area: holding_register, source: {command: {run: [], pattern: "
             "x}}}]}]}\n",
         // transports, byte orders, registers of a request
-        "takt: 1\nlines:\n- {name: T, transport: tls, host: h, devices: [{name: D, address: 1, variables: [\n"
+        "takt: 1\ninstruments: [{name: K, transport: tls, host: h}]\nlines:\n- {name: T, transport: tcp, "
+        "host: h, devices: [{name: D, address: 1, variables: [\n"
         "{name: A, type: int, register: 0, read: 3, byte_order: 2413},\n"
         "{name: B, type: float, register: 2, read: 3, byte_order: 12},\n"
         "{name: C, type: float, register: 4, read: 3, byte_order: 2143, high_byte_first: false}]}]}\n",

@@ -58,7 +58,8 @@ TEST(ServeReport, RefusedAndEndedConnectionsOnlyWhereThereAreAny) {
                                                            {"count", "6"},
                                                            {"limit", "1"},
                                                            {"peer", "2"},
-                                                           {"descriptors", "3"}}));
+                                                           {"descriptors", "3"},
+                                                           {"tls", "0"}}));
         expect_contains(text, texts("app.served_ended", {{"where", "tcp://127.0.0.1:1502"},
                                                          {"count", "4"},
                                                          {"header", "0"},
@@ -96,7 +97,7 @@ TEST(ServeReport, JsonOfAnEndpoint) {
     EXPECT_JSON(at(served, "requests"), 100);
     EXPECT_JSON(at(served, "dropped", wire::name(wire::FrameFault{1})), 2);
     EXPECT_EQ(at(served, "connections").dump(),
-              R"({"accepted":9,"refused":{"connections":1,"connections_per_peer":0,"descriptors":0},)"
+              R"({"accepted":9,"refused":{"connections":1,"connections_per_peer":0,"descriptors":0,"tls":0},)"
               R"("ended":{"bad_header":2,"frame_timeout":0,"idle_timeout":0,"unread":0,"evicted":0}})");
     EXPECT_EQ(json.find("event"), nullptr);
     EXPECT_EQ(json.find("retained"), nullptr);
