@@ -184,11 +184,5 @@ Result<std::size_t> Connection::write(Bytes bytes) {
 bool Connection::has_buffered() const {
     return SSL_pending(ssl_.get()) > 0;  // of one record; no further one is read ahead
 }
-bool Connection::resumed() const {
-    return SSL_session_reused(ssl_.get()) == 1;
-}
-std::string Connection::version() const {
-    return SSL_get_version(ssl_.get());
-}
 
 }  // namespace takt::tls

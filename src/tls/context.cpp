@@ -5,8 +5,7 @@
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 
-#include <ctime>
-#include <functional>
+#include <utility>
 
 #include "takt/os/open.hpp"
 
@@ -84,12 +83,6 @@ Result<void> for_each_object(const std::string& path, Read read, const Take& tak
     return {};
 }
 
-std::chrono::sys_seconds end_of(const X509& certificate) {
-    std::tm utc{};
-    if (ASN1_TIME_to_tm(X509_get0_notAfter(&certificate), &utc) != 1) return {};
-    return std::chrono::sys_seconds(std::chrono::seconds(timegm(&utc)));
-}
-
 }  // namespace
 
 void Context::Free::operator()(ssl_ctx_st* context) const {
@@ -150,7 +143,6 @@ Result<void> Context::use_own(const model::TlsFiles& files) {
     bool own = true;
     TAKT_CHECK(for_each_object<Certificate>(files.certificate, PEM_read_bio_X509, [&](X509* certificate) {
         if (!std::exchange(own, false)) return SSL_CTX_add1_chain_cert(context, certificate) == 1;
-        expires_ = end_of(*certificate);
         return SSL_CTX_use_certificate(context, certificate) == 1;
     }));
     TAKT_TRY(const Bio file, open_file(files.key));

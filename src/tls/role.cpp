@@ -12,8 +12,6 @@ namespace takt::tls {
 namespace {
 
 constexpr std::uint8_t kUtf8String = 0x0C;
-constexpr std::uint8_t kOneByteLength = 0x81;  // the length is in the next byte
-constexpr std::uint8_t kLongestShortLength = 0x7F;
 
 bool is_name(std::string_view text) {
     while (!text.empty()) {
@@ -27,17 +25,11 @@ bool is_name(std::string_view text) {
 }  // namespace
 
 std::string role_text(std::span<const std::uint8_t> der) {
-    if (der.size() < 2 || der[0] != kUtf8String) return {};
-    std::size_t length = der[1];
-    std::size_t begin = 2;
-    if (length == kOneByteLength && der.size() > begin) {
-        length = der[begin++];
-        if (length <= kLongestShortLength) return {};  // DER: the shortest form
-    } else if (length > kLongestShortLength) {
-        return {};
-    }
-    if (length == 0 || length > kLongestRole || der.size() != begin + length) return {};
-    const auto bytes = der.subspan(begin);
+    constexpr std::size_t kHead = 2;  // type and length; a longer form of the length is for longer texts
+    if (der.size() < kHead || der[0] != kUtf8String) return {};
+    const std::size_t length = der[1];
+    if (length == 0 || length > kLongestRole || der.size() != kHead + length) return {};
+    const auto bytes = der.subspan(kHead);
     std::string role(bytes.begin(), bytes.end());
     return is_name(role) ? role : std::string();
 }

@@ -20,7 +20,7 @@ inline constexpr std::size_t kLongestRole = 64;  ///< bytes of UTF-8
 /// about (R-22, R-23, R-65; OpenSSL itself accepts a certificate with two of these extensions).
 [[nodiscard]] std::string role_of(const x509_st& certificate);
 
-/// The text of a UTF8String in DER (X.690, 8.21, short or one-byte long form of the length); empty: it is
+/// The text of a UTF8String in DER (X.690, 8.23); empty: it is
 /// none, or no role. Pure.
 [[nodiscard]] std::string role_text(std::span<const std::uint8_t> der);
 

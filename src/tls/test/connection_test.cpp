@@ -87,7 +87,6 @@ TEST(Connection, CarriesBytesAndTheRole) {
     ASSERT_TRUE(pair.client.done && pair.server.done);
     EXPECT_EQ(pair.server.connection->role(), "Operator");
     EXPECT_EQ(pair.client.connection->role(), "");
-    EXPECT_EQ(pair.client.connection->version(), "TLSv1.3");
     const std::vector<std::uint8_t> sent(3000, 0x5A);
     EXPECT_EQ(pair.client.connection->write(sent), sent.size());
     std::vector<std::uint8_t> got(1000);

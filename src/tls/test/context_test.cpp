@@ -22,15 +22,6 @@ Error fault(TlsFault fault, const std::string& file) {
     return {Code::tls_failed, std::string_view(file), {static_cast<std::int64_t>(fault), 0, 0}};
 }
 
-TEST(Context, KnowsWhenItsCertificateEnds) {
-    const Folder folder;
-    const auto loaded = Context::load(Side::server, folder.files(kRoot, kServer));
-    ASSERT_TRUE(loaded);
-    const auto left = (*loaded)->expires() - std::chrono::system_clock::now();
-    EXPECT_GT(left, std::chrono::hours(23));
-    EXPECT_LT(left, std::chrono::hours(25));
-}
-
 TEST(Context, NamesTheFileThatCannotBeUsed) {
     const Folder folder;
     const auto good = folder.files(kRoot, kServer);

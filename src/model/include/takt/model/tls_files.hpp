@@ -6,7 +6,8 @@
 
 namespace takt::model {
 
-/// Files in PEM, and whom a client expects. Paths are absolute, or relative to the working folder.
+/// The files of one side, in PEM, with absolute paths or paths from the working folder; and the server that a
+/// client expects.
 /// Source: Modbus/TCP Security v36, R-02, R-03, R-46, section 8.2.
 struct TlsFiles {
     std::string ca;           ///< one or more roots; the peer's certificate must lead to one of them

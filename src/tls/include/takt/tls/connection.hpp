@@ -32,7 +32,7 @@ public:
 
     Connection(Connection&&) noexcept = default;
     Connection& operator=(Connection&&) = delete;
-    /// Tells the peer that the connection ends, as far as it can be told at once; the socket must be open.
+    /// Sends the peer a closing notice, unless the socket would have to wait. The socket must still be open.
     ~Connection();
 
     /// Goes on with the handshake, by at most the messages that are there: about one signature and one check
@@ -48,9 +48,6 @@ public:
 
     /// Of the peer's certificate, after the handshake. Of a resumed session: that of the one which began it.
     [[nodiscard]] const std::string& role() const { return role_; }
-    [[nodiscard]] bool resumed() const;
-    /// "TLSv1.3"
-    [[nodiscard]] std::string version() const;
 
 private:
     struct Free {

@@ -1,7 +1,6 @@
 // Certificates of one side of TLS connections, and what it demands of the other side.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -33,8 +32,6 @@ public:
     [[nodiscard]] Side side() const { return side_; }
     /// A client: whom the server's certificate must name instead of the host; empty: the host.
     [[nodiscard]] const std::string& server_name() const { return server_name_; }
-    /// When the own certificate ends.
-    [[nodiscard]] std::chrono::sys_seconds expires() const { return expires_; }
 
 private:
     struct Free {
@@ -50,7 +47,6 @@ private:
 
     Side side_;
     std::string server_name_;
-    std::chrono::sys_seconds expires_;
     std::unique_ptr<ssl_ctx_st, Free> context_;
 };
 
