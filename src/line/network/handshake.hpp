@@ -19,8 +19,8 @@ namespace takt::line {
 /// the peer. It may destroy what calls it.
 using Greeted = std::function<void(Result<std::unique_ptr<ByteStream>> stream, const std::string& role)>;
 
-/// One handshake. It goes on as soon as the socket is ready, until it is done or has failed; whoever owns it
-/// limits its time by destroying it. The loop's thread only.
+/// One handshake. It continues when the socket is ready, until it is done or has failed. It has no time limit
+/// of its own: the owner destroys it. The loop's thread only.
 class Handshake {
 public:
     /// @param ready  called instead of step() when the socket is ready; empty: step() is called at once
@@ -42,8 +42,8 @@ private:
 
 /// The handshakes of a server. A step costs up to some milliseconds of computing, so the loop takes one in a
 /// turn, in which it also serves what else is ready: a flood of handshakes delays nothing by more than one
-/// step. There are at most kMost: a further one ends the oldest that waits for its peer, so that peers that
-/// say nothing keep nobody out. The loop must outlive it. The loop's thread only.
+/// step. There are at most kMost. A further one ends the oldest that waits for its peer: silent peers
+/// cannot block the others. The loop must outlive it. The loop's thread only.
 class Handshakes {
 public:
     static constexpr std::size_t kMost = 64;

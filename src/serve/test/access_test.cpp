@@ -79,9 +79,9 @@ TEST(Access, TheFirstRuleThatFitsCounts) {
 TEST(Access, RolesOfCertificates) {
     Rules rules;
     const std::array<std::string_view, 2> writers{"Operator", "Engineer"};
-    const std::array<std::string_view, 1> nobody{""};
+    const std::array<std::string_view, 1> without_role{""};
     rules.set({{.roles = writers, .permission = Permission::allow},
-               {.roles = nobody, .permission = Permission::read_only}});
+               {.roles = without_role, .permission = Permission::read_only}});
     EXPECT_EQ(rules.decide(write_holding(0), kPeer, 1, {}, "Operator"), Decision::allowed);
     EXPECT_EQ(rules.decide(write_holding(0), kPeer, 1, {}, "operator"), Decision::denied);
     EXPECT_EQ(rules.decide(write_holding(0), kPeer, 1, {}, "Operator "), Decision::denied);

@@ -31,7 +31,8 @@ public:
     /// Whether the connection is to be closed once the transmitted bytes are written: bad header, idle too
     /// long. Called after every call of the engine.
     [[nodiscard]] virtual bool finished() const { return false; }
-    /// Whether nothing follows the transmitted bytes: the peer is then told so, and may still send.
+    /// Whether the transmitted bytes are the last ones. The sending side is then closed; the peer may still
+    /// send.
     [[nodiscard]] virtual bool output_ended() const { return false; }
     /// Whether every request received so far is answered.
     [[nodiscard]] virtual bool drained() const { return true; }
